@@ -1,7 +1,8 @@
 //! Time of a tick of a continuous stack: `cargo bench -p ahqp-core --bench continuous_stack`.
 //!
-//! The problems are the controller's, warm; so many of its levels are half active, each of which
-//! takes one solution more. `plain` is the same without a stack. Rewriting the data is included.
+//! The problems are the controller's, with a warm start. The argument is the number of half-active
+//! levels, each of which requires one more solution. `plain` is the same without a stack. Rewriting
+//! the data is included.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 use ahqp_core::testing::problems::controller_sequence;

@@ -1,7 +1,7 @@
 //! Time of one velocity interval: `cargo bench -p ahqp-core --bench limits`.
 //!
-//! The states are those of a joint of the Panda at 1 kHz that is driven from limit to limit, and
-//! of one that stays well inside.
+//! One set of states is that of a joint of the Panda at 1 kHz, driven from limit to limit. The
+//! other set stays well inside the limits.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 use ahqp_core::{AcceleratedState, JerkLimits, Limits, MotionState};
@@ -17,7 +17,8 @@ fn limits() -> JerkLimits {
     Limits::new(-2.8973, 2.8973, 2.175, 15.0).unwrap().with_jerk(7500.0).unwrap()
 }
 
-/// Back and forth: `switch` ticks towards one limit, then as many towards the other.
+/// Returns states of a back-and-forth motion: `switch` ticks towards one limit, then as many
+/// towards the other.
 fn states(switch: usize) -> Vec<AcceleratedState> {
     let mut state = AcceleratedState::at_rest(0.0);
     let mut all = Vec::new();
@@ -51,7 +52,7 @@ fn without_jerk(bencher: Bencher, switch: usize) {
     });
 }
 
-/// Right before the limit, where the search for the end of the interval is longest.
+/// Measures right before the limit, where the search for the end of the interval is longest.
 #[divan::bench]
 fn while_braking(bencher: Bencher) {
     let limits = limits();

@@ -1,8 +1,8 @@
 //! Solve times on generated problems: `cargo bench -p ahqp-core`.
 //!
-//! Each iteration solves the next problem of a smooth sequence, data update included, either from
-//! the active set of the problem before (warm) or from nothing (cold). Other solvers get the same
-//! problems from the script in `benches/peers`.
+//! Each iteration updates the data and solves the next problem of a smooth sequence. It starts
+//! either from the active set of the problem before (warm) or from an empty one (cold). The script
+//! in `benches/peers` gives the same problems to other solvers.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 use std::fmt::{self, Display};
@@ -15,7 +15,7 @@ fn main() {
     divan::main();
 }
 
-/// What is measured: a size, and where a solve starts.
+/// A case of the benchmark: a size and the start of a solve.
 #[derive(Clone, Copy)]
 struct Case {
     size: usize,
@@ -51,7 +51,7 @@ fn humanoid(bencher: Bencher, case: Case) {
     run(bencher, case, &humanoid_sequence(1, 300).unwrap());
 }
 
-/// More and more variables in three levels.
+/// An increasing number of variables in three levels.
 #[divan::bench(args = cases(&[10, 20, 40, 80, 160, 320]), sample_size = 1)]
 fn variables(bencher: Bencher, case: Case) {
     let n = case.size;
@@ -59,7 +59,7 @@ fn variables(bencher: Bencher, case: Case) {
     run(bencher, case, &growing_sequence(1, n, &[n / 3, n / 3, n / 2], ticks).unwrap());
 }
 
-/// 40 variables and 48 rows in more and more levels.
+/// 40 variables and 48 rows in an increasing number of levels.
 #[divan::bench(args = cases(&[2, 4, 8]), sample_size = 1)]
 fn levels(bencher: Bencher, case: Case) {
     let rows = vec![48 / case.size; case.size];

@@ -1,4 +1,5 @@
-//! A control loop: an arm on a slide brings its tool to a place, then itself to its middle, within its limits.
+//! A control loop: an arm on a slide brings its tool to a target, and then itself to its middle,
+//! within its limits.
 #![allow(clippy::print_stdout)]
 
 use ahqp_core::nalgebra::{self, dmatrix};
@@ -9,7 +10,8 @@ fn main() -> Result<(), ahqp_core::Error> {
     let limits = [Limits::new(-0.5, 0.5, 0.2, 1.0)?, Limits::new(-0.3, 0.3, 1.0, 5.0)?];
     let mut joints = [MotionState { position: 0.0, velocity: 0.0 }; 2]; // slide, arm
 
-    // The variables are the velocities of slide and arm; the first level is the tool's, the second the arm's.
+    // The variables are the velocities of slide and arm. The first level is the tool's, the second
+    // the arm's.
     let mut hierarchy = Hierarchy::new(2)?;
     let tool = Level::least_squares(Rows::equalities(&dmatrix![1.0, 1.0], &[0.0])?);
     let tool = hierarchy.push(tool.named("tool"))?;

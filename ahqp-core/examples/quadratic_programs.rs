@@ -1,8 +1,11 @@
-//! Solves ordinary quadratic programmes, minimise ½xᵀPx + qᵀx + r subject to lower ≤ (A, I) x ≤ upper, and prints a
-//! line for each: `cargo run --release -p ahqp-core --example quadratic_programs -- FILES`.
+//! Solves ordinary quadratic programs: minimise ½xᵀPx + qᵀx + r subject to lower ≤ (A, I) x ≤
+//! upper.
 //!
-//! A file is little-endian: n and the number m of rows of A as 64-bit integers, then as doubles r, P, q, A, m + n lower
-//! and m + n upper bounds.
+//! It prints a line for each program:
+//! `cargo run --release -p ahqp-core --example quadratic_programs -- FILES`.
+//!
+//! A file is little-endian. It contains n and the number m of rows of A as 64-bit integers. Then
+//! come doubles: r, P, q, A, m + n lower bounds and m + n upper bounds.
 //! `benches/peers/maros_meszaros.py` writes such files.
 #![allow(clippy::print_stdout, missing_docs)]
 
@@ -13,7 +16,7 @@ use std::time::Instant;
 use ahqp_core::nalgebra::{DMatrix, DVector};
 use ahqp_core::{Hierarchy, Level, Rows, Settings, Solver};
 
-/// A quadratic programme as a hierarchy of one level, and how to value a point.
+/// A quadratic program as a hierarchy of one level, with the data to evaluate a point.
 struct Problem {
     hierarchy: Hierarchy,
     hessian: DMatrix<f64>,
@@ -37,7 +40,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The least value and the iterations.
+/// Returns the smallest value and the number of iterations.
 fn solve(problem: &Problem) -> Result<(f64, usize), ahqp_core::Error> {
     let settings = Settings { max_iterations: 100_000, ..Settings::default() };
     let mut solver = Solver::new(&problem.hierarchy, settings)?;

@@ -42,7 +42,7 @@ fn write_set(path: &Path, name: &str, problems: &[Hierarchy]) -> std::io::Result
     let mut out = BufWriter::new(File::create(path)?);
     writeln!(out, "hqpset {name} {}", problems.len())?;
     for (index, problem) in problems.iter().enumerate() {
-        // The bounds come first; then constraints and objectives, without those that are empty.
+        // The bounds come first, then the constraints and objectives that are not empty.
         let levels: Vec<(u8, &Rows)> = problem
             .levels()
             .iter()
@@ -64,7 +64,7 @@ fn write_set(path: &Path, name: &str, problems: &[Hierarchy]) -> std::io::Result
     out.flush()
 }
 
-/// Bounds of the variables that have any.
+/// Writes the bounds of the variables that have any.
 fn write_bounds(out: &mut impl Write, problem: &Hierarchy) -> std::io::Result<()> {
     let bounds = problem.lower().iter().zip(problem.upper());
     let finite: Vec<_> =
@@ -87,7 +87,7 @@ fn write_rows(out: &mut impl Write, hard: u8, rows: &Rows) -> std::io::Result<()
     Ok(())
 }
 
-/// As the format has it, without loss: ±1e30 is infinity.
+/// Formats a number without loss. ±1e30 stands for infinity.
 fn number(value: f64) -> String {
     if value.is_finite() {
         value.to_string()

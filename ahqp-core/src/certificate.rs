@@ -1,9 +1,9 @@
 //! Proof of lexicographic optimality, checked from the problem's data alone.
 //!
-//! At level k the gradient of the objective must be balanced by the rows above it: bounds, hard
-//! rows of levels up to k, and rows of the objectives above k, which are held. Inequalities may
-//! only push the way they point: for each, the first level at which its multiplier is not zero
-//! decides (Escande, Mansard, Wieber, IJRR 33, 2014, Sec. 3).
+//! At level k the rows above must balance the gradient of the objective. These are the bounds, the
+//! hard rows of levels up to k, and the rows of the objectives above k, which are held. An
+//! inequality may only push towards its inside. Its sign is decided at the first level at which its
+//! multiplier is not zero (Escande, Mansard, Wieber, IJRR 33, 2014, Sec. 3).
 
 mod multipliers;
 mod of_solver;
@@ -24,7 +24,7 @@ use crate::problem::source::ConstraintSource;
 use crate::solver::data::ProblemData;
 use tolerances::{MULTIPLIER, PRODUCT, VIOLATION};
 
-/// Multipliers of every level, and of the choice of least norm behind the last.
+/// Multipliers of every level, and of the choice of least norm after the last level.
 ///
 /// ```
 /// use ahqp_core::{Hierarchy, Level, Rows, Settings, Solver};
@@ -43,34 +43,36 @@ use tolerances::{MULTIPLIER, PRODUCT, VIOLATION};
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Certificate {
-    /// The problem that is proved.
+    /// The problem whose optimality is proved.
     pub(crate) data: ProblemData,
     pub(crate) levels: Vec<Vec<(ConstraintSource, f64)>>,
     pub(crate) active: Vec<ConstraintSource>,
 }
 
-/// How far a point and its multipliers are from proving optimality, each the worst of all levels
-/// and relative to the numbers at hand.
+/// Residuals of a proof of optimality by a point and its multipliers. Each is the worst of all
+/// levels, relative to the numbers involved.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct CertificateResiduals {
-    /// What the multipliers leave of a level's gradient.
+    /// Part of a level's gradient that the multipliers do not balance.
     pub stationarity: f64,
     /// Violation of a bound or hard constraint.
     pub feasibility: f64,
     /// Distance of an inequality from its bound, where its multiplier is not zero.
     pub complementarity: f64,
-    /// Size of a multiplier that pushes the wrong way.
+    /// Size of a multiplier with the wrong sign.
     pub sign: f64,
-    /// The distance from x to the optimum, relative to the larger of their largest entries, where multipliers
-    /// do not prove enough: where they leave a doubt, and where rows of one level pull by forces that differ
-    /// by more than a million, so that doubles may hide some. Found in arithmetic of 32 digits, from x on;
-    /// infinite where that finds no optimum.
+    /// Distance from x to the optimum, relative to the larger of their largest entries.
+    ///
+    /// It is computed where multipliers do not prove enough: where they leave a doubt, and where
+    /// forces of rows of one level differ by more than a million. Doubles may hide the smaller
+    /// forces then. The distance is found in arithmetic of 32 digits, starting from x. It is
+    /// infinite if no optimum is found.
     pub distance: Option<f64>,
 }
 
 impl CertificateResiduals {
-    /// How far from proved x is: its violations, and the distance to the optimum or, where that is not asked,
-    /// what multipliers leave.
+    /// Returns the largest residual: the violation, and the distance to the optimum. Where the
+    /// distance was not needed, the residuals of the multipliers count instead.
     pub fn worst(&self) -> f64 {
         self.feasibility.max(self.distance.unwrap_or_else(|| self.of_multipliers()))
     }
@@ -81,24 +83,25 @@ impl CertificateResiduals {
 }
 
 impl Certificate {
-    /// The multipliers that are not zero of a level (from 0; the number of levels stands for the
-    /// choice of least norm): positive at an upper bound. Rows of a quadratic objective are the
-    /// rows of its Hessian.
+    /// Returns the nonzero multipliers of a level, counted from 0. The number of levels stands for
+    /// the choice of least norm. Multipliers are positive at an upper bound. The rows of a
+    /// quadratic objective are those of its Hessian.
     pub fn multipliers(&self, level: usize) -> &[(ConstraintSource, f64)] {
         self.levels.get(level).map_or(&[], Vec::as_slice)
     }
 
-    /// The active set: rows and bounds that are held at a bound, and violated rows of objectives.
+    /// Returns the active set: rows and bounds that are held at a bound, and violated rows of
+    /// objectives.
     pub fn active(&self) -> &[ConstraintSource] {
         &self.active
     }
 
-    /// Checks that x is optimal, from the data of the hierarchy and the multipliers alone.
+    /// Checks that x is optimal, using only the data of the hierarchy and the multipliers.
     ///
     /// # Errors
-    /// [`Error::Size`] when x does not fit; [`Error::ShapeChanged`] and [`Error::DataChanged`] when
-    /// `hierarchy` is not the problem that the certificate was made for; those of
-    /// [`solve`](crate::Solver::solve) where its data make no problem.
+    /// [`Error::Size`] if x does not fit. [`Error::ShapeChanged`] and [`Error::DataChanged`] if the
+    /// certificate was made for another problem than `hierarchy`. Those of
+    /// [`solve`](crate::Solver::solve) if the data are invalid.
     pub fn residuals(
         &self,
         hierarchy: &Hierarchy,
@@ -129,21 +132,21 @@ struct Check<'a> {
 /// A row of the problem at x.
 struct RowAt {
     coefficients: Vec<f64>,
-    /// a x, and how far it is from its range: positive above, negative below.
+    /// Value a x and its violation: positive above the range, negative below.
     value: f64,
     violation: f64,
     lower: f64,
     upper: f64,
-    /// What rounding in a x is relative to.
+    /// Size that the rounding in a x is relative to.
     magnitude: f64,
-    /// The size of the terms of a x, and of the nearer bound.
+    /// Sum of the sizes of the terms of a x and of the nearer bound.
     size: f64,
     norm: f64,
 }
 
 impl RowAt {
-    /// A gap to a bound, relative to the row's terms at x, but for what rounding explains in a
-    /// vector as long as x.
+    /// Returns a gap to a bound relative to the row's terms at x, less the rounding of a vector as
+    /// long as x.
     fn relative(&self, gap: f64, x_norm: f64) -> f64 {
         let rest = (gap.abs() - PRODUCT * self.norm * x_norm).max(0.0);
         rest / self.size.max(f64::MIN_POSITIVE)
@@ -168,7 +171,7 @@ impl Check<'_> {
         self.residuals.feasibility = worst;
     }
 
-    /// Stationarity, complementarity and sign of one level.
+    /// Checks stationarity, complementarity and signs of one level.
     fn level(
         &mut self,
         level: usize,
@@ -198,7 +201,7 @@ impl Check<'_> {
             let gap = (row.value - bound).abs();
             let other = if multiplier > 0.0 { row.lower } else { row.upper };
             if (row.value - other).abs() < gap {
-                // It stands at its other bound and pushes the wrong way.
+                // The row is at its other bound, and its multiplier has the wrong sign.
                 self.residuals.sign = self.residuals.sign.max(share);
             } else {
                 settled.insert(source);
@@ -209,8 +212,8 @@ impl Check<'_> {
         Ok(())
     }
 
-    /// The gradient of a level's objective, and the size of the numbers it is made of. Rows that
-    /// are violated are held from here on, and may push either way.
+    /// Returns the gradient of a level's objective and the size of its terms. Violated rows are
+    /// held from here on, and their multipliers may have either sign.
     fn gradient(&self, level: usize, settled: &mut BTreeSet<ConstraintSource>) -> (Vec<f64>, f64) {
         let n = self.x.len();
         let mut gradient = vec![0.0; n];
@@ -285,7 +288,7 @@ impl Check<'_> {
         Some(self.row_at(coefficients, *rows.lower().get(index)?, *rows.upper().get(index)?))
     }
 
-    /// A row of an objective; one of weight zero bounds nothing.
+    /// Returns a row of an objective. A row of weight zero bounds nothing.
     fn objective_row(&self, rows: &Rows, index: usize) -> Option<RowAt> {
         if rows.weight(index) > 0.0 {
             return self.row(rows, index);

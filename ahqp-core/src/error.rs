@@ -1,4 +1,4 @@
-//! What can be wrong with a problem, and how to put it right.
+//! Errors of problems and settings, with the way to correct each.
 
 use crate::problem::ids::LevelId;
 use crate::problem::source::{ConstraintSource, Names};
@@ -6,8 +6,8 @@ use crate::solver::status::Status;
 
 /// Misuse of the crate, or a problem that has no solution.
 ///
-/// Errors of a problem say where it is wrong, with the [names](Names) of level, row or variable, if
-/// they have any.
+/// Errors of a problem name the level, row or variable concerned by its [name](Names), if it has
+/// one.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -25,17 +25,17 @@ pub enum Error {
     /// A setting, a parameter or a count is out of its range.
     #[error("{what}{} is {got}; it must be {wanted}", index.map(|i| format!(" {i}")).unwrap_or_default())]
     Value {
-        /// What it is.
+        /// Name of the setting, parameter or count.
         what: &'static str,
-        /// Which of several.
+        /// Index, if there are several.
         index: Option<usize>,
-        /// Its value.
+        /// The value.
         got: f64,
-        /// The range it must lie in.
+        /// The allowed range.
         wanted: &'static str,
     },
 
-    /// A number of a problem is NaN, infinite where only finite numbers make sense, or so large that its
+    /// A number of a problem is NaN, is infinite where it must be finite, or is so large that its
     /// square overflows.
     #[error(
         "{}{}: {what} is {got:e}; {wanted}",
@@ -43,17 +43,17 @@ pub enum Error {
         entry.map(|i| format!(", entry {i}")).unwrap_or_default()
     )]
     Datum {
-        /// The offending item.
+        /// Name of the offending item.
         what: &'static str,
-        /// Where it stands.
+        /// The row or bound that contains it.
         source_of_row: ConstraintSource,
-        /// The entry in it, if it has several.
+        /// Index of the entry, if the item has several.
         entry: Option<usize>,
         /// The number.
         got: f64,
-        /// What would be right.
+        /// The allowed values.
         wanted: &'static str,
-        /// What they are called.
+        /// Names of the level and the row.
         names: Names,
     },
 
@@ -63,32 +63,33 @@ pub enum Error {
         .names.label(*.source_of_row)
     )]
     EmptyRange {
-        /// Where the bounds stand.
+        /// The row or variable of the bounds.
         source_of_row: ConstraintSource,
         /// The lower bound.
         lower: f64,
         /// The upper bound.
         upper: f64,
-        /// What they are called.
+        /// Names of the level and the row.
         names: Names,
     },
 
-    /// The solution overflows: the data are sound one by one, but their quotients are not.
+    /// The solution overflows. Each number of the problem is valid, but their quotients are too
+    /// large.
     #[error("the solution overflows double precision; bring rows and bounds to comparable sizes")]
     Overflow,
 
-    /// A hard constraint does not hold where the search ended: the numbers of the problem are of too
-    /// different sizes for double precision.
+    /// A hard constraint is violated at the end of the search. The numbers of the problem differ
+    /// too much in size for double precision.
     #[error(
         "{} is violated by {violation:e} where the solve ended, as the numbers of the problem differ too much in size; bring rows, weights and bounds to comparable sizes",
         .names.label(*.source_of_row)
     )]
     Inaccurate {
-        /// Where it stands.
+        /// The violated row or bound.
         source_of_row: ConstraintSource,
-        /// By how much it is violated, in its own unit.
+        /// Size of the violation, in the row's own unit.
         violation: f64,
-        /// What they are called.
+        /// Names of the level and the row.
         names: Names,
     },
 
@@ -100,41 +101,41 @@ pub enum Error {
     Hessian {
         /// The level.
         level: LevelId,
-        /// What it must be, and how to make it so.
+        /// Required property, and how to achieve it.
         wanted: &'static str,
         /// Row of the worst entry, or the variable at which the factorisation failed.
         row: usize,
-        /// Column of it.
+        /// Column of the worst entry.
         column: usize,
-        /// The difference to the mirrored entry, the negative pivot, or the off-diagonal remainder that cannot
-        /// belong to a PSD matrix.
+        /// Difference from the mirrored entry, the negative pivot, or the off-diagonal remainder
+        /// that no positive semidefinite matrix can have.
         got: f64,
-        /// What it is called.
+        /// Name of the level.
         names: Names,
     },
 
-    /// The hierarchy has another shape than the one that the solver or certificate was made for.
+    /// The shape of the hierarchy differs from that for which the solver or certificate was made.
     #[error(
         "{} has another shape than when the solver was constructed or the certificate made; build a new solver after adding, removing or resizing levels",
         .names.label_of_level(*.level)
     )]
     ShapeChanged {
-        /// The first level that differs (the number of levels, if one has more).
+        /// The first level that differs, or the number of levels if one hierarchy has more.
         level: LevelId,
-        /// What it is called.
+        /// Name of the level.
         names: Names,
     },
 
-    /// There is no such level.
+    /// The hierarchy has no such level.
     #[error(
         "there is no {level}: it belongs to another problem, or has been removed; take the id that push or insert returned"
     )]
     NoSuchLevel {
-        /// The level asked for.
+        /// The requested level.
         level: LevelId,
     },
 
-    /// A level minimises something else.
+    /// The level has another kind of objective.
     #[error(
         "{} minimises {got}, not {wanted}; see Level::objective, and constraints_mut for what must hold",
         .names.label_of_level(*.level)
@@ -142,15 +143,15 @@ pub enum Error {
     OtherObjective {
         /// The level, if it is known.
         level: Option<LevelId>,
-        /// What there is.
+        /// The kind of objective that the level has.
         got: &'static str,
-        /// What was asked for.
+        /// The kind of objective that was requested.
         wanted: &'static str,
-        /// What it is called.
+        /// Name of the level.
         names: Names,
     },
 
-    /// The hard constraints of a level contradict each other or those above.
+    /// The hard constraints of a level contradict each other or those of levels above.
     ///
     /// [`Solver::conflict`](crate::Solver::conflict) lists a subset that cannot hold together.
     #[error(
@@ -159,19 +160,19 @@ pub enum Error {
         .names.label(*.worst)
     )]
     Infeasible {
-        /// The level whose constraints cannot be met.
+        /// The level whose constraints cannot be satisfied.
         level: LevelId,
         /// The constraint that is violated most.
         worst: ConstraintSource,
-        /// By how much, in the unit of its bounds.
+        /// Size of the violation, in the unit of the constraint's bounds.
         violation: f64,
-        /// The size of the conflicting subset.
+        /// Number of constraints in the conflicting subset.
         members: usize,
-        /// What level and constraint are called.
+        /// Names of the level and the constraint.
         names: Names,
     },
 
-    /// A quadratic objective falls for ever along a direction that nothing limits.
+    /// A quadratic objective decreases without bound along a direction that no constraint limits.
     #[error(
         "the quadratic objective of {} decreases without bound; add constraints, or curvature along its gradient",
         .names.label_of_level(*.level)
@@ -179,7 +180,7 @@ pub enum Error {
     Unbounded {
         /// The level.
         level: LevelId,
-        /// What it is called.
+        /// Name of the level.
         names: Names,
     },
 
@@ -192,26 +193,26 @@ pub enum Error {
         status: Status,
     },
 
-    /// A certificate was asked for, but there is no optimum to certify.
+    /// A certificate was requested, but there is no optimum to certify.
     #[error(
         "no solve ended at the optimum since the solver was made or told to forget; certify after one with Status::Solved"
     )]
     NotSolved,
 
-    /// A certificate was asked for, or is to be checked, with other data than those of the solve.
+    /// A certificate was requested or checked with other data than those of the solve.
     #[error(
         "{} has changed since the problem was solved; certify and check with the data of the solve, or solve again",
         .names.label(*.source_of_row)
     )]
     DataChanged {
-        /// The first row that differs, its coefficients or its bounds. Of a quadratic objective, a row of its
-        /// Hessian or entry of its gradient that the change reaches.
+        /// The first row whose coefficients or bounds differ. If the objective is quadratic, it is
+        /// a row of the Hessian or an entry of the gradient that the change affects.
         source_of_row: ConstraintSource,
-        /// What it is called.
+        /// Names of the level and the row.
         names: Names,
     },
 
-    /// The reference solver stopped without an answer.
+    /// The reference solver stopped without a solution.
     #[cfg(feature = "reference")]
     #[error("the reference solver ended level {level} with status {status}")]
     Reference {
@@ -251,7 +252,7 @@ impl Error {
         Self::Datum { what, source_of_row, entry: None, got, wanted, names }
     }
 
-    /// The row or the level that the error speaks of, and what they are called.
+    /// Returns the row or the level that the error is about, with its names.
     pub(crate) fn spot_mut(&mut self) -> Option<Spot<'_>> {
         match self {
             Self::Datum { source_of_row, names, .. }
@@ -268,7 +269,7 @@ impl Error {
         }
     }
 
-    /// The same error where levels have other ids.
+    /// Replaces the ids of levels.
     pub(crate) fn renamed(mut self, rename: impl Fn(LevelId) -> LevelId) -> Self {
         if let Self::Infeasible { level, .. } = &mut self {
             *level = rename(*level);
@@ -282,7 +283,7 @@ impl Error {
     }
 }
 
-/// What an error speaks of.
+/// Subject of an error.
 pub(crate) enum Spot<'a> {
     Row(&'a mut ConstraintSource, &'a mut Names),
     Level(&'a mut LevelId, &'a mut Names),

@@ -1,11 +1,13 @@
-//! Hierarchical quadratic programming with strict priorities, and the augmented closed-loop
-//! inverse kinematics built on it.
+//! Hierarchical quadratic programming with strict priorities, and augmented closed-loop inverse
+//! kinematics built on it.
 //!
-//! A [`Hierarchy`] has variables with bounds and [`Level`]s, highest priority first; a [`Solver`] finds the
-//! point that is best for the first level, then for the second among those, and so on. In a control loop the
-//! data are rewritten in place, and the solver starts from where it was. Here an arm on a slide brings its
-//! tool to 0.4 m and, as far as that leaves it free, the arm back to its middle, within [`Limits`] of position,
-//! velocity and acceleration:
+//! A [`Hierarchy`] has bounded variables and [`Level`]s, highest priority first. A [`Solver`] finds
+//! the point that is best for the first level, among those the best for the second level, and so
+//! on. In a control loop the data are rewritten in place, and the solver starts from its last
+//! solution.
+//!
+//! In this example an arm on a slide brings its tool to 0.4 m. Below that it moves the arm back to
+//! its middle. [`Limits`] bound position, velocity and acceleration:
 //!
 //! ```
 //! use ahqp_core::nalgebra::{self, dmatrix};
@@ -77,7 +79,7 @@ pub use solver::solution::Solution;
 pub use solver::status::Status;
 pub use stack::{CertifiedPart, ContinuousStack, Part, Place};
 
-/// The program of the crate's README.
+/// Compiles the program of the crate's README.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;

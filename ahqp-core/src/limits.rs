@@ -7,14 +7,14 @@ pub use jerk::{AcceleratedState, JerkLimits};
 
 use crate::error::Error;
 
-/// Limits of one coordinate; [`with_jerk`](Self::with_jerk) adds one of the jerk.
+/// Limits of one coordinate. [`with_jerk`](Self::with_jerk) adds a jerk limit.
 ///
-/// Taken one by one, the bounds that position, velocity and acceleration limits put on the next
-/// velocity can contradict each other. Here the position limits leave room to brake: at a
-/// distance d the velocity v towards the limit obeys vΔt + v²/(2a) ≤ d. From a state that obeys
-/// all limits there is then always a velocity that does so again; see
-/// [`velocity_interval`](Self::velocity_interval). Where commands may come late,
-/// [`holding`](Self::holding) says for how long a velocity may last.
+/// Position, velocity and acceleration limits bound the next velocity, and such bounds can
+/// contradict each other. Here the position limits leave room to brake: at a distance d the
+/// velocity v towards the limit obeys vΔt + v²/(2a) ≤ d. From a state that obeys all limits there
+/// is then always a velocity that leads to such a state again, see
+/// [`velocity_interval`](Self::velocity_interval). If commands may come late,
+/// [`holding`](Self::holding) sets how long a velocity may last.
 ///
 /// ```
 /// use ahqp_core::{Limits, MotionState};
@@ -32,43 +32,44 @@ pub struct Limits {
     upper: f64,
     velocity: f64,
     acceleration: f64,
-    /// The time that a velocity may last; zero for the period.
+    /// Longest time that a velocity may last. Zero for the period.
     hold: f64,
 }
 
 /// Position and velocity of one coordinate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotionState {
-    /// Where it is.
+    /// The position.
     pub position: f64,
     /// The velocity commanded last.
     pub velocity: f64,
 }
 
-/// The velocities that may be commanded next, `lower ≤ v ≤ upper`.
+/// Interval of the velocities that may be commanded next, `lower ≤ v ≤ upper`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VelocityInterval {
-    /// The least.
+    /// Smallest velocity.
     pub lower: f64,
-    /// The greatest.
+    /// Largest velocity.
     pub upper: f64,
 }
 
 impl VelocityInterval {
-    /// What follows from a number that is none: as bounds of a variable, refused by
-    /// [`Solver::solve`](crate::Solver::solve).
+    /// Interval for invalid input. [`Solver::solve`](crate::Solver::solve) refuses it as bounds of
+    /// a variable.
     const UNKNOWN: Self = Self { lower: f64::NAN, upper: f64::NAN };
 }
 
-/// What rounding may add to a motion, relative to it.
+/// Rounding of a motion, relative to its size.
 const ROUNDING: f64 = 1e-12;
 
 impl Limits {
-    /// With the position range `lower` to `upper` (either may be infinite), the velocity limit
-    /// and the acceleration limit, in consistent units.
+    /// Creates limits with the position range `lower` to `upper` (either may be infinite), the
+    /// velocity limit and the acceleration limit, in consistent units.
     ///
     /// # Errors
-    /// [`Error::Value`] for NaN, an empty range, or limits that are not positive and finite.
+    /// [`Error::Value`] if a number is NaN, the range is empty, or a limit is not positive and
+    /// finite.
     pub fn new(lower: f64, upper: f64, velocity: f64, acceleration: f64) -> Result<Self, Error> {
         if lower.is_nan() || lower == f64::INFINITY {
             let expected = "a number, or negative infinity";
@@ -88,10 +89,10 @@ impl Limits {
         Ok(Self { lower, upper, velocity, acceleration, hold: 0.0 })
     }
 
-    /// The same limits and one of the jerk, positive, or infinite for none.
+    /// Adds a jerk limit, positive, or infinite for none.
     ///
     /// # Errors
-    /// [`Error::Value`] for a jerk limit that is not positive.
+    /// [`Error::Value`] if the jerk limit is not positive.
     pub fn with_jerk(self, jerk: f64) -> Result<JerkLimits, Error> {
         JerkLimits::new(self, jerk)
     }
@@ -116,14 +117,16 @@ impl Limits {
         self.acceleration
     }
 
-    /// The same limits for commands that may come late: each velocity may last for up to `time`
-    /// \[s\], or for the period if that is longer, before the next one comes. Position limits then
-    /// leave room for that, v·time + v²/(2a) ≤ d. NaN and negative times count as zero, the period.
+    /// Sets the longest time that a velocity may last before the next command comes \[s\]. The
+    /// period counts if that is longer.
     ///
-    /// The position limits then hold in two cases: the period given to
-    /// [`velocity_interval`](Self::velocity_interval) is always the time that has passed since the
-    /// last velocity, and none lasted longer than `time`; or every velocity lasts for the period given, but for
-    /// one that lasts for up to `time`.
+    /// Position limits then leave room for a late command: v·time + v²/(2a) ≤ d. NaN and negative
+    /// times count as zero.
+    ///
+    /// The position limits hold in two cases:
+    /// - The period given to [`velocity_interval`](Self::velocity_interval) is always the time
+    ///   since the last command, and no velocity lasts longer than `time`.
+    /// - Every velocity lasts for the given period, except one that lasts for up to `time`.
     ///
     /// ```
     /// use ahqp_core::{Limits, MotionState};
@@ -140,15 +143,15 @@ impl Limits {
         self
     }
 
-    /// The same limits with the velocity limit times `scale`, clamped to [0, 1], NaN to 0: the
-    /// interval then shrinks as fast as the acceleration limit allows.
+    /// Multiplies the velocity limit by `scale`, clamped to [0, 1] with NaN as 0. The interval then
+    /// shrinks as fast as the acceleration limit allows.
     #[must_use]
     pub fn slowed(mut self, scale: f64) -> Self {
         self.velocity *= if scale > 0.0 { scale.min(1.0) } else { 0.0 };
         self
     }
 
-    /// Returns true if `state` obeys the limits, up to rounding, and can go on obeying them.
+    /// Returns true if `state` obeys the limits, up to rounding, and can continue to obey them.
     pub fn admits(&self, state: MotionState) -> bool {
         let MotionState { position, velocity } = state;
         let stop = velocity * velocity / (2.0 * self.acceleration) * (1.0 - ROUNDING);
@@ -161,14 +164,16 @@ impl Limits {
             && fits(if velocity < 0.0 { stop } else { 0.0 }, position - self.lower, self.lower)
     }
 
-    /// The velocities for the next `period` seconds; with [`holding`](Self::holding), those that may follow
-    /// `period` seconds after the last one.
+    /// Returns the velocities for the next `period` seconds. If [`holding`](Self::holding) is used,
+    /// `period` is the time since the last command.
     ///
-    /// The acceleration limit always holds; the velocity limit holds, or is returned to at full
-    /// acceleration; position limits are met whenever they can be. From an admitted state every
+    /// The acceleration limit always holds. The velocity limit holds, or the velocity returns to it
+    /// at full acceleration. Position limits hold whenever possible. From an admitted state every
     /// velocity of the interval leads to an admitted state. From outside, the interval leads back
-    /// as fast as velocity and acceleration allow. It is never empty; of a state that holds NaN,
-    /// or a period that is not positive, both ends are NaN.
+    /// as fast as velocity and acceleration allow.
+    ///
+    /// The interval is never empty. Both ends are NaN if the state contains NaN or the period is
+    /// not positive.
     pub fn velocity_interval(&self, state: MotionState, period: f64) -> VelocityInterval {
         if state.position.is_nan() || state.velocity.is_nan() || !is_positive(period) {
             return VelocityInterval::UNKNOWN;
@@ -176,7 +181,7 @@ impl Limits {
         let change = self.acceleration * period;
         let slowest = (state.velocity - change).max(-self.velocity);
         let fastest = (state.velocity + change).min(self.velocity);
-        // Faster than allowed already: brake at full acceleration.
+        // If the velocity exceeds its limit, brake at full acceleration.
         let (slowest, fastest) = if slowest <= fastest {
             (slowest, fastest)
         } else if state.velocity > 0.0 {
@@ -189,7 +194,7 @@ impl Limits {
         let mut upper = fastest.min(towards_upper.max(slowest));
         let mut lower = slowest.max(towards_lower.min(fastest));
         if lower > upper {
-            // Outside one limit and bound to brake before the other: braking wins.
+            // If the state is outside one limit and must brake before the other, braking wins.
             if state.position > self.upper {
                 upper = lower;
             } else {
@@ -199,9 +204,11 @@ impl Limits {
         VelocityInterval { lower, upper }
     }
 
-    /// The velocities from which the position limits leave room to brake, whatever the velocity
-    /// is now: what the limits allow in the long run. It is never empty; of NaN, or a period that
-    /// is not positive, both ends are NaN.
+    /// Returns the velocities from which the position limits leave room to brake, whatever the
+    /// current velocity is. These are the velocities that the limits allow in the long run.
+    ///
+    /// The interval is never empty. Both ends are NaN if the position is NaN or the period is not
+    /// positive.
     pub fn cruising_interval(&self, position: f64, period: f64) -> VelocityInterval {
         if position.is_nan() || !is_positive(period) {
             return VelocityInterval::UNKNOWN;
@@ -216,8 +223,8 @@ impl Limits {
         }
     }
 
-    /// The largest v with vT + v²/(2a) ≤ d, where T is how long it may last; beyond the limit, the
-    /// velocity that is back after one period.
+    /// Returns the largest v with vT + v²/(2a) ≤ d, where T is how long it may last. Beyond the
+    /// limit, returns the velocity that is back at the limit after one period.
     fn approach(&self, distance: f64, period: f64) -> f64 {
         if distance >= 0.0 {
             if distance.is_infinite() {
@@ -248,7 +255,7 @@ mod tests {
             .prop_map(|(lower, width, v, a)| Limits::new(lower, lower + width, v, a).unwrap())
     }
 
-    /// Rounding of positions adds up over a run; nothing else may.
+    /// Advances by one tick. Only the rounding of positions may add up over a run.
     fn step(limits: &Limits, state: MotionState, choice: f64) -> (VelocityInterval, MotionState) {
         let interval = limits.velocity_interval(state, PERIOD);
         let velocity = (interval.lower + choice * (interval.upper - interval.lower))
@@ -260,7 +267,7 @@ mod tests {
         #![proptest_config(ProptestConfig { cases: 100, ..ProptestConfig::default() })]
 
         #[test]
-        fn from_an_admitted_state_every_later_state_is_admitted(
+        fn an_admitted_state_leads_only_to_admitted_states(
             limits in limits(), start in 0.0..1.0_f64, speed in -1.0..1.0_f64,
             runs in prop::collection::vec(
                 (prop_oneof![Just(0.0), Just(1.0), 0.0..1.0_f64], 1..2000_usize), 60),
@@ -268,7 +275,7 @@ mod tests {
             let position = limits.lower + start * (limits.upper - limits.lower);
             let mut state = MotionState { position, velocity: speed * limits.velocity };
             if !limits.admits(state) {
-                // The fastest that can still stop.
+                // The fastest velocity that can still stop.
                 let room = if speed > 0.0 { limits.upper - position } else { position - limits.lower };
                 let fastest = (2.0 * limits.acceleration * room).sqrt();
                 state.velocity = fastest.min(limits.velocity).copysign(speed);
@@ -306,7 +313,7 @@ mod tests {
         ) {
             let velocity = velocity * limits.velocity;
             let mut state = MotionState { position: limits.upper + beyond, velocity };
-            // Time to brake the outward motion, to speed up inward, and to travel.
+            // Time to brake the outward motion, to accelerate inward, and to travel.
             let travel = beyond + velocity.powi(2) / (2.0 * limits.acceleration);
             let time = 2.0 * limits.velocity / limits.acceleration + travel / limits.velocity + 0.1;
             let mut ticks = 0.0;
@@ -337,7 +344,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_cruising_interval_allows_what_the_other_limits_do(
+        fn the_cruising_interval_agrees_with_the_velocity_interval(
             limits in limits(), start in -0.5..1.5_f64, speed in -1.0..1.0_f64,
         ) {
             let position = limits.lower + start * (limits.upper - limits.lower);

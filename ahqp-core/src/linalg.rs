@@ -1,4 +1,4 @@
-//! Vectors, products and reflections of rows, least squares: what the solver computes with.
+//! Vectors, products and reflections of rows, and least squares.
 
 pub(crate) mod kernels;
 pub(crate) mod list;

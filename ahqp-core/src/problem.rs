@@ -1,4 +1,4 @@
-//! What is solved: rows, levels, hierarchies.
+//! Problems: rows, levels and hierarchies.
 
 pub(crate) mod hierarchy;
 pub(crate) mod ids;

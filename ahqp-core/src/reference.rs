@@ -1,15 +1,15 @@
-//! The same hierarchy by another road: the cascade of quadratic programs of the paper
-//! (Sec. III-A). Slow and independent; it is there to check the solver.
+//! Slow, independent solver that checks [`Solver`]: the paper's cascade of quadratic programs (Sec.
+//! III-A).
 //!
-//! Level k minimises ½‖A_k χ − b_k‖² under the inequalities so far and the stacked equalities
-//! E χ = E χ*: what the levels above decided stays as at their optimum χ* (Kanoun, Lamiraux and
+//! Level k minimises ½‖A_k χ − b_k‖² under the inequalities so far and the stacked equalities E χ =
+//! E χ*. What the levels above decided thereby stays as at their optimum χ* (Kanoun, Lamiraux and
 //! Wieber, "Kinematic control of redundant manipulators: generalizing the task-priority framework
-//! to inequality task", IEEE T-RO 27(4), 2011). With an orthonormal basis Z of the nullspace of
-//! E, the points that keep the equalities are χ* + Z y. Clarabel solves each level for y.
+//! to inequality task", IEEE T-RO 27(4), 2011). Let Z be an orthonormal basis of the nullspace of
+//! E. The points that keep the equalities are χ* + Z y. Clarabel solves each level for y.
 //!
-//! An interior-point method needs a feasible set with an interior, and the optima of a level
-//! have none: rows that had to be active are active at every one of them. Between levels the
-//! cascade therefore stacks inequalities that cannot be slack as equalities.
+//! An interior-point method needs a feasible set with an interior. The optima of a level have none,
+//! since rows that had to be active are active at each of them. Between levels the cascade
+//! therefore turns inequalities that cannot be slack into equalities.
 
 mod always_active;
 mod level;
@@ -31,17 +31,18 @@ use polish::polish;
 use row_space::{DEPENDENT, RowSpace, row_norms};
 use task::Task;
 
-/// What the bounds of a hard row may be exceeded by, relative to their size \[-\].
+/// Largest violation of a hard row's bounds, relative to their size \[-\].
 const FEASIBLE: f64 = 1e-7;
-/// How often a level is solved anew from its optimum for more digits.
+/// Largest number of times a level is solved again from its optimum for more digits.
 const ROUNDS: usize = 3;
-/// Rows with less room than this, relative to their size, are at their bound \[-\].
+/// Rows within this distance of their bound, relative to their size, are at the bound \[-\].
 const AT_BOUND: f64 = 1e-8;
 
 /// Solves `hierarchy` level by level with Clarabel's interior-point method.
 ///
-/// Level residuals are right to about 1e-9 on problems whose rows differ little in scale and
-/// whose levels are either dependent or clearly independent; it makes no claim on others.
+/// Residuals of the levels are accurate to about 1e-9 under two conditions. The rows must differ
+/// little in scale, and the levels must be either dependent or clearly independent. There is no
+/// claim for other problems.
 ///
 /// ```
 /// use ahqp_core::{Hierarchy, Level, Rows, solve_reference};
@@ -55,8 +56,8 @@ const AT_BOUND: f64 = 1e-8;
 /// ```
 ///
 /// # Errors
-/// The errors of [`Solver::validate`]; [`Error::Reference`] with the level and the reason for
-/// constraints that cannot hold, and with Clarabel's status where it fails.
+/// Those of [`Solver::validate`]. [`Error::Reference`] with the level and the reason if constraints
+/// cannot hold, or with Clarabel's status if Clarabel fails.
 pub fn solve_reference(hierarchy: &Hierarchy) -> Result<DVector<f64>, Error> {
     Solver::validate(hierarchy)?;
     let n = hierarchy.variables();
@@ -78,20 +79,20 @@ pub fn solve_reference(hierarchy: &Hierarchy) -> Result<DVector<f64>, Error> {
     Ok(DVector::from_iterator(n, cascade.x.iter().copied()))
 }
 
-/// What holds so far: χ* is an optimum of all levels done, and every other optimum is χ* + Z y
-/// for a y that keeps the inequalities.
+/// State of the cascade. χ* is an optimum of all levels so far. Every other optimum is χ* + Z y for
+/// a y that satisfies the inequalities.
 struct Cascade {
     level: usize,
     /// χ*.
     x: DVector<f64>,
-    /// The rows of E.
+    /// Rows of E.
     equalities: Vec<DVector<f64>>,
     /// Z, with E Z = 0 and ZᵀZ = I.
     nullspace: DMatrix<f64>,
     inequalities: Vec<Inequality>,
 }
 
-/// a χ ≤ b.
+/// The inequality a χ ≤ b.
 struct Inequality {
     a: DVector<f64>,
     b: f64,
@@ -112,7 +113,7 @@ impl Cascade {
         Ok(cascade)
     }
 
-    /// Adds hard rows, after moving χ* to where they hold.
+    /// Adds hard rows, after moving χ* to a point at which they hold.
     fn constrain(&mut self, rows: &Task) -> Result<(), Error> {
         if rows.matrix.nrows() == 0 {
             return Ok(());
@@ -145,7 +146,7 @@ impl Cascade {
         let mut program = LevelProgram::new(self, self.x.clone(), task);
         let (mut best, mut proved) = polish(&program, program.solve(self.level)?);
         for _ in 0..ROUNDS {
-            // Where little violation is left, its digits show only in its own unit.
+            // If little violation is left, its digits show only in its own unit.
             let before = program.violation(&program.origin);
             if proved || program.violation(&best.x) > 0.3 * before {
                 break;
@@ -161,8 +162,8 @@ impl Cascade {
         Ok(best)
     }
 
-    /// Keeps what the rows of `task` reach at χ*: equalities, and rows violated by more than
-    /// `slack` relative to their size, keep their value; the others keep their range.
+    /// Keeps the values that the rows of `task` reach at χ*. Equalities, and rows violated by more
+    /// than `slack` relative to their size, keep their value. Other rows keep their range.
     fn keep(&mut self, task: &Task, slack: f64) -> Result<(), Error> {
         let values = &task.matrix * &self.x;
         let is_stacked = |i: usize| {
@@ -186,7 +187,7 @@ impl Cascade {
         self.project()
     }
 
-    /// Computes Z, and drops inequalities whose value the equalities determine.
+    /// Computes Z, and drops inequalities whose value is determined by the equalities.
     fn project(&mut self) -> Result<(), Error> {
         let rows = &self.equalities;
         let stacked = DMatrix::from_fn(rows.len(), self.x.nrows(), |i, j| rows[i][j]);
@@ -197,14 +198,14 @@ impl Cascade {
         Ok(())
     }
 
-    /// Stacks inequalities that no remaining point keeps with slack.
+    /// Turns inequalities that no remaining point satisfies with slack into equalities.
     fn stack_always_active(&mut self) -> Result<(), Error> {
         loop {
             let active = always_active(self)?;
             if active.is_empty() {
                 return Ok(());
             }
-            // From the last on, so that the indices before it stay.
+            // The order from the last to the first keeps the earlier indices valid.
             for index in active.into_iter().rev() {
                 self.equalities.push(self.inequalities.remove(index).a);
             }
@@ -212,7 +213,7 @@ impl Cascade {
         }
     }
 
-    /// G and h of the inequalities G y ≤ h at `origin` + Z y, with rows of unit norm.
+    /// Returns G and h of the inequalities G y ≤ h at `origin` + Z y, with rows of unit norm.
     fn reduced_inequalities(&self, origin: &DVector<f64>) -> (DMatrix<f64>, DVector<f64>) {
         let (count, n) = (self.inequalities.len(), self.x.nrows());
         let rows = DMatrix::from_fn(count, n, |i, j| self.inequalities[i].a[j]);

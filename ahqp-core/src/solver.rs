@@ -1,4 +1,4 @@
-//! A solve: load, predict, search, read out.
+//! Solver: loads the data, predicts the active set, searches, and returns the solution.
 
 pub(crate) mod active_set;
 pub(crate) mod activity;
@@ -33,17 +33,17 @@ use tolerances::ROUNDS;
 
 /// Solves hierarchies of one shape, without allocation after construction.
 ///
-/// Level by level: make the new hard constraints hold, minimise the objective inside what the
-/// levels above left free, then fix the directions that the level decided. The equality
-/// Aₖχ = Aₖχ*ₖ of the paper (after its eq. 1) thereby holds by elimination, and the problems
-/// shrink from level to level.
+/// At each level the solver makes the new hard constraints hold. It minimises the objective in the
+/// directions that the levels above left free. It then fixes the directions that the level decided.
+/// The equality Aₖχ = Aₖχ*ₖ of the paper (after its eq. 1) thereby holds by elimination, and the
+/// problems shrink from level to level.
 ///
 /// See [`Hierarchy`] for an example.
 #[derive(Debug, Clone)]
 pub struct Solver {
     set: ActiveSet,
     prediction: Prediction,
-    /// What a search ended with, while another way to the optimum is tried.
+    /// Result of a search, kept while another way to the optimum is tried.
     found: Found,
     settings: Settings,
     solution: Solution,
@@ -51,11 +51,11 @@ pub struct Solver {
     conflict: List<ConstraintSource>,
 }
 
-/// What is known of the last solve.
+/// Knowledge of the last solve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Memory {
     Nothing,
-    /// How far it came within its iterations.
+    /// The point that it reached within its budget.
     Part,
     Optimum,
 }
@@ -80,10 +80,10 @@ impl Found {
 }
 
 impl Solver {
-    /// Sizes a solver for hierarchies of this shape.
+    /// Creates a solver for hierarchies of this shape.
     ///
     /// # Errors
-    /// [`Error::Value`] for a setting out of range.
+    /// [`Error::Value`] if a setting is out of range.
     pub fn new(hierarchy: &Hierarchy, settings: Settings) -> Result<Self, Error> {
         settings.validate()?;
         let data = ProblemData::new(hierarchy);
@@ -104,10 +104,10 @@ impl Solver {
         &self.settings
     }
 
-    /// Changes the settings. Where tolerances change, the next solve starts from nothing.
+    /// Changes the settings. If tolerances change, the next solve is a cold start.
     ///
     /// # Errors
-    /// [`Error::Value`] for a setting out of range; nothing has changed then.
+    /// [`Error::Value`] if a setting is out of range. The settings are then unchanged.
     pub fn set_settings(&mut self, settings: Settings) -> Result<(), Error> {
         settings.validate()?;
         if !settings.has_tolerances_of(&self.settings) {
@@ -121,46 +121,50 @@ impl Solver {
     /// Checks the data of a hierarchy without solving it.
     ///
     /// # Errors
-    /// The errors of [`Solver::solve`] for data that make no problem: [`Error::Datum`],
-    /// [`Error::EmptyRange`], [`Error::Hessian`].
+    /// Those of [`Solver::solve`] for invalid data: [`Error::Datum`], [`Error::EmptyRange`],
+    /// [`Error::Hessian`].
     pub fn validate(hierarchy: &Hierarchy) -> Result<(), Error> {
         ProblemData::new(hierarchy).load(hierarchy).map_err(|error| hierarchy.named(error))
     }
 
-    /// Forgets the previous active set: the next solve starts from nothing.
+    /// Forgets the previous active set, so that the next solve is a cold start.
     pub fn forget(&mut self) {
         self.memory = Memory::Nothing;
     }
 
-    /// What cannot hold together, after [`Error::Infeasible`]; empty otherwise: constraints,
-    /// bounds, and rows of objectives above, at the values to which these levels brought them. A
-    /// quadratic objective is there by rows of its factor. [`Hierarchy::describe`] puts them in words.
+    /// Returns the rows that cannot hold together after [`Error::Infeasible`], and nothing
+    /// otherwise.
+    ///
+    /// These are constraints, bounds, and rows of objectives above, held at the values that their
+    /// levels reached. Rows of a quadratic objective are those of its factor.
+    /// [`Hierarchy::describe`] describes a row in words.
     pub fn conflict(&self) -> &[ConstraintSource] {
         &self.conflict
     }
 
-    /// The solution of the last solve; none before the first, after an error, and once it is forgotten.
+    /// Returns the solution of the last solve. None before the first solve, after an error, and
+    /// after [`forget`](Self::forget).
     pub fn solution(&self) -> Option<&Solution> {
         (self.memory != Memory::Nothing).then_some(&self.solution)
     }
 
-    /// The active set and the point of the last solve, if it ended at the optimum.
+    /// Returns the active set and the point of the last solve, if it ended at the optimum.
     pub(crate) fn at_optimum(&mut self) -> Option<(&mut ActiveSet, &[f64])> {
         (self.memory == Memory::Optimum).then_some((&mut self.set, &self.solution.x))
     }
 
-    /// Solves `hierarchy`, of the shape given at construction.
+    /// Solves `hierarchy`, which must have the shape given at construction.
     ///
     /// # Errors
-    /// Data that make no problem ([`Error::Datum`], [`Error::EmptyRange`], [`Error::Hessian`],
-    /// [`Error::ShapeChanged`]), or a problem that has no solution ([`Error::Infeasible`],
-    /// [`Error::Unbounded`]), or one beyond double precision ([`Error::Overflow`]).
+    /// Invalid data: [`Error::Datum`], [`Error::EmptyRange`], [`Error::Hessian`],
+    /// [`Error::ShapeChanged`]. A problem without a solution: [`Error::Infeasible`],
+    /// [`Error::Unbounded`]. A problem beyond double precision: [`Error::Overflow`].
     pub fn solve(&mut self, hierarchy: &Hierarchy) -> Result<&Solution, Error> {
         self.solve_within(hierarchy, Budget::default())
     }
 
-    /// Solves `hierarchy` as far as a budget of iterations and time allows. Where it runs out the
-    /// [`Status`] says so, and the next warm solve goes on from there.
+    /// Solves `hierarchy` within a budget of iterations and time. If the budget runs out, the
+    /// [`Status`] says so, and the next warm solve continues from there.
     ///
     /// # Errors
     /// Those of [`solve`](Self::solve).
@@ -174,7 +178,7 @@ impl Solver {
         Ok(&self.solution)
     }
 
-    /// Load, predict, search, read out.
+    /// Loads the data, predicts the active set, searches, and reads out the solution.
     fn find_solution(&mut self, hierarchy: &Hierarchy) -> Result<(), Error> {
         let memory = std::mem::replace(&mut self.memory, Memory::Nothing);
         self.conflict.clear();
@@ -193,7 +197,7 @@ impl Solver {
         Ok(())
     }
 
-    /// Predicts the active set from the solves before and repairs the prediction. Returns true if that
+    /// Predicts the active set from earlier solves and repairs the prediction. Returns true if that
     /// led to the optimum. Otherwise leaves a start for the search.
     fn predict(&mut self, memory: Memory) -> bool {
         if self.settings.warm_start == WarmStart::Cold || memory == Memory::Nothing {
@@ -218,7 +222,7 @@ impl Solver {
         false
     }
 
-    /// Lets the next search begin at zero, with no row active but equalities.
+    /// Makes the next search start at zero, with only equalities active.
     fn start_from_nothing(&mut self) {
         self.set.predicted.fill(Activity::Inactive);
         self.solution.x.fill(0.0);
@@ -233,8 +237,8 @@ impl Solver {
         }
     }
 
-    /// Searches from the prediction; then from nothing where that ended with an error, as that may depend on
-    /// where a search begins.
+    /// Searches from the prediction. If that ends with an error, searches again from zero, since
+    /// the error may depend on the start.
     fn search(&mut self, levels: usize) -> Result<Status, Error> {
         let from_nothing = self.set.predicted.iter().all(|state| !state.is_active())
             && self.solution.x.iter().all(|&x| x == 0.0);
@@ -247,8 +251,8 @@ impl Solver {
         self.search_and_check(levels, true)
     }
 
-    /// Searches all levels, once more from nothing where the rank tolerance has decided what the active set is,
-    /// and sees to it that what was found holds in the data.
+    /// Searches all levels, and ensures that the result satisfies the data. Searches again from
+    /// zero if the rank tolerance decided the active set.
     fn search_and_check(&mut self, levels: usize, from_nothing: bool) -> Result<Status, Error> {
         let status = self.search_levels(levels)?;
         if status != Status::Solved {
@@ -268,8 +272,8 @@ impl Solver {
         Ok(status)
     }
 
-    /// Repairs what rounding has left wrong where rows pull by very different forces: a factorisation of all
-    /// levels, with the active bounds as columns, has less of it than one that has been updated.
+    /// Repairs errors of rounding where the forces of rows differ much. A new factorisation of all
+    /// levels, with the active bounds as columns, has less rounding than an updated one.
     fn polish(&mut self) {
         if self.set.has_spread() {
             self.found.copy_from(&self.set);

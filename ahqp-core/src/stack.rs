@@ -1,4 +1,4 @@
-//! A stack of levels that changes without a jump of its solution.
+//! Stacks of levels that change without a jump of the solution.
 
 mod blend;
 mod change;
@@ -31,44 +31,44 @@ use data::{Bounds, Data};
 use output::Output;
 use ramp::Ramp;
 
-/// Where a level is inserted.
+/// Place at which a level is inserted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Place {
-    /// Above all others.
+    /// Priority above all others.
     Top,
-    /// Below all others.
+    /// Priority below all others.
     Bottom,
-    /// Next above this one.
+    /// Directly above this level.
     Above(LevelId),
-    /// Next below this one.
+    /// Directly below this level.
     Below(LevelId),
 }
 
-/// A hierarchy whose levels come, go and change places over a chosen time, its solution
-/// following without a jump.
+/// A hierarchy whose levels are inserted, removed and exchanged over a chosen time, without a jump
+/// of its solution.
 ///
-/// Every level has an activation from 0 to 1, and the solution is the mean
-/// χ = ∫₀¹ χ(θ) dθ of the solutions χ(θ) of plain hierarchies: at threshold θ, of the levels
-/// whose activation is at least θ, in the order in which exchanges of at least that share are
-/// made. With m changes under way these are at most m + 1 different hierarchies, each with a
-/// solver of its own. It follows, with activations that move by Δh₁, …, Δhₘ in a tick:
+/// Every level has an activation from 0 to 1. The solution is the mean χ = ∫₀¹ χ(θ) dθ of the
+/// solutions χ(θ) of plain hierarchies. At threshold θ, the plain hierarchy contains the levels
+/// whose activation is at least θ. Their order includes the exchanges whose share is at least θ.
+/// During m changes these are at most m + 1 different hierarchies, each with its own solver. If
+/// activations move by Δh₁, …, Δhₘ in a tick, this follows:
 ///
-/// - **Continuity.** ‖χ(t + Δt) − χ(t)‖ ≤ L Δt + D (|Δh₁| + … + |Δhₘ|), L being a bound on the
-///   rates at which the solutions of the plain hierarchies change, and D one on their distances
-///   from each other. The second term is at most D · [`rate`](Self::rate) · Δt. A plain hierarchy
-///   that jumps by itself, as at a singularity, has no finite L; bounds of the output
+/// - **Continuity.** ‖χ(t + Δt) − χ(t)‖ ≤ L Δt + D (|Δh₁| + … + |Δhₘ|). L bounds the rates of
+///   change of the plain hierarchies' solutions, and D their distances from each other. The second
+///   term is at most D · [`rate`](Self::rate) · Δt. A plain hierarchy that jumps by itself, for
+///   instance at a singularity, has no finite L. Bounds of the output
 ///   ([`output_bounds_mut`](Self::output_bounds_mut)) hold even then.
-/// - **Constraints.** The bounds, and the hard constraints of all levels that are entirely active,
-///   hold at every tick. Those of a level with activation h are violated by at most 1 − h times
-///   as much as they are without the level.
-/// - **Priorities.** Levels above all changes keep their optimum throughout. The objective of
-///   any other is at most the mean of its values in the plain hierarchies. With no change under
-///   way the solution is that of the plain hierarchy.
+/// - **Constraints.** The bounds, and the hard constraints of all fully active levels, hold at
+///   every tick. Those of a level with activation h are violated by at most 1 − h times the
+///   violation without the level.
+/// - **Priorities.** Levels above all changes keep their optimum throughout. The objective of any
+///   other level is at most the mean of its values in the plain hierarchies. When no change is in
+///   progress, the solution is that of the plain hierarchy.
 ///
-/// The data of the levels and the bounds are rewritten in place from tick to tick. Calls that
-/// start a change allocate; [`solve`](Self::solve) does not. It solves at most m + 1 hierarchies,
-/// and one small problem more where the output is at its bounds, each within the iterations that
-/// the [`Settings`] allow.
+/// The data of the levels and the bounds are rewritten in place from tick to tick. Calls that start
+/// a change allocate, and [`solve`](Self::solve) does not. It solves at most m + 1 hierarchies, and
+/// one more small problem if the output is at its bounds. Each stays within the iterations that the
+/// [`Settings`] allow.
 ///
 /// ```
 /// use ahqp_core::{ContinuousStack, Hierarchy, Level, Place, Rows, Settings};
@@ -99,25 +99,25 @@ pub struct ContinuousStack {
     data: Data,
     blend: Blend,
     output: Output,
-    /// The last solution, and whether there was one.
+    /// The last solution, and whether there is one.
     solution: Solution,
     is_solved: bool,
     failed: Option<usize>,
-    /// The solution in the making.
+    /// The solution that is being computed.
     next: Solution,
-    /// How many levels there have ever been.
+    /// Number of levels that were ever added.
     came: usize,
     settings: Settings,
 }
 
 impl ContinuousStack {
-    /// The most changes that can be under way at a time.
+    /// Largest number of changes at a time.
     pub const MAX_CHANGES: usize = Blend::MAX_CHANGES;
 
-    /// A stack of the levels of `hierarchy`, all active; they keep their ids.
+    /// Creates a stack of the levels of `hierarchy`, all active. They keep their ids.
     ///
     /// # Errors
-    /// [`Error::Value`] for a setting out of range.
+    /// [`Error::Value`] if a setting is out of range.
     pub fn new(hierarchy: &Hierarchy, settings: Settings) -> Result<Self, Error> {
         let variables = hierarchy.variables();
         let (lower, upper) = (hierarchy.lower().to_vec(), hierarchy.upper().to_vec());
@@ -147,10 +147,10 @@ impl ContinuousStack {
         &self.settings
     }
 
-    /// Changes the settings. Where tolerances change, the next solve starts from nothing.
+    /// Changes the settings. If tolerances change, the next solve is a cold start.
     ///
     /// # Errors
-    /// [`Error::Value`] for a setting out of range; nothing has changed then.
+    /// [`Error::Value`] if a setting is out of range. The settings are then unchanged.
     pub fn set_settings(&mut self, settings: Settings) -> Result<(), Error> {
         settings.validate()?;
         self.blend.set_settings(settings)?;
@@ -159,8 +159,8 @@ impl ContinuousStack {
         Ok(())
     }
 
-    /// The ids of the levels, highest priority first, as they will stand when all changes are over,
-    /// those with an activation of zero among them.
+    /// The ids of the levels, highest priority first, in their order after all changes. Levels with
+    /// an activation of zero are included.
     pub fn ids(&self) -> impl Iterator<Item = LevelId> + '_ {
         let leaves = |id| self.blend.changes.iter().any(|change| change.removes(id));
         let order = self.blend.final_order().iter();
@@ -170,7 +170,7 @@ impl ContinuousStack {
     /// Level `id`.
     ///
     /// # Errors
-    /// [`Error::NoSuchLevel`] when its removal is over.
+    /// [`Error::NoSuchLevel`] if the level has been removed.
     pub fn level(&self, id: LevelId) -> Result<&Level, Error> {
         self.expect_level(id)?;
         self.data.level(id).ok_or(Error::NoSuchLevel { level: id })
@@ -179,7 +179,7 @@ impl ContinuousStack {
     /// Level `id`, to rewrite its data in place (not to resize).
     ///
     /// # Errors
-    /// [`Error::NoSuchLevel`] when its removal is over.
+    /// [`Error::NoSuchLevel`] if the level has been removed.
     pub fn level_mut(&mut self, id: LevelId) -> Result<&mut Level, Error> {
         self.expect_level(id)?;
         self.data.level_mut(id).ok_or(Error::NoSuchLevel { level: id })
@@ -188,8 +188,8 @@ impl ContinuousStack {
     /// The rows that level `id` minimises, to rewrite in place (not to resize).
     ///
     /// # Errors
-    /// [`Error::OtherObjective`] for a level that minimises a quadratic, or nothing;
-    /// [`Error::NoSuchLevel`].
+    /// [`Error::OtherObjective`] if the level minimises a quadratic, or nothing.
+    /// [`Error::NoSuchLevel`] if it has been removed.
     pub fn rows_mut(&mut self, id: LevelId) -> Result<&mut Rows, Error> {
         of_level(id, self.level_mut(id)?.rows_mut())
     }
@@ -197,16 +197,16 @@ impl ContinuousStack {
     /// The hard constraints of level `id`, to rewrite in place (not to resize).
     ///
     /// # Errors
-    /// [`Error::NoSuchLevel`].
+    /// [`Error::NoSuchLevel`] if the level has been removed.
     pub fn constraints_mut(&mut self, id: LevelId) -> Result<&mut Rows, Error> {
         Ok(self.level_mut(id)?.constraints_mut())
     }
 
-    /// Hessian and gradient that level `id` minimises, to rewrite in place (not to resize).
+    /// The Hessian and gradient that level `id` minimises, to rewrite in place (not to resize).
     ///
     /// # Errors
-    /// [`Error::OtherObjective`] for a level that minimises rows, or nothing;
-    /// [`Error::NoSuchLevel`].
+    /// [`Error::OtherObjective`] if the level minimises rows, or nothing. [`Error::NoSuchLevel`] if
+    /// it has been removed.
     pub fn quadratic_mut(
         &mut self,
         id: LevelId,
@@ -214,7 +214,7 @@ impl ContinuousStack {
         of_level(id, self.level_mut(id)?.quadratic_mut())
     }
 
-    /// A row in words, with the names that level, row and variable have.
+    /// Describes a row in words, with the names of its level, row or variable.
     pub fn describe(&self, row: ConstraintSource) -> impl fmt::Display + use<> {
         let level = row.level().and_then(|id| self.data.level(id));
         names_of(row, level, &self.data.variable_names).label(row)
@@ -225,12 +225,12 @@ impl ContinuousStack {
         (&mut self.data.bounds.lower, &mut self.data.bounds.upper)
     }
 
-    /// The bounds of the output, to rewrite in place: `(lower, upper)`; infinite at first.
+    /// The bounds of the output, to rewrite in place: `(lower, upper)`. They are infinite at first.
     ///
-    /// The solution obeys them, but while a change is under way the plain hierarchies do not, so
-    /// that bounds as close to the last solution as those of [`Limits`](crate::Limits) do not
-    /// hold their solutions together: what the output allows is taken from the blend. Where it
-    /// has nothing in common with the bounds of the variables, the output wins.
+    /// The solution obeys them, but the plain hierarchies do not while a change is in progress.
+    /// Bounds close to the last solution, such as those of [`Limits`](crate::Limits), therefore do
+    /// not force the plain solutions together. If the bounds of the output and of the variables
+    /// exclude each other, those of the output hold.
     pub fn output_bounds_mut(&mut self) -> (&mut [f64], &mut [f64]) {
         (&mut self.data.output.lower, &mut self.data.output.upper)
     }
@@ -238,31 +238,33 @@ impl ContinuousStack {
     /// The activation of level `id`, from 0 to 1.
     ///
     /// # Errors
-    /// [`Error::NoSuchLevel`] when its removal is over.
+    /// [`Error::NoSuchLevel`] if the level has been removed.
     pub fn activation(&self, id: LevelId) -> Result<f64, Error> {
         self.expect_level(id)?;
         self.blend.activation(id).ok_or(Error::NoSuchLevel { level: id })
     }
 
-    /// Returns true if a change is under way.
+    /// Returns true if a change is in progress.
     pub fn is_changing(&self) -> bool {
         self.blend.changes.iter().any(|change| !change.share.is_over())
     }
 
-    /// A bound of the rate at which all activations together move, until the next call that
-    /// changes the stack \[1/s\]: 15/8 · |difference| / duration for each change under way, the
-    /// peak slope of the minimum-jerk polynomial that they follow. Those that the caller sets at
-    /// once are the caller's to add.
+    /// Returns an upper bound of the rate at which all activations together move, until the next
+    /// change \[1/s\].
+    ///
+    /// It is 15/8 · |difference| / duration for each change in progress, the peak slope of the
+    /// minimum-jerk polynomial of the change. Activations that the caller sets at once are not
+    /// included.
     pub fn rate(&self) -> f64 {
         self.blend.changes.iter().map(|change| change.share.rate()).sum()
     }
 
-    /// Inserts a level, whose activation goes from 0 to 1 over `duration` seconds.
+    /// Inserts a level. Its activation rises from 0 to 1 over `duration` seconds.
     ///
     /// # Errors
-    /// [`Error::Size`] when its rows do not cover the variables, [`Error::NoSuchLevel`] for a
-    /// place next to a level that is gone, [`Error::Value`] for a duration that is negative
-    /// or not finite, or too many changes under way. Nothing has changed then.
+    /// [`Error::Size`] if its rows do not cover the variables. [`Error::NoSuchLevel`] if the place
+    /// is next to a level that has been removed. [`Error::Value`] if the duration is negative or
+    /// not finite, or too many changes are in progress. The stack is then unchanged.
     pub fn insert(&mut self, level: Level, place: Place, duration: f64) -> Result<LevelId, Error> {
         let share = Ramp::new(0.0, 1.0, duration)?;
         self.settle();
@@ -279,26 +281,27 @@ impl ContinuousStack {
         Ok(id)
     }
 
-    /// Removes a level: its activation goes to 0 over `duration` seconds, then it is gone.
+    /// Removes a level. Its activation falls to 0 over `duration` seconds.
     ///
     /// # Errors
-    /// [`Error::NoSuchLevel`] when it is gone already, [`Error::Value`] for a duration that
-    /// is negative or not finite, or too many changes under way. Nothing has changed then.
+    /// [`Error::NoSuchLevel`] if the level has been removed already. [`Error::Value`] if the
+    /// duration is negative or not finite, or too many changes are in progress. The stack is then
+    /// unchanged.
     pub fn remove(&mut self, id: LevelId, duration: f64) -> Result<(), Error> {
         self.move_activation(id, 0.0, duration, End::Removes)
     }
 
-    /// Moves the activation of a level to `activation` over `duration` seconds, from wherever it
-    /// is; a removal under way is called off.
+    /// Moves the activation of a level from its current value to `activation` over `duration`
+    /// seconds. Cancels a removal in progress.
     ///
-    /// A `duration` of zero sets it at once, which leaves its continuity to the caller. Until it
-    /// is moved with a duration, the level then counts as one of the changes under way, and
-    /// setting it again does not allocate.
+    /// A `duration` of zero sets the activation at once, so that continuity is up to the caller.
+    /// The level then counts as a change in progress until it is moved with a duration. Setting it
+    /// again does not allocate.
     ///
     /// # Errors
-    /// [`Error::NoSuchLevel`] when the level is gone, [`Error::Value`] for an activation
-    /// outside \[0, 1\], a duration that is negative or not finite, or too many changes under way. Nothing has
-    /// changed then.
+    /// [`Error::NoSuchLevel`] if the level has been removed. [`Error::Value`] if the activation is
+    /// outside \[0, 1\], the duration is negative or not finite, or too many changes are in
+    /// progress. The stack is then unchanged.
     pub fn activate(&mut self, id: LevelId, activation: f64, duration: f64) -> Result<(), Error> {
         if !(0.0..=1.0).contains(&activation) {
             let expected = "from 0 to 1";
@@ -308,12 +311,12 @@ impl ContinuousStack {
         self.move_activation(id, activation, duration, end)
     }
 
-    /// Lets two levels change places over `duration` seconds. Called again before another change
-    /// has begun, it lets them go back from where they are.
+    /// Exchanges the places of two levels over `duration` seconds. A second call before another
+    /// change starts moves them back from where they are.
     ///
     /// # Errors
-    /// [`Error::NoSuchLevel`] when one is gone, [`Error::Value`] for a duration that is
-    /// negative or not finite, or too many changes under way. Nothing has changed then.
+    /// [`Error::NoSuchLevel`] if a level has been removed. [`Error::Value`] if the duration is
+    /// negative or not finite, or too many changes are in progress. The stack is then unchanged.
     pub fn swap(&mut self, a: LevelId, b: LevelId, duration: f64) -> Result<(), Error> {
         let share = Ramp::new(0.0, 1.0, duration)?;
         self.settle();
@@ -332,19 +335,20 @@ impl ContinuousStack {
         self.begin(Difference::Exchange(a, b), share, End::Settles)
     }
 
-    /// The solution `period` seconds after the last one. Its status is [`Status::Solved`] if all
-    /// [parts](Self::parts) were solved, else that of the first that was not.
+    /// Computes the solution `period` seconds after the last one. Its status is [`Status::Solved`]
+    /// if all [parts](Self::parts) were solved. Otherwise it is that of the first part that was
+    /// not.
     ///
     /// # Errors
-    /// Those of [`Solver::solve`](crate::Solver::solve), of the part that
-    /// [`failed_part`](Self::failed_part) names; [`Error::Value`] for a period that is negative
-    /// or not finite.
+    /// Those of [`Solver::solve`](crate::Solver::solve) for the part that
+    /// [`failed_part`](Self::failed_part) returns. [`Error::Value`] if the period is negative or
+    /// not finite.
     pub fn solve(&mut self, period: f64) -> Result<&Solution, Error> {
         self.solve_within(period, Budget::default())
     }
 
-    /// The solution `period` seconds after the last one, as far as a budget allows: so many
-    /// iterations for each of the [parts](Self::parts), in the time of all together.
+    /// Computes the solution `period` seconds after the last one within a budget. The iterations
+    /// are for each of the [parts](Self::parts), the time for all of them together.
     ///
     /// # Errors
     /// Those of [`solve`](Self::solve).
@@ -384,8 +388,8 @@ impl ContinuousStack {
         Ok(&self.solution)
     }
 
-    /// Takes rounding off the mean of points within the bounds, and moves it to where the
-    /// output allows it.
+    /// Removes the rounding of the mean of points within the bounds. Moves the result to where the
+    /// output's bounds hold.
     fn obey_output(&mut self, budget: Budget) -> Result<(), Error> {
         let Bounds { lower, upper } = &self.data.bounds;
         for (x, (lower, upper)) in self.next.x.iter_mut().zip(lower.iter().zip(upper)) {
@@ -399,23 +403,23 @@ impl ContinuousStack {
         self.output.project(&self.data, binds, &mut self.next, budget)
     }
 
-    /// The last solution; none before the first.
+    /// Returns the last solution. None before the first solve.
     pub fn solution(&self) -> Option<&Solution> {
         self.is_solved.then_some(&self.solution)
     }
 
-    /// The plain hierarchies that were solved last.
+    /// Iterates over the plain hierarchies that were solved last.
     pub fn parts(&self) -> impl Iterator<Item = Part<'_>> {
         self.blend.plans.iter().filter(|plan| plan.weight > 0.0).map(Part::new)
     }
 
-    /// The plain hierarchy that had no solution, after an error of [`solve`](Self::solve).
+    /// Returns the plain hierarchy that had no solution, after an error of [`solve`](Self::solve).
     pub fn failed_part(&self) -> Option<Part<'_>> {
         self.failed.and_then(|index| self.blend.plans.get(index)).map(Part::new)
     }
 
-    /// The plain hierarchies that were solved last, each with the proof of its solution.
-    /// Allocates: for debugging and tests, not for the control loop.
+    /// Returns the plain hierarchies that were solved last, each with the proof of its solution.
+    /// Allocates, so it is for debugging and tests, not for the control loop.
     ///
     /// # Errors
     /// Those of [`Solver::certificate`](crate::Solver::certificate).
@@ -454,7 +458,7 @@ impl ContinuousStack {
         self.blend.settle(|removed| self.data.remove(removed));
     }
 
-    /// Returns true if level `id` is there: it comes with its insertion, and its removal is not over.
+    /// Returns true if level `id` exists, from its insertion until its removal is complete.
     fn has(&self, id: LevelId) -> bool {
         let is_over = |change: &Change| change.removes(id) && change.outcome() == Some(false);
         self.data.level(id).is_some() && !self.blend.changes.iter().any(is_over)

@@ -1,10 +1,12 @@
-//! Random hierarchies for property tests: of this crate, and of stacks of your own.
+//! Random hierarchies for property tests of this crate, and of your own stacks.
 //!
-//! The strategies make every kind of level (least-squares equalities and ranges, quadratics,
-//! hard constraints, bounds), with rows that depend on each other, conflict, repeat earlier
-//! rows, vanish or are missing altogether. All data are dyadic fractions, so that dependence is
-//! exact and not a matter of tolerances, and hard constraints are feasible by construction:
-//! [`Solver::solve`](crate::Solver::solve) succeeds on every one of them.
+//! The strategies generate every kind of level: least-squares equalities and ranges, quadratics,
+//! hard constraints and bounds. Rows may depend on each other, conflict, repeat earlier rows, be
+//! zero, or be missing.
+//!
+//! All data are dyadic fractions, so that dependence is exact and independent of tolerances. Hard
+//! constraints are feasible by construction: [`Solver::solve`](crate::Solver::solve) succeeds for
+//! every hierarchy.
 //!
 //! ```
 //! use ahqp_core::testing::{Sizes, hierarchies};
@@ -29,14 +31,14 @@ use proptest::prelude::*;
 use crate::problem::hierarchy::Hierarchy;
 use build::{HierarchyPlan, Kind, LevelPlan};
 
-/// How large the hierarchies of a strategy become.
+/// Sizes of the hierarchies of a strategy.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Sizes {
-    /// How many variables. Default 1 to 40.
+    /// Number of variables. Default 1 to 40.
     pub variables: RangeInclusive<usize>,
-    /// How many levels. Default 1 to 6.
+    /// Number of levels. Default 1 to 6.
     pub levels: RangeInclusive<usize>,
-    /// How many rows the objective of a level has, and how many its constraints. Default 0 to 10.
+    /// Number of rows of a level's objective, and of its constraints. Default 0 to 10.
     pub rows: RangeInclusive<usize>,
 }
 
@@ -46,20 +48,20 @@ impl Default for Sizes {
     }
 }
 
-/// Hierarchies of levels of all kinds, with a solution.
+/// Generates hierarchies of levels of all kinds, which have a solution.
 pub fn hierarchies(sizes: Sizes) -> impl Strategy<Value = Hierarchy> {
     plans(sizes, level_plans).prop_filter_map("sizes agree", |plan| plan.build(0).ok())
 }
 
-/// Sequences of `length` hierarchies of one shape, with a solution each: matrices stay, while
-/// bounds and targets change at random.
+/// Generates sequences of `length` hierarchies of one shape, which have a solution each. Matrices
+/// stay, while bounds and targets change at random.
 pub fn hierarchy_sequences(sizes: Sizes, length: u64) -> impl Strategy<Value = Vec<Hierarchy>> {
     plans(sizes, level_plans).prop_filter_map("sizes agree", move |plan| {
         (0..length).map(|variation| plan.build(variation).ok()).collect()
     })
 }
 
-/// Hierarchies of least-squares equalities alone, without bounds or constraints.
+/// Generates hierarchies of least-squares equalities alone, without bounds or constraints.
 pub fn equality_hierarchies(sizes: Sizes) -> impl Strategy<Value = Hierarchy> {
     plans(sizes, |rows| {
         level_plans(rows).prop_map(|plan| LevelPlan {
@@ -76,7 +78,7 @@ fn plans<S: Strategy<Value = LevelPlan>>(
     level: impl Fn(RangeInclusive<usize>) -> S,
 ) -> impl Strategy<Value = HierarchyPlan> {
     let levels = prop::collection::vec(level(sizes.rows), sizes.levels.clone());
-    // Levels that hold at one common point can carry constraints that hold there too.
+    // If levels hold at a common point, their constraints can hold there too.
     let consistent = 0..=*sizes.levels.end();
     let seed = any::<u64>().no_shrink();
     (sizes.variables, levels, any::<bool>(), consistent, seed).prop_map(

@@ -1,4 +1,5 @@
-//! Times of what the control loop calls, and of building a map. `cargo bench -p ergo-map`.
+//! Times of the functions that the control loop calls, and of building a map.
+//! `cargo bench -p ergo-map`.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 use divan::{Bencher, black_box};

@@ -1,4 +1,4 @@
-//! Where to hold something for people of several statures, and what REBA says of it.
+//! Best place to hold something for people of several statures, with its REBA score.
 #![allow(clippy::print_stdout)]
 
 use ergo_map::{Conditions, ErgonomicsMap, Error, FitOptions, MapOptions, Person};

@@ -1,14 +1,14 @@
-//! What can be wrong with a request to this crate.
+//! Errors of this crate.
 
 use thiserror::Error;
 
-/// What can be wrong with a request to this crate.
+/// Errors of this crate.
 ///
-/// Lengths are in metres and positions in the person's frame unless a variant says otherwise.
+/// Lengths are in metres and positions in the person's frame, unless a variant states otherwise.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A number is not finite, or lies outside what makes sense for it.
+    /// A number is not finite, or outside its allowed range.
     #[error("{what} is {got}{}{unit}: it must {wanted}", if .unit.is_empty() { "" } else { " " })]
     Value {
         /// The quantity.
@@ -17,39 +17,39 @@ pub enum Error {
         got: f64,
         /// The unit of the value, empty for a number that is not finite.
         unit: &'static str,
-        /// What would be right.
+        /// The allowed range.
         wanted: String,
     },
-    /// The hand cannot be there.
+    /// The hand cannot reach this position.
     #[error("the hand cannot be at ({x:.3}, {y:.3}, {z:.3}) m: {reason}")]
     Unreachable {
-        /// Requested hand position, person's frame.
+        /// x of the requested hand position in the person's frame.
         x: f64,
-        /// See `x`.
+        /// y of that position.
         y: f64,
-        /// See `x`.
+        /// z of that position.
         z: f64,
-        /// How far the closest posture stays away, or what is in the way.
+        /// Distance of the closest posture, or the obstacle.
         reason: String,
     },
-    /// The map knows nothing about this hand position.
+    /// The hand position is outside the map's domain.
     #[error("({x:.3}, {y:.3}, {z:.3}) m is outside the map's domain: ask `contains` first")]
     OutOfDomain {
-        /// Requested hand position, person's frame.
+        /// x of the requested hand position in the person's frame.
         x: f64,
-        /// See `x`.
+        /// y of that position.
         y: f64,
-        /// See `x`.
+        /// z of that position.
         z: f64,
     },
-    /// Too few samples for what is asked of them.
+    /// There are too few samples for the computation.
     #[error("{what} needs at least {wanted} samples and got {got}: widen the region or add data")]
     TooFewSamples {
-        /// What was to be computed.
+        /// The quantity that was to be computed.
         what: &'static str,
-        /// Number given.
+        /// Number of given samples.
         got: usize,
-        /// Smallest workable number.
+        /// Smallest sufficient number.
         wanted: usize,
     },
     /// The samples do not determine a quadratic, for example because they all lie in one plane.
@@ -60,11 +60,11 @@ pub enum Error {
     /// A table of recorded samples is malformed.
     #[error("line {line}, column {column:?}: {problem}")]
     Samples {
-        /// Line of the table, the header being 1.
+        /// Line of the table, where the header is line 1.
         line: usize,
         /// Name of the column.
         column: String,
-        /// What is wrong and what would be right.
+        /// The fault, and what would be valid.
         problem: String,
     },
     /// A map file cannot be read or written.
@@ -72,21 +72,21 @@ pub enum Error {
     Io {
         /// The file.
         path: String,
-        /// What the operating system says.
+        /// Error of the operating system.
         kind: std::io::ErrorKind,
     },
     /// A file or byte string is not a usable map.
     #[error("not a usable ergonomics map: {problem}")]
     MapFile {
-        /// What is wrong with it.
+        /// The fault.
         problem: String,
     },
 }
 
-/// The crate's result.
+/// Result of this crate.
 pub(crate) type Result<T> = core::result::Result<T, Error>;
 
-/// The value itself if it is finite.
+/// Returns the value if it is finite.
 pub(crate) fn finite(what: &'static str, got: f64) -> Result<f64> {
     if got.is_finite() {
         Ok(got)
@@ -95,13 +95,14 @@ pub(crate) fn finite(what: &'static str, got: f64) -> Result<f64> {
     }
 }
 
-/// The value itself if it is an angle of at most a full turn: more is degrees by mistake.
+/// Returns the value if it is an angle of at most a full turn. A larger one is in degrees by
+/// mistake.
 pub(crate) fn angle(what: &'static str, got: f64) -> Result<f64> {
     use core::f64::consts::TAU;
     within(what, got, [-TAU, TAU], "rad")
 }
 
-/// The value itself if it is finite and within the interval.
+/// Returns the value if it is finite and within the interval.
 pub(crate) fn within(
     what: &'static str,
     got: f64,

@@ -3,7 +3,7 @@ use crate::posture::Posture;
 
 /// Number of joints of the model.
 pub(crate) const DOF: usize = 15;
-/// Joints that move the hand's position when the wrist stays in line with the forearm.
+/// Number of joints that move the hand's position if the wrist stays in line with the forearm.
 pub(crate) const POINT_DOF: usize = 12;
 
 /// Names of the joints in the order of [`JointAngles::to_array`].
@@ -25,8 +25,8 @@ pub(crate) const NAMES: [&str; DOF] = [
     "wrist_deviation",
 ];
 
-/// The angles of the fifteen joints of the model \[rad\]. Zero is upright standing, arms hanging,
-/// palms to the body. Both legs move alike; the arm is the working one.
+/// The angles of the fifteen joints of the model \[rad\]. Zero is upright standing, with hanging
+/// arms and palms to the body. Both legs move alike. The arm is the working one.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct JointAngles {
     /// Dorsiflexion: the shank leans forward.
@@ -67,7 +67,7 @@ impl JointAngles {
     /// Names of the joints in the order of the fields.
     pub const NAMES: [&str; DOF] = NAMES;
 
-    /// The angles in the order of the fields.
+    /// Returns the angles in the order of the fields.
     pub fn to_array(&self) -> [f64; DOF] {
         [
             self.ankle,
@@ -88,7 +88,7 @@ impl JointAngles {
         ]
     }
 
-    /// The inverse of [`JointAngles::to_array`].
+    /// Creates the angles from an array. This is the inverse of [`JointAngles::to_array`].
     pub fn from_array(q: [f64; DOF]) -> Self {
         Self {
             ankle: q[0],
@@ -109,8 +109,8 @@ impl JointAngles {
         }
     }
 
-    /// The posture as REBA and RULA see it. The trunk's inclination adds up ankle, knee, hip and
-    /// lumbar flexion; all other angles are joints of the model.
+    /// Returns the posture in the terms of REBA and RULA. The trunk's inclination is the sum of
+    /// ankle, knee, hip and lumbar flexion. All other angles are joints of the model.
     pub fn posture(&self) -> Posture {
         Posture {
             trunk_flexion: self.ankle - self.knee + self.hip + self.lumbar_flexion,
@@ -138,7 +138,7 @@ impl JointAngles {
         NAMES.into_iter().zip(self.to_array()).try_for_each(|(n, q)| angle(n, q).map(drop))
     }
 
-    /// The same posture seen in a mirror: left and right change places.
+    /// Returns the posture in a mirror, which exchanges left and right.
     #[must_use]
     pub fn mirrored(&self) -> Self {
         Self {
@@ -152,8 +152,8 @@ impl JointAngles {
 
 /// Ranges of motion \[rad\], the joint limits of posture prediction.
 ///
-/// The default: arm and wrist from AAOS; hip, knee, ankle, lumbar spine and neck from the
-/// literature; adduction of the shoulder 45°.
+/// Defaults: arm and wrist from AAOS. Hip, knee, ankle, lumbar spine and neck are from the
+/// literature. The adduction of the shoulder is 45°.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointRanges {
     /// Smallest angle of each joint.
@@ -189,7 +189,7 @@ impl Default for JointRanges {
 }
 
 impl JointRanges {
-    /// Checks that every range is finite, holds zero (the neutral posture) and is not empty.
+    /// Checks that every range is finite, contains zero (the neutral posture) and is not empty.
     ///
     /// # Errors
     /// [`Error::Value`] with the name of the joint.
@@ -207,7 +207,7 @@ impl JointRanges {
         Ok(())
     }
 
-    /// Returns true if the angles lie within the ranges.
+    /// Returns true if the angles are within the ranges.
     pub fn contains(&self, angles: &JointAngles) -> bool {
         let bounds = self.min.to_array().into_iter().zip(self.max.to_array());
         angles.to_array().into_iter().zip(bounds).all(|(q, (min, max))| (min..=max).contains(&q))

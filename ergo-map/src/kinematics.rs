@@ -1,15 +1,16 @@
-//! The body as a chain: where everything is for given joint angles, and how the centre of mass
-//! moves with each joint. Lengths in statures, masses in body masses, the right arm working.
+//! The body as a kinematic chain: the places of all parts for given joint angles, and the motion of
+//! the centre of mass with each joint. Lengths are in statures and masses in body masses. The right
+//! arm is the working one.
 
 use nalgebra::{Matrix3, Vector3};
 
 use crate::joints::DOF;
 use crate::person::Proportions;
 
-/// Masses as fractions of the body's (Dempster, in Winter's table), and centres of mass as
-/// fractions of the segment from its lower or proximal end.
+/// Masses as fractions of the body's (Dempster, in Winter's table). Centres of mass are fractions
+/// of the segment from its lower or proximal end.
 pub(crate) mod mass {
-    /// Hand; the centre of mass is taken at the grip.
+    /// Hand. Its centre of mass is assumed at the grip.
     pub(crate) const HAND: f64 = 0.006;
     pub(crate) const FOREARM: f64 = 0.016;
     pub(crate) const FOREARM_COM: f64 = 0.430;
@@ -17,17 +18,17 @@ pub(crate) mod mass {
     pub(crate) const UPPER_ARM_COM: f64 = 0.436;
     pub(crate) const FOOT: f64 = 0.0145;
     pub(crate) const SHANK: f64 = 0.0465;
-    /// From the ankle: Winter gives .433 from the knee.
+    /// From the ankle. Winter gives .433 from the knee.
     pub(crate) const SHANK_COM: f64 = 1.0 - 0.433;
     pub(crate) const THIGH: f64 = 0.100;
-    /// From the knee: Winter gives .433 from the hip.
+    /// From the knee. Winter gives .433 from the hip.
     pub(crate) const THIGH_COM: f64 = 1.0 - 0.433;
     pub(crate) const HEAD: f64 = 0.081;
     pub(crate) const THORAX: f64 = 0.355;
-    /// From the lumbar joint: Winter gives .63 from C7.
+    /// From the lumbar joint. Winter gives .63 from C7.
     pub(crate) const THORAX_COM: f64 = 1.0 - 0.63;
     pub(crate) const PELVIS: f64 = 0.142;
-    /// From the hip: Winter gives .105 from the lumbar joint.
+    /// From the hip. Winter gives .105 from the lumbar joint.
     pub(crate) const PELVIS_COM: f64 = 1.0 - 0.105;
     pub(crate) const ARM: f64 = HAND + FOREARM + UPPER_ARM;
 }
@@ -41,7 +42,7 @@ pub(crate) struct Body {
     pub(crate) pelvis: f64,
     /// Lumbar joint to neck joint.
     pub(crate) thorax: f64,
-    /// Lumbar joint to the shoulders' height.
+    /// Lumbar joint to the height of the shoulders.
     pub(crate) shoulder: f64,
     pub(crate) shoulder_half_width: f64,
     /// Neck joint to the eyes, up and forward.
@@ -55,10 +56,10 @@ pub(crate) struct Body {
 }
 
 impl Body {
-    /// The chain of a body with these proportions.
+    /// Creates the chain of a body with these proportions.
     ///
-    /// The lumbar joint sits a fifth of the way from hip to shoulder (L5/S1, Chaffin), the neck
-    /// joint .44 of the way from shoulder to eye (Drillis & Contini's .870 of stature), the eyes
+    /// The lumbar joint is a fifth of the way from hip to shoulder (L5/S1, Chaffin). The neck joint
+    /// is .44 of the way from shoulder to eye (Drillis & Contini's .870 of stature). The eyes are
     /// .055 of stature ahead of the neck (a choice).
     pub(crate) fn new(p: &Proportions, load: f64) -> Self {
         let lumbar = p.hip + 0.2 * (p.shoulder - p.hip);
@@ -81,7 +82,7 @@ impl Body {
     }
 }
 
-/// Where the body is.
+/// Places of the body's parts.
 #[derive(Debug, Clone)]
 pub(crate) struct Pose {
     /// Axis of each joint, unit, in H.
@@ -92,7 +93,7 @@ pub(crate) struct Pose {
     pub(crate) moved_mass: [f64; DOF],
     /// First moment of the mass that each joint moves.
     pub(crate) moved_moment: [Vector3<f64>; DOF],
-    /// Whole mass (load included) and its first moment.
+    /// Total mass (load included) and its first moment.
     pub(crate) total: (f64, Vector3<f64>),
     pub(crate) knee: Vector3<f64>,
     pub(crate) hip: Vector3<f64>,
@@ -104,7 +105,7 @@ pub(crate) struct Pose {
     pub(crate) elbow: Vector3<f64>,
     pub(crate) wrist: Vector3<f64>,
     pub(crate) hand: Vector3<f64>,
-    /// Axes of the head: x where the face points.
+    /// Axes of the head. x is the direction of the face.
     pub(crate) head: Matrix3<f64>,
     /// Axes of the hand with the fingers along -z and the palm towards +y.
     pub(crate) palm: Matrix3<f64>,
@@ -121,7 +122,7 @@ fn turned(frame: &Matrix3<f64>, axis: usize, angle: f64) -> Matrix3<f64> {
 }
 
 impl Pose {
-    /// Forward kinematics.
+    /// Computes the forward kinematics.
     #[allow(clippy::too_many_lines)] // one walk along the chain
     pub(crate) fn new(body: &Body, q: &[f64; DOF]) -> Self {
         const X: usize = 0;
@@ -182,7 +183,7 @@ impl Pose {
         let arm_moment =
             fore_moment + (shoulder + upper_arm * mass::UPPER_ARM_COM) * mass::UPPER_ARM;
         let head_moment = (neck + head.column(2) * body.eye[0]) * mass::HEAD;
-        // The other arm hangs from its shoulder: it pulls there, and its own length only lowers
+        // The other arm hangs from its shoulder and acts there as a force. Its length only lowers
         // the body's centre of mass.
         let hanging = mass::UPPER_ARM * mass::UPPER_ARM_COM * body.upper_arm
             + mass::FOREARM * (body.upper_arm + mass::FOREARM_COM * body.forearm)
@@ -199,7 +200,7 @@ impl Pose {
         let knee_moment = hip_moment + (knee + thigh * mass::THIGH_COM) * (2.0 * mass::THIGH);
         let ankle_mass = knee_mass + 2.0 * mass::SHANK;
         let ankle_moment = knee_moment + (ankle + shank * mass::SHANK_COM) * (2.0 * mass::SHANK);
-        // The foot's middle is a quarter of its length ahead of the ankle.
+        // The foot's midpoint is a quarter of its length ahead of the ankle.
         let feet = Vector3::new(0.25 * body.foot, 0.0, 0.5 * body.ankle) * (2.0 * mass::FOOT);
 
         Self {
@@ -255,12 +256,12 @@ impl Pose {
         }
     }
 
-    /// Derivative of the first moment of the moved mass by joint i.
+    /// Returns the derivative of the first moment of the moved mass with respect to joint i.
     pub(crate) fn moment_rate(&self, i: usize) -> Vector3<f64> {
         self.axis[i].cross(&(self.moved_moment[i] - self.origin[i] * self.moved_mass[i]))
     }
 
-    /// Moment arm of the mass beyond joint i about that joint: mass × (centre - joint).
+    /// Returns the moment arm of the mass beyond joint i about that joint: mass × (centre - joint).
     pub(crate) fn lever(&self, i: usize) -> Vector3<f64> {
         self.moved_moment[i] - self.origin[i] * self.moved_mass[i]
     }

@@ -5,23 +5,24 @@
 //! Person ─▶ PosturePredictor ─▶ posture ─▶ REBA, e_s ─▶ ErgonomicsMap ─▶ ErgonomicsQuadratic
 //! ```
 //!
-//! - [`Worksheet`], [`Reba`]: the integer REBA score, whole, with every sub-score; [`RulaWorksheet`]
-//!   beside it.
-//! - [`ContinuousReba`], [`ergonomics_score`]: two continuous versions from the same core, and the
-//!   paper's score `e_s`: arms, trunk, legs and neck taken separately and averaged.
-//! - [`Person`], [`Skeleton`], [`PosturePredictor`]: the posture of least effort that puts a hand
-//!   somewhere.
-//! - [`ErgonomicsMap`]: postures and scores over the reachable volume, from predictions or from
+//! - [`Worksheet`], [`Reba`]: the integer REBA score with every sub-score, and [`RulaWorksheet`]
+//!   for RULA.
+//! - [`ContinuousReba`], [`ergonomics_score`]: two continuous scores from the same core. The second
+//!   is the paper's score `e_s`, the mean of arms, trunk, legs and neck.
+//! - [`Person`], [`Skeleton`], [`PosturePredictor`]: the posture of least effort that brings a hand
+//!   to a position.
+//! - [`ErgonomicsMap`]: postures and scores over the reachable volume, from predictions or
 //!   recordings.
-//! - [`ErgonomicsQuadratic`]: the convex fit with its [`FitReport`], placed where the person stands, and its
-//!   terms for a controller, [`TaskTerms`].
+//! - [`ErgonomicsQuadratic`]: the convex fit with its [`FitReport`], placed at the person's
+//!   position, and its terms for a controller, [`TaskTerms`].
 //!
-//! Units are SI, angles radians. The person's frame H has its origin on the floor below the pelvis
-//! of the person standing upright, x forward, y left, z up.
+//! Units are SI and angles are in radians. The origin of the person's frame H is on the floor below
+//! the pelvis of the person standing upright. x points forward, y left, and z up.
 //!
-//! The tables and the mathematics are tested against independent implementations. Postures,
-//! weights and scores have **not** been validated on people; [`ErgonomicsMap::validate`] compares a
-//! map with recordings of yours.
+//! The tables and the mathematics are tested against independent implementations. Postures, weights
+//! and scores have
+//! **not** been validated on people. [`ErgonomicsMap::validate`] compares a map with your
+//! recordings.
 //!
 //! ```
 //! use ergo_map::nalgebra::Vector3;
@@ -84,7 +85,7 @@ pub use rula::{LoadPattern, Rula, RulaActionLevel, RulaSubScores, RulaWorksheet}
 pub use side::Side;
 pub use skeleton::{Landmarks, Skeleton};
 
-/// The program of the crate's README.
+/// Compiles the program of the crate's README.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;

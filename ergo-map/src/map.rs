@@ -26,11 +26,11 @@ pub use samples::{MeasuredSample, read_samples};
 pub struct MapSample {
     /// The paper's score `e_s`, 0 to 4.25.
     pub score: f64,
-    /// Its derivative by the hand's position in the person's frame \[1/m\].
+    /// Derivative of the score with respect to the hand's position in the person's frame \[1/m\].
     pub gradient: Vector3<f64>,
 }
 
-/// A node of the map: a hand position, the posture taken there and its score.
+/// A node of the map: a hand position with its posture and score.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MapNode {
     /// Hand position in the person's frame \[m\].
@@ -43,10 +43,12 @@ pub struct MapNode {
 
 /// The map of one person: posture and score over the reachable volume.
 ///
-/// Positions are the working hand's in the person's frame H: origin on the floor below the pelvis
-/// of the person standing upright, x forward, y left, z up, in metres. Inside, the map is in
-/// statures. Between nodes the score is trilinear; a point whose eight surrounding nodes are not
-/// all reachable is outside the domain.
+/// Positions are those of the working hand in the person's frame H, in metres. The origin of H is
+/// on the floor below the pelvis of the person standing upright. x points forward, y left, and z
+/// up.
+///
+/// Internally the map is in statures. Between nodes the score is trilinear. A point is outside the
+/// domain if one of its eight surrounding nodes is not reachable.
 ///
 /// ```
 /// use ergo_map::{Conditions, ErgonomicsMap, MapOptions, Person};
@@ -75,7 +77,7 @@ impl ErgonomicsMap {
         self.person.stature()
     }
 
-    /// The person whose map it is.
+    /// The person of the map.
     pub fn person(&self) -> &Person {
         &self.person
     }
@@ -85,15 +87,15 @@ impl ErgonomicsMap {
         self.side
     }
 
-    /// How postures are scored.
+    /// Conversion of the printed classes to continuous scores.
     pub fn mode(&self) -> Mode {
         self.mode
     }
 
-    /// The same map for a person of the same proportions and another stature \[m\].
+    /// Returns the map for a person of the same proportions and another stature \[m\].
     ///
     /// # Errors
-    /// As [`crate::Person::new`].
+    /// Those of [`crate::Person::new`].
     pub fn for_stature(&self, stature: f64) -> Result<Self> {
         Ok(Self { person: self.person.clone().with_stature(stature)?, ..self.clone() })
     }
@@ -117,15 +119,15 @@ impl ErgonomicsMap {
         })
     }
 
-    /// Returns true if the map knows the score at this hand position.
+    /// Returns true if the hand position is in the map's domain.
     pub fn contains(&self, hand: &Vector3<f64>) -> bool {
         self.sample(hand).is_ok()
     }
 
-    /// The score and its gradient. Allocates nothing and takes a fixed time.
+    /// Returns the score and its gradient. Allocates nothing and takes constant time.
     ///
     /// # Errors
-    /// [`Error::OutOfDomain`] outside the reachable volume, NaN included.
+    /// [`Error::OutOfDomain`] if the position is outside the reachable volume, or NaN.
     pub fn sample(&self, hand: &Vector3<f64>) -> Result<MapSample> {
         let (cell, mut score, mut gradient) = (self.cell(hand)?, 0.0, Vector3::zeros());
         for corner in 0..8 {
@@ -140,10 +142,10 @@ impl ErgonomicsMap {
         Ok(MapSample { score, gradient: gradient / self.stature() })
     }
 
-    /// The posture taken to put the hand there, trilinear between nodes. Allocates nothing.
+    /// Returns the posture for a hand position, trilinear between nodes. Allocates nothing.
     ///
     /// # Errors
-    /// [`Error::OutOfDomain`] outside the reachable volume, NaN included.
+    /// [`Error::OutOfDomain`] if the position is outside the reachable volume, or NaN.
     pub fn posture(&self, hand: &Vector3<f64>) -> Result<JointAngles> {
         self.sample(hand)?;
         let cell = self.cell(hand)?;
@@ -159,10 +161,11 @@ impl ErgonomicsMap {
         Ok(JointAngles::from_array(angles))
     }
 
-    /// The integer REBA of the posture taken to put the hand there. Allocates nothing.
+    /// Returns the integer REBA of the posture for a hand position. Allocates nothing.
     ///
     /// # Errors
-    /// [`Error::OutOfDomain`]; [`Error::Value`] for the load.
+    /// [`Error::OutOfDomain`] outside the reachable volume. [`Error::Value`] if the load is
+    /// invalid.
     pub fn assess(&self, hand: &Vector3<f64>, conditions: &Conditions) -> Result<Reba> {
         let posture = self.posture(hand)?.posture();
         Worksheet::from_posture(&posture, *conditions).score()

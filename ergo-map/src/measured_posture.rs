@@ -1,4 +1,4 @@
-//! The posture of a person whose joints were measured.
+//! Postures of people whose joints were measured.
 
 mod direction;
 mod filter;
@@ -19,11 +19,11 @@ use trunk::Trunk;
 pub use filter::PostureFilter;
 pub use neutral::{NeutralEstimate, NeutralPosture};
 
-/// The elbow has to be bent by so much for the forearm to tell how the upper arm is turned \[rad\].
+/// Smallest elbow flexion at which the forearm shows the rotation of the upper arm \[rad\].
 const BENT: f64 = 0.4;
 
-/// Where the joints of a person were seen \[m\], in any frame with z up; `None` where they were not.
-/// Pairs are left before right.
+/// Measured positions of a person's joints \[m\], in any frame with z up. `None` stands for a joint
+/// that was not seen. In pairs, left comes before right.
 ///
 /// ```
 /// use ergo_map::{JointPositions, Side};
@@ -64,22 +64,23 @@ pub struct JointPositions {
     pub ankles: [Option<Vector3<f64>>; 2],
 }
 
-/// A posture as far as it was seen. Angles that were not are zero, the neutral posture.
+/// A posture as far as it was seen. Angles that were not seen are zero, the neutral posture.
 ///
-/// The wrist's angles and the forearm's twist never are, nor what the sheets ask beside the posture:
-/// loads, holds, supported arms, raised shoulders, how long and how often.
+/// The wrist's angles and the forearm's twist are never seen. Nor are the other inputs of the
+/// sheets: loads, holds, supported arms, raised shoulders, durations and repetitions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeasuredPosture {
     /// The angles.
     pub posture: Posture,
-    /// What carries the body: [`LegSupport::Sitting`] where the body could not balance over its feet,
-    /// else [`LegSupport::Bilateral`]; a [`PostureFilter`] sees [`LegSupport::Walking`], too.
+    /// Support of the body. It is [`LegSupport::Sitting`] if the body could not balance over its
+    /// feet, otherwise [`LegSupport::Bilateral`]. A [`PostureFilter`] also detects
+    /// [`LegSupport::Walking`].
     pub support: LegSupport,
     seen: [bool; Posture::LEN],
 }
 
 impl MeasuredPosture {
-    /// The names of the angles that were not seen.
+    /// Names of the angles that were not seen.
     pub fn unseen(&self) -> impl Iterator<Item = &'static str> + '_ {
         Posture::NAMES.into_iter().zip(self.seen).filter(|(_, seen)| !seen).map(|(name, _)| name)
     }
@@ -89,7 +90,7 @@ impl JointPositions {
     /// Number of joints.
     pub const LEN: usize = 17;
 
-    /// The positions in the order in which the fields are declared.
+    /// Returns the positions in the order of the fields.
     pub fn to_array(&self) -> [Option<Vector3<f64>>; Self::LEN] {
         let Self { neck, pelvis, nose, ears, shoulders, elbows, wrists, hips, knees, ankles } =
             *self;
@@ -98,7 +99,7 @@ impl JointPositions {
         [neck, pelvis, nose, a, b, c, d, e, f, g, h, i, j, k, l, m, n]
     }
 
-    /// The inverse of [`JointPositions::to_array`].
+    /// Creates the positions from an array. This is the inverse of [`JointPositions::to_array`].
     pub fn from_array(positions: [Option<Vector3<f64>>; Self::LEN]) -> Self {
         let [neck, pelvis, nose, a, b, c, d, e, f, g, h, i, j, k, l, m, n] = positions;
         let [ears, shoulders, elbows, wrists, hips, knees, ankles] =
@@ -106,26 +107,27 @@ impl JointPositions {
         Self { neck, pelvis, nose, ears, shoulders, elbows, wrists, hips, knees, ankles }
     }
 
-    /// The posture against an average neutral one: [`JointPositions::posture_from`] with
-    /// [`NeutralPosture::default`].
+    /// Returns the posture relative to an average neutral one: [`JointPositions::posture_from`]
+    /// with [`NeutralPosture::default`].
     pub fn posture(&self, side: Side) -> Option<MeasuredPosture> {
         self.posture_from(side, &NeutralPosture::default())
     }
 
-    /// The posture, with the arm of one side, against the person's neutral one; `None` where neck, pelvis
-    /// or both pairs of shoulders and hips were not seen, or for positions that are not finite. The middle
-    /// of a pair stands in for the neck and the pelvis.
+    /// Returns the posture, with the arm of one side, relative to the person's neutral posture.
     ///
-    /// - The trunk's axis is from pelvis to neck. Its inclination is forward as hips and shoulders
-    ///   together face, its twist is from the hips to the shoulders about that axis. Its left is from the
-    ///   right to the left shoulder, or hip.
-    /// - The upper arm's flexion and abduction are those of [`crate::Skeleton`], flexion from -π/2 to
-    ///   3π/2.
-    /// - The neck's flexion is the inclination of the line from neck to the middle of the ears, or to
-    ///   the nose, against the trunk's and the neutral one. One ear alone does not tell how the head is
-    ///   bent aside or turned.
+    /// `None` if neck, pelvis, or both pairs of shoulders and hips were not seen, or if a position
+    /// is not finite. The midpoint of a pair replaces the neck or the pelvis.
+    ///
+    /// - The trunk's axis is from pelvis to neck. Its inclination is forward in the common
+    ///   direction of hips and shoulders. Its twist is from the hips to the shoulders about that
+    ///   axis. Its left is from the right to the left shoulder, or hip.
+    /// - The upper arm's flexion and abduction are those of [`crate::Skeleton`], with flexion from
+    ///   -π/2 to 3π/2.
+    /// - The neck's flexion is the inclination of a line relative to the trunk, less the neutral
+    ///   inclination. The line is from neck to the midpoint of the ears, or to the nose. One ear
+    ///   alone does not show bending or turning of the head.
     /// - Extension of trunk and neck counts from the end of the neutral posture's dead bands.
-    /// - Of the knees the more bent one counts.
+    /// - The knee with the larger flexion counts.
     pub fn posture_from(&self, side: Side, neutral: &NeutralPosture) -> Option<MeasuredPosture> {
         let trunk = Trunk::of(self)?;
         let side_index = usize::from(side == Side::Right);
@@ -172,14 +174,14 @@ impl JointPositions {
     }
 }
 
-/// The head against the trunk.
+/// The head relative to the trunk.
 struct Head {
-    /// From the neck to what `by` says, in the trunk's axes.
+    /// Direction from the neck to the landmark `by`, in the trunk's axes.
     neck: Option<Vector3<f64>>,
     by: Landmark,
-    /// Whether that is in the middle of the head.
+    /// True if that landmark is in the midplane of the head.
     tells_bend: bool,
-    /// From the middle of both ears to the nose, in the trunk's axes.
+    /// Direction from the midpoint of both ears to the nose, in the trunk's axes.
     face: Option<Vector3<f64>>,
 }
 
@@ -202,12 +204,12 @@ impl Head {
     }
 }
 
-/// The upper arm against the trunk.
+/// The upper arm relative to the trunk.
 struct Arm {
     flexion: f64,
     abduction: f64,
-    /// Where the forearm goes from an elbow bent by a right angle, with the arm not turned, and the
-    /// inside of it.
+    /// Direction of the forearm for a right-angled elbow without rotation of the upper arm, and the
+    /// inner direction.
     ahead: Vector3<f64>,
     inside: Vector3<f64>,
 }
@@ -217,7 +219,7 @@ impl Arm {
         let along = trunk.local(upper)?;
         let direction = Vector3::new(along.x, along.y * side.sign(), -along.z);
         let [flexion, abduction] = UpperArm::of_vector(&direction)?.angles();
-        // Flexion turns about the trunk's left, abduction about the axis that it leaves forward.
+        // Flexion turns about the trunk's left axis, abduction about the axis that is then forward.
         let ahead = trunk.forward * flexion.cos() + trunk.up * flexion.sin();
         let inside = unit(upper)?.cross(&ahead) * side.sign();
         Some(Self { flexion, abduction, ahead, inside })

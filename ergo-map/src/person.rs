@@ -1,10 +1,10 @@
 use crate::error::{Error, Result, within};
 use crate::joints::JointRanges;
 
-/// Measured lengths of one person's body \[m\]; what is `None` follows from stature.
+/// Measured lengths of one person's body \[m\]. Missing lengths follow from the stature.
 ///
-/// Heights are above the floor, standing upright. A measured hip height with the shoulder left
-/// out lengthens the legs at the cost of the trunk, and so on.
+/// Heights are above the floor, standing upright. If, for instance, only the hip height is
+/// measured, longer legs mean a shorter trunk.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Segments {
     /// Height of the ankle joint.
@@ -23,7 +23,7 @@ pub struct Segments {
     pub forearm: Option<f64>,
     /// Length from the wrist to the centre of the grip.
     pub grip: Option<f64>,
-    /// Distance from the body's middle plane to the shoulder joint.
+    /// Distance from the body's midplane to the shoulder joint.
     pub shoulder_half_width: Option<f64>,
     /// Length of the foot.
     pub foot: Option<f64>,
@@ -44,20 +44,20 @@ pub(crate) struct Proportions {
     pub(crate) foot: f64,
 }
 
-/// How many segments there are.
+/// Number of segments.
 pub(crate) const SEGMENTS: usize = 10;
 /// Smallest and largest mass of a body \[kg\].
 const MASS: [f64; 2] = [2.0, 500.0];
 
 impl Proportions {
-    /// In the order of [`Segments`].
+    /// Returns the fractions in the order of [`Segments`].
     pub(crate) fn to_array(self) -> [f64; SEGMENTS] {
         let Self { ankle, knee, hip, shoulder, eye, .. } = self;
         let Self { upper_arm, forearm, grip, shoulder_half_width, foot, .. } = self;
         [ankle, knee, hip, shoulder, eye, upper_arm, forearm, grip, shoulder_half_width, foot]
     }
 
-    /// In the order of [`Segments`].
+    /// Creates the proportions from fractions in the order of [`Segments`].
     pub(crate) fn from_array(fractions: [f64; SEGMENTS]) -> Self {
         let [ankle, knee, hip, shoulder, eye, upper_arm, forearm, grip, shoulder_half_width, foot] =
             fractions;
@@ -76,7 +76,7 @@ impl Proportions {
     }
 }
 
-/// Drillis & Contini 1966; shoulder joint and grip from the ANSUR II means (2012).
+/// Drillis & Contini 1966, with shoulder joint and grip from the ANSUR II means (2012).
 const AVERAGE: Proportions = Proportions {
     ankle: 0.039,
     knee: 0.285,
@@ -90,7 +90,7 @@ const AVERAGE: Proportions = Proportions {
     foot: 0.152,
 };
 
-/// A person: stature, mass, ranges of motion and, where measured, segment lengths.
+/// A person: stature, mass, ranges of motion and, if measured, segment lengths.
 ///
 /// ```
 /// use ergo_map::{Person, Segments};
@@ -109,28 +109,28 @@ pub struct Person {
 }
 
 impl Person {
-    /// A person of average proportions.
+    /// Creates a person of average proportions.
     ///
-    /// The mass is that of a body-mass index of 23 kg/m²; change it with [`Person::with_mass`].
+    /// The mass is that of a body-mass index of 23 kg/m². [`Person::with_mass`] changes it.
     ///
     /// # Errors
-    /// The stature \[m\] must be finite and from 0.5 to 2.7 m.
+    /// [`crate::Error::Value`] if the stature \[m\] is not from 0.5 to 2.7 m.
     pub fn new(stature: f64) -> Result<Self> {
         let stature = within("stature", stature, [0.5, 2.7], "m")?;
         Ok(Self::of_valid_stature(stature))
     }
 
-    /// Stature 1.58 m, the paper's shortest subject.
+    /// Creates a person of stature 1.58 m, the paper's shortest subject.
     pub fn short() -> Self {
         Self::of_valid_stature(1.58)
     }
 
-    /// Stature 1.75 m.
+    /// Creates a person of stature 1.75 m.
     pub fn average() -> Self {
         Self::of_valid_stature(1.75)
     }
 
-    /// Stature 1.94 m, the paper's tallest subject.
+    /// Creates a person of stature 1.94 m, the paper's tallest subject.
     pub fn tall() -> Self {
         Self::of_valid_stature(1.94)
     }
@@ -140,11 +140,10 @@ impl Person {
         Self { stature, mass, ranges: JointRanges::default(), proportions: AVERAGE }
     }
 
-    /// A person of the same proportions, ranges of motion and body-mass index, and another stature
-    /// \[m\].
+    /// Sets the stature \[m\], and keeps proportions, ranges of motion and body-mass index.
     ///
     /// # Errors
-    /// As of [`Person::new`].
+    /// Those of [`Person::new`].
     pub fn with_stature(self, stature: f64) -> Result<Self> {
         let Self { ranges, proportions, .. } = self;
         let ratio = Self::new(stature)?.stature / self.stature;
@@ -152,33 +151,34 @@ impl Person {
         Ok(Self { stature, mass, ranges, proportions })
     }
 
-    /// The same person with another mass \[kg\].
+    /// Sets the mass \[kg\].
     ///
     /// # Errors
-    /// The mass must be finite and from 2 to 500 kg.
+    /// [`crate::Error::Value`] if the mass is not from 2 to 500 kg.
     pub fn with_mass(self, mass: f64) -> Result<Self> {
         Ok(Self { mass: within("mass", mass, MASS, "kg")?, ..self })
     }
 
-    /// The same person with other ranges of motion.
+    /// Sets the ranges of motion.
     ///
     /// # Errors
-    /// See [`JointRanges::validate`].
+    /// Those of [`JointRanges::validate`].
     pub fn with_ranges(self, ranges: JointRanges) -> Result<Self> {
         ranges.validate()?;
         Ok(Self { ranges, ..self })
     }
 
-    /// The same person with measured lengths; those not given are average for the stature.
+    /// Sets measured lengths. Missing lengths are average for the stature.
     ///
     /// # Errors
-    /// [`Error::Value`] for a length that no body of this stature has, and
-    /// where ankle, knee, hip, shoulder and eye do not follow one another.
+    /// [`Error::Value`] if no body of this stature has such a length, or if ankle, knee, hip,
+    /// shoulder and eye are not in ascending order.
     pub fn with_segments(self, segments: &Segments) -> Result<Self> {
         let stature = self.stature;
         let ratio = |name, length: Option<f64>, average: f64| match length {
             None => Ok(average),
-            // Half to twice the average: wide enough for anyone, narrow enough for unit mistakes.
+            // Half to twice the average is wide enough for everybody, and narrow enough to detect
+            // wrong units.
             Some(length) => {
                 let plausible = [0.5 * average * stature, (2.0 * average).min(1.0) * stature];
                 within(name, length, plausible, "m").map(|length| length / stature)
@@ -219,9 +219,9 @@ impl Person {
         Ok(Self { proportions, ..self })
     }
 
-    /// The same person with other proportions; `None` for those that [`Self::with_segments`] refuses.
+    /// Sets the proportions. `None` for those that [`Self::with_segments`] refuses.
     pub(crate) fn with_proportions(self, proportions: Proportions) -> Option<Self> {
-        // Lengths rounded to fractions may be at the end of what is plausible.
+        // Lengths rounded to fractions may be at the end of the plausible range.
         const ROUNDING: f64 = 1e-9;
         let plausible = proportions.to_array().into_iter().zip(AVERAGE.to_array()).all(
             |(fraction, average)| {
@@ -237,27 +237,27 @@ impl Person {
         (plausible && follow).then_some(Self { proportions, ..self })
     }
 
-    /// Stature \[m\].
+    /// The stature \[m\].
     pub fn stature(&self) -> f64 {
         self.stature
     }
 
-    /// Body mass \[kg\].
+    /// The body mass \[kg\].
     pub fn mass(&self) -> f64 {
         self.mass
     }
 
-    /// Ranges of motion \[rad\].
+    /// The ranges of motion \[rad\].
     pub fn ranges(&self) -> &JointRanges {
         &self.ranges
     }
 
-    /// Height of the elbow joint, standing with hanging arms \[m\].
+    /// Returns the height of the elbow joint, standing with hanging arms \[m\].
     pub fn elbow_height(&self) -> f64 {
         (self.proportions.shoulder - self.proportions.upper_arm) * self.stature
     }
 
-    /// Lengths of the body \[m\], every one filled in.
+    /// Returns all lengths of the body \[m\].
     pub fn segments(&self) -> Segments {
         let length = |ratio: f64| Some(ratio * self.stature);
         let p = &self.proportions;

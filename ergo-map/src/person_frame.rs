@@ -2,8 +2,8 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::error::{Result, within};
 
-/// A person's frame H in the world: origin on the floor below the pelvis, x along the heading, z up.
-/// Ergonomics are stated in it.
+/// A person's frame H in the world, in which ergonomics are expressed. The origin is on the floor
+/// below the pelvis. x points along the heading, and z up.
 ///
 /// ```
 /// use ergo_map::PersonFrame;
@@ -20,11 +20,12 @@ pub struct PersonFrame {
 }
 
 impl PersonFrame {
-    /// The frame with its origin at `position` \[m\] (world, on the floor below the pelvis) and its
-    /// x axis along `heading` \[rad\] about the world's z axis.
+    /// Creates the frame with its origin at `position` \[m\] and its x axis along `heading`
+    /// \[rad\]. The position is in the world, on the floor below the pelvis. The heading is about
+    /// the world's z axis.
     ///
     /// # Errors
-    /// [`crate::Error::Value`] for a coordinate or the heading.
+    /// [`crate::Error::Value`] if a coordinate or the heading is invalid.
     pub fn new(position: Vector3<f64>, heading: f64) -> Result<Self> {
         for (name, value) in ["person x", "person y", "person z"].into_iter().zip(position.iter()) {
             within(name, *value, [-1e7, 1e7], "m")?;
@@ -42,18 +43,18 @@ impl PersonFrame {
         self.heading
     }
 
-    /// The rotation that takes directions of the person's frame to the world.
+    /// Returns the rotation that transforms directions of the person's frame to the world.
     pub fn rotation(&self) -> Matrix3<f64> {
         let (sin, cos) = self.heading.sin_cos();
         Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0)
     }
 
-    /// A point of the person's frame, in the world.
+    /// Transforms a point of the person's frame to the world.
     pub fn to_world(&self, point: &Vector3<f64>) -> Vector3<f64> {
         self.position + self.rotation() * point
     }
 
-    /// A point of the world, in the person's frame.
+    /// Transforms a point of the world to the person's frame.
     pub fn to_person(&self, point: &Vector3<f64>) -> Vector3<f64> {
         self.rotation().tr_mul(&(point - self.position))
     }

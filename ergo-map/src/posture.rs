@@ -1,14 +1,14 @@
 use crate::error::{Result, angle};
 use crate::upper_arm::UpperArm;
 
-/// A posture as an assessor sees it: the angles that REBA and RULA ask for \[rad\].
+/// A posture as an assessor describes it: the angles that REBA and RULA use \[rad\].
 ///
-/// Zero everywhere is upright standing with hanging arms. Signs: flexion is positive and extension
-/// negative; side bends, twists and rotations count by magnitude. The trunk's flexion is its
-/// inclination from the vertical; the neck's and the upper arm's are relative to the trunk.
+/// All zeros are upright standing with hanging arms. Flexion is positive and extension negative.
+/// Side bends, twists and rotations count by magnitude. The trunk's flexion is its inclination from
+/// the vertical. Those of neck and upper arm are relative to the trunk.
 ///
-/// Flexion and abduction say where the upper arm points, as degrees of longitude and latitude do.
-/// At an abduction of 90° flexion means nothing; scores therefore read the elevation, which every
+/// Flexion and abduction describe the direction of the upper arm like longitude and latitude. At an
+/// abduction of 90° the flexion is undefined. Scores therefore use the elevation, which every
 /// direction has: [`Posture::upper_arm_elevation`].
 ///
 /// ```
@@ -43,7 +43,7 @@ pub struct Posture {
     pub wrist_flexion: f64,
     /// Radial or ulnar deviation of the wrist.
     pub wrist_deviation: f64,
-    /// Pronation or supination of the forearm from its middle.
+    /// Pronation or supination of the forearm from its mid position.
     pub wrist_twist: f64,
 }
 
@@ -69,7 +69,7 @@ impl Posture {
         "wrist_twist",
     ];
 
-    /// The angles in the order in which the fields are declared.
+    /// Returns the angles in the order of the fields.
     pub fn to_array(&self) -> [f64; Self::LEN] {
         [
             self.trunk_flexion,
@@ -89,7 +89,7 @@ impl Posture {
         ]
     }
 
-    /// The inverse of [`Posture::to_array`].
+    /// Creates the posture from an array. This is the inverse of [`Posture::to_array`].
     pub fn from_array(angles: [f64; Self::LEN]) -> Self {
         let [
             trunk_flexion,
@@ -125,20 +125,21 @@ impl Posture {
         }
     }
 
-    /// Elevation of the upper arm: its angle from hanging along the trunk \[rad\], 0 to π (ISB, Wu
-    /// et al. 2005).
+    /// Returns the elevation of the upper arm: its angle from hanging along the trunk \[rad\], 0 to
+    /// π (ISB, Wu et al. 2005).
     pub fn upper_arm_elevation(&self) -> f64 {
         self.upper_arm().elevation()
     }
 
-    /// Plane in which the upper arm is elevated \[rad\]: 0 to the side, π/2 forward, negative behind
-    /// the trunk (ISB, Wu et al. 2005). An arm that hangs or points straight up has none: any value.
+    /// Returns the plane of elevation of the upper arm \[rad\]: 0 to the side, π/2 forward,
+    /// negative behind the trunk (ISB, Wu et al. 2005). The value is arbitrary if the arm hangs or
+    /// points straight up.
     pub fn upper_arm_plane_of_elevation(&self) -> f64 {
         let UpperArm { forward, outward, .. } = self.upper_arm();
         forward.atan2(outward)
     }
 
-    /// Where the upper arm points.
+    /// Returns the direction of the upper arm.
     pub(crate) fn upper_arm(&self) -> UpperArm {
         UpperArm::of_angles(self.upper_arm_flexion, self.upper_arm_abduction)
     }
@@ -146,7 +147,7 @@ impl Posture {
     /// Checks that every angle is finite and at most a full turn.
     ///
     /// # Errors
-    /// [`crate::Error::Value`] names the first that is not.
+    /// [`crate::Error::Value`] names the first angle that is not.
     pub fn validate(&self) -> Result<()> {
         Self::NAMES
             .into_iter()

@@ -1,4 +1,4 @@
-//! The posture a person takes to put a hand somewhere.
+//! Prediction of the posture that brings a hand to a position.
 
 mod effort;
 mod normal;
@@ -15,34 +15,34 @@ use crate::skeleton::mirror_rotation;
 use effort::Effort;
 use solve::{Goal, Outcome, Solver};
 
-/// Hand error at which a target counts as reached, in statures: below 0.1 mm for anyone.
+/// Largest hand error at which a target counts as reached, in statures: below 0.1 mm for everybody.
 const REACHED: f64 = 3e-5;
-/// Orientation error at which a target counts as reached \[rad\].
+/// Largest orientation error at which a target counts as reached \[rad\].
 const ORIENTED: f64 = 1e-3;
 /// Radius of the trunk, in statures.
 const TRUNK_RADIUS: f64 = 0.06;
 
-/// Where the working hand shall be, in the person's frame H: origin on the floor below the pelvis
-/// of the person standing upright, x forward, y left, z up.
+/// Target of the working hand, in the person's frame H. The origin of H is on the floor below the
+/// pelvis of the person standing upright. x points forward, y left, and z up.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HandTarget {
-    /// The centre of the grip \[m\].
+    /// Centre of the grip \[m\].
     pub position: Vector3<f64>,
     /// Axes of the hand in H, if they matter: x along the fingers, z out of the back of the hand.
-    /// The identity is a flat hand pointing forward, palm down. `None` leaves forearm rotation and
-    /// wrist at rest.
+    /// The identity is a flat hand that points forward, palm down. `None` leaves forearm rotation
+    /// and wrist at rest.
     pub orientation: Option<Rotation3<f64>>,
 }
 
 impl HandTarget {
-    /// A point that the hand shall reach in whatever orientation.
+    /// Creates a target position with an arbitrary orientation.
     pub fn point(position: Vector3<f64>) -> Self {
         Self { position, orientation: None }
     }
 }
 
-/// What weighs how much when a person chooses a posture. The numbers are choices of this crate:
-/// nothing here has been fitted to people.
+/// Weights of the effort that a posture minimises. The numbers are choices of this crate, and
+/// nothing has been fitted to people.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EffortWeights {
     /// Displacement of each joint from neutral, relative to its range of motion (Marler & Yang's
@@ -52,11 +52,11 @@ pub struct EffortWeights {
     pub neutral: JointAngles,
     /// Gravity's torque at shoulder, lumbar spine, hip and knee relative to its strength, squared.
     pub gravity: f64,
-    /// Distance of the centre of mass from its place in quiet standing relative to half a foot's
-    /// length, squared.
+    /// Distance of the centre of mass from its place in quiet standing, relative to half the length
+    /// of a foot, squared.
     pub balance: f64,
-    /// Distance between the direction of the gaze at rest (15° down) and the direction to the hand,
-    /// as unit vectors, squared.
+    /// Distance between the gaze direction at rest (15° down) and the direction to the hand, as
+    /// unit vectors, squared.
     pub gaze: f64,
     /// Mass in the hand \[kg\].
     pub load: f64,
@@ -113,24 +113,23 @@ impl EffortWeights {
 /// A predicted posture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Prediction {
-    /// The joints.
+    /// The joint angles.
     pub angles: JointAngles,
-    /// The effort that the posture costs (weighted sum of squares, no unit).
+    /// Effort of the posture (weighted sum of squares, no unit).
     pub effort: f64,
-    /// Distance left between hand and target \[m\].
+    /// Remaining distance between hand and target \[m\].
     pub hand_error: f64,
 }
 
-/// Predicts the posture that a person takes to put a hand somewhere: the one of least effort
-/// (paper, Sec. III-B: people "assume a configuration that minimizes the overall human joints
-/// activation").
+/// Predicts the posture of least effort that brings a hand to a position (paper, Sec. III-B: people
+/// "assume a configuration that minimizes the overall human joints activation").
 ///
 /// minimise ½ Σ w ((q - neutral) / range)² + gravity + balance + gaze
-/// subject to the hand at its target and the joints within their ranges of motion,
+/// subject to the hand at its target and the joints within their ranges of motion.
 ///
-/// by an augmented Lagrangian over projected Levenberg–Marquardt. All lengths are in statures and
-/// all masses in body masses inside, so that two people of the same proportions take the same
-/// posture for the same relative target.
+/// The solver is an augmented Lagrangian over projected Levenberg–Marquardt. Internally lengths are
+/// in statures and masses in body masses. Two people of the same proportions therefore take the
+/// same posture for the same relative target.
 ///
 /// ```
 /// use ergo_map::{HandTarget, Person, PosturePredictor, Side};
@@ -150,16 +149,16 @@ pub struct PosturePredictor {
 }
 
 impl PosturePredictor {
-    /// A predictor with the default weights.
+    /// Creates a predictor with the default weights.
     pub fn new(person: &Person, side: Side) -> Self {
         let effort = Effort::new(person, &EffortWeights::default());
         Self { person: person.clone(), side, effort }
     }
 
-    /// A predictor with other weights.
+    /// Creates a predictor with other weights.
     ///
     /// # Errors
-    /// See [`EffortWeights::validate`].
+    /// Those of [`EffortWeights::validate`].
     pub fn with_weights(person: &Person, side: Side, weights: &EffortWeights) -> Result<Self> {
         weights.validate()?;
         let effort = Effort::new(person, weights);
@@ -176,20 +175,20 @@ impl PosturePredictor {
         self.side
     }
 
-    /// The posture of least effort for this target.
+    /// Returns the posture of least effort for this target.
     ///
     /// # Errors
-    /// [`Error::Value`] (beyond a kilometre) for the target;
-    /// [`Error::Unreachable`] with the reason.
+    /// [`Error::Value`] if the target is invalid or beyond a kilometre. [`Error::Unreachable`] with
+    /// the reason.
     pub fn predict(&self, target: &HandTarget) -> Result<Prediction> {
         self.predict_from(target, &JointAngles::default())
     }
 
-    /// The posture of least effort, sought from `start` instead of upright standing. The start is
-    /// moved into the ranges of motion.
+    /// Returns the posture of least effort, searched from `start` instead of upright standing. The
+    /// start is clamped to the ranges of motion.
     ///
     /// # Errors
-    /// As [`PosturePredictor::predict`]; [`Error::Value`] for the start as well.
+    /// Those of [`PosturePredictor::predict`], and [`Error::Value`] if the start is invalid.
     pub fn predict_from(&self, target: &HandTarget, start: &JointAngles) -> Result<Prediction> {
         for (name, value) in ["x", "y", "z"].into_iter().zip(target.position.iter()) {
             within(name, *value, [-1e3, 1e3], "m")?;
@@ -201,7 +200,7 @@ impl PosturePredictor {
         }
         start.validate()?;
         let stature = self.person.stature();
-        // The chain works with its right hand; a left hand works in the mirror.
+        // The chain works with its right hand. A left hand is mirrored.
         let (goal, start) = match self.side {
             Side::Right => (*target, *start),
             Side::Left => (mirrored(target), start.mirrored()),
@@ -222,7 +221,7 @@ impl PosturePredictor {
         let pose = Pose::new(self.effort.body(), &outcome.q);
         let distance = outcome.distance * self.person.stature();
         let reason = if outcome.distance > REACHED {
-            // At heel or toe the person would fall before the hand is there.
+            // Near heel or toe the person would fall before the hand reaches the target.
             let balance = if self.effort.on_edge(&pose) { " in balance" } else { "" };
             format!("the closest posture{balance} leaves it {distance:.4} m away")
         } else if outcome.angle > ORIENTED {
@@ -237,7 +236,7 @@ impl PosturePredictor {
     }
 }
 
-/// The target as a mirror in the body's middle plane shows it.
+/// Mirrors the target in the body's midplane.
 fn mirrored(target: &HandTarget) -> HandTarget {
     let p = target.position;
     HandTarget {
@@ -246,7 +245,7 @@ fn mirrored(target: &HandTarget) -> HandTarget {
     }
 }
 
-/// Returns true if a point lies within the trunk, a capsule from hip to neck.
+/// Returns true if a point is inside the trunk, a capsule from hip to neck.
 fn inside_trunk(pose: &Pose, point: &Vector3<f64>) -> bool {
     [(pose.hip, pose.lumbar), (pose.lumbar, pose.neck)].into_iter().any(|(a, b)| {
         let along = b - a;
@@ -255,7 +254,7 @@ fn inside_trunk(pose: &Pose, point: &Vector3<f64>) -> bool {
     })
 }
 
-/// Number of joints that take part in reaching a goal.
+/// Returns the number of joints that take part in reaching a goal.
 const fn active_joints(oriented: bool) -> usize {
     if oriented { crate::joints::DOF } else { POINT_DOF }
 }

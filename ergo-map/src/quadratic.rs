@@ -1,4 +1,4 @@
-//! A convex quadratic that stands for the score in a quadratic programme.
+//! A convex quadratic that approximates the score in a quadratic program.
 
 mod admm;
 mod boxed;
@@ -16,8 +16,9 @@ pub use report::{FitReport, Regret};
 pub(crate) use report::{correlation, ranks};
 pub use scored_point::ScoredPoint;
 
-/// e(x) = ½ xᵀ H x + gᵀ x + c with H symmetric and positive semidefinite; x is a hand position \[m\]
-/// in the person's frame or, once [`placed`](ErgonomicsQuadratic::placed), in the world.
+/// The quadratic e(x) = ½ xᵀ H x + gᵀ x + c with H symmetric and positive semidefinite. x is a hand
+/// position \[m\] in the person's frame or, once [`placed`](ErgonomicsQuadratic::placed), in the
+/// world.
 ///
 /// ```
 /// use ergo_map::{ErgonomicsMap, FitOptions, MapOptions, Person, PersonFrame};
@@ -39,25 +40,27 @@ pub struct ErgonomicsQuadratic {
     constant: f64,
 }
 
-/// The score in terms of the desired hand velocity v \[m/s\] (the paper's `ẋ_d`):
-/// ½ vᵀ hessian v + gradientᵀ v plus a constant.
+/// The score as a function of the desired hand velocity v \[m/s\] (the paper's `ẋ_d`): ½ vᵀ hessian
+/// v + gradientᵀ v plus a constant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TaskTerms {
-    /// τ² H.
+    /// Hessian τ² H.
     pub hessian: Matrix3<f64>,
-    /// τ (H x + g), x being the desired position of the last tick.
+    /// Gradient τ (H x + g), where x is the desired position of the last tick.
     pub gradient: Vector3<f64>,
 }
 
 impl ErgonomicsQuadratic {
-    /// The quadratic with these coefficients.
+    /// Creates the quadratic with these coefficients.
     ///
     /// # Errors
-    /// [`Error::Value`] for a coefficient that is not finite, and for a Hessian that is not symmetric or not
-    /// convex. Entry (i, j) is judged against √(Hᵢᵢ Hⱼⱼ), the largest that it can be in a convex quadratic, so
-    /// that the units of the axes do not matter: 1e-9 of it counts as rounding.
+    /// [`Error::Value`] if a coefficient is not finite, or the Hessian is not symmetric or not
+    /// convex.
+    ///
+    /// Entry (i, j) is compared with √(Hᵢᵢ Hⱼⱼ), its largest size in a convex quadratic. The units
+    /// of the axes therefore do not matter. Deviations of up to 1e-9 of it count as rounding.
     pub fn new(hessian: Matrix3<f64>, gradient: Vector3<f64>, constant: f64) -> Result<Self> {
-        // Far beyond any score, and squares stay finite.
+        // The limit is far beyond any score, and keeps squares finite.
         let most = [-1e100, 1e100];
         hessian.iter().try_for_each(|h| within("hessian", *h, most, "1/m²").map(drop))?;
         gradient.iter().try_for_each(|g| within("gradient", *g, most, "1/m").map(drop))?;
@@ -68,44 +71,44 @@ impl ErgonomicsQuadratic {
         Ok(Self { hessian, gradient, constant })
     }
 
-    /// H \[1/m²\].
+    /// Hessian H \[1/m²\].
     pub fn hessian(&self) -> &Matrix3<f64> {
         &self.hessian
     }
 
-    /// g \[1/m\].
+    /// Gradient g at zero \[1/m\].
     pub fn gradient(&self) -> &Vector3<f64> {
         &self.gradient
     }
 
-    /// c.
+    /// Constant c.
     pub fn constant(&self) -> f64 {
         self.constant
     }
 
-    /// e(x).
+    /// Returns e(x).
     #[inline]
     pub fn value(&self, x: &Vector3<f64>) -> f64 {
         x.dot(&(self.hessian * x * 0.5 + self.gradient)) + self.constant
     }
 
-    /// The derivative of e at x \[1/m\].
+    /// Returns the derivative of e at x \[1/m\].
     #[inline]
     pub fn gradient_at(&self, x: &Vector3<f64>) -> Vector3<f64> {
         self.hessian * x + self.gradient
     }
 
-    /// Where e is smallest; `None` where H is singular.
+    /// Returns the point at which e is smallest. `None` if H is singular.
     pub fn minimiser(&self) -> Option<Vector3<f64>> {
         self.hessian.cholesky().map(|factor| -factor.solve(&self.gradient))
     }
 
-    /// The same quadratic as a function of world positions:
-    /// `H_w` = R H Rᵀ, `g_w` = R g - `H_w` p, with the person at p, turned by R.
+    /// Returns the quadratic as a function of world positions: `H_w` = R H Rᵀ, `g_w` = R g - `H_w`
+    /// p. The person is at p, turned by R.
     #[must_use]
     pub fn placed(&self, person: &PersonFrame) -> Self {
         let rotation = person.rotation();
-        // From a root of H: what a rotation makes small stays positive in spite of rounding.
+        // A root of H is rotated, so that small curvature stays positive in spite of rounding.
         let turned_root = rotation * root(&self.hessian);
         let hessian = turned_root * turned_root.transpose();
         let turned = rotation * self.gradient;
@@ -117,8 +120,9 @@ impl ErgonomicsQuadratic {
         }
     }
 
-    /// The same for a body `ratio` times as large and of the same proportions: e(x / ratio), as
-    /// [`ErgonomicsMap::for_stature`](crate::ErgonomicsMap::for_stature) does with a map.
+    /// Returns the quadratic for a body `ratio` times as large and of the same proportions: e(x /
+    /// ratio). [`ErgonomicsMap::for_stature`](crate::ErgonomicsMap::for_stature) does the same with
+    /// a map.
     ///
     /// ```
     /// use ergo_map::ErgonomicsQuadratic;
@@ -131,21 +135,22 @@ impl ErgonomicsQuadratic {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Value`] for a ratio that is not from 0.1 to 10.
+    /// [`Error::Value`] if the ratio is not from 0.1 to 10.
     pub fn resized(&self, ratio: f64) -> Result<Self> {
         let ratio = within("ratio of sizes", ratio, [0.1, 10.0], "(ratio)")?;
         let (hessian, gradient) = (self.hessian / (ratio * ratio), self.gradient / ratio);
         Ok(Self { hessian, gradient, constant: self.constant })
     }
 
-    /// The quadratic at `x_previous` + τ v as a function of the velocity v: hessian τ² H, gradient
-    /// τ (H `x_previous` + g). The frame of the quadratic is the frame of `x_previous`.
+    /// Returns the quadratic at `x_previous` + τ v as a function of the velocity v. Its Hessian is
+    /// τ² H, and its gradient τ (H `x_previous` + g). The frame of the quadratic is that of
+    /// `x_previous`.
     ///
-    /// With τ = Δt this is the paper's form; a longer horizon makes the hand approach the optimum
-    /// with the time constant τ instead of within one tick.
+    /// The paper uses τ = Δt. A longer horizon makes the hand approach the optimum with the time
+    /// constant τ instead of within one tick.
     ///
     /// # Errors
-    /// The horizon τ \[s\] must be positive and at most 60 s.
+    /// [`Error::Value`] if the horizon τ \[s\] is not positive and at most 60 s.
     pub fn task_terms(&self, x_previous: &Vector3<f64>, horizon: f64) -> Result<TaskTerms> {
         let horizon = within("horizon", horizon, [1e-6, 60.0], "s")?;
         Ok(TaskTerms {
@@ -155,11 +160,11 @@ impl ErgonomicsQuadratic {
     }
 }
 
-/// Asymmetry and negative curvature up to this part of √(Hᵢᵢ Hⱼⱼ) are rounding: room for matrices that are
-/// products of others, or were written with ten digits.
+/// Asymmetry and negative curvature of up to this part of √(Hᵢᵢ Hⱼⱼ) are rounding. There is a
+/// margin for matrices that are products of others, or were written with ten digits.
 const ROUNDING: f64 = 1e-9;
 
-/// The root of what is on the diagonal; zero where that is negative.
+/// Returns the roots of the diagonal, zero for negative entries.
 fn roots(hessian: &Matrix3<f64>) -> Vector3<f64> {
     hessian.diagonal().map(|entry| entry.max(0.0).sqrt())
 }
@@ -182,7 +187,8 @@ fn expect_symmetric(hessian: &Matrix3<f64>) -> Result<()> {
 
 fn expect_convex(hessian: &Matrix3<f64>) -> Result<()> {
     let roots = roots(hessian);
-    // Without curvature of its own an axis can have none with another; the quotient is infinite if it has.
+    // An axis without curvature can have none with another axis either. The quotient is infinite if
+    // it has.
     let scaled =
         hessian.map_with_location(
             |i, j, entry| {
@@ -205,9 +211,9 @@ fn expect_convex(hessian: &Matrix3<f64>) -> Result<()> {
     })
 }
 
-/// R with R Rᵀ = H, by Cholesky factorisation with pivoting.
+/// Returns R with R Rᵀ = H, by Cholesky factorisation with pivoting.
 fn root(hessian: &Matrix3<f64>) -> Matrix3<f64> {
-    // Less of a diagonal entry is what rounding leaves of it.
+    // A smaller part of a diagonal entry is rounding.
     const NOTHING: f64 = 4.0 * f64::EPSILON;
     let mut rest = *hessian;
     let mut root = Matrix3::zeros();

@@ -1,4 +1,4 @@
-//! Rapid Entire Body Assessment: the integer score and two continuous ones from the same core.
+//! Rapid Entire Body Assessment: the integer score, and two continuous scores from the same core.
 
 mod conditions;
 mod continuous;

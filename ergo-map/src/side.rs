@@ -9,7 +9,7 @@ pub enum Side {
 }
 
 impl Side {
-    /// The sign of y on this side in the person's frame: left +1, right -1.
+    /// Returns the sign of y on this side in the person's frame: left +1, right -1.
     pub const fn sign(self) -> f64 {
         match self {
             Self::Left => 1.0,

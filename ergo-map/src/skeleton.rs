@@ -6,15 +6,15 @@ use crate::kinematics::{Body, Pose};
 use crate::person::Person;
 use crate::side::Side;
 
-/// Where the parts of the body are \[m\], in the person's frame H: origin on the floor below the
-/// pelvis of the person standing upright, x forward, y left, z up.
+/// Places of the parts of the body \[m\], in the person's frame H. The origin of H is on the floor
+/// below the pelvis of the person standing upright. x points forward, y left, and z up.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Landmarks {
-    /// Ankles (both, projected on the middle plane).
+    /// Ankles (both, projected on the midplane).
     pub ankle: Vector3<f64>,
-    /// Knees (both, projected on the middle plane).
+    /// Knees (both, projected on the midplane).
     pub knee: Vector3<f64>,
-    /// Hips (both, projected on the middle plane): the pelvis.
+    /// Hips (both, projected on the midplane): the pelvis.
     pub hip: Vector3<f64>,
     /// Lumbar joint.
     pub lumbar: Vector3<f64>,
@@ -55,15 +55,15 @@ pub struct Skeleton {
 }
 
 impl Skeleton {
-    /// The skeleton of a person.
+    /// Creates the skeleton of a person.
     pub fn new(person: &Person, side: Side) -> Self {
         Self { body: Body::new(person.proportions(), 0.0), stature: person.stature(), side }
     }
 
-    /// Forward kinematics.
+    /// Computes the forward kinematics.
     ///
     /// # Errors
-    /// [`crate::Error::Value`] for a joint angle.
+    /// [`crate::Error::Value`] if a joint angle is invalid.
     pub fn landmarks(&self, angles: &JointAngles) -> Result<Landmarks> {
         angles.validate()?;
         let chain = match self.side {
@@ -97,12 +97,13 @@ impl Skeleton {
     }
 }
 
-/// Axes of the right hand (x fingers, z back of the hand) from the chain's (fingers -z, palm +y).
+/// Returns the axes of the right hand (x fingers, z back of the hand) from the chain's (fingers -z,
+/// palm +y).
 pub(crate) fn hand_axes(palm: &Matrix3<f64>) -> Matrix3<f64> {
     Matrix3::from_columns(&[-palm.column(2), palm.column(0).into_owned(), -palm.column(1)])
 }
 
-/// A rotation as the mirror in the body's middle plane shows it.
+/// Mirrors a rotation in the body's midplane.
 pub(crate) fn mirror_rotation(rotation: &Rotation3<f64>) -> Rotation3<f64> {
     let mirror = Matrix3::from_diagonal(&Vector3::new(1.0, -1.0, 1.0));
     Rotation3::from_matrix_unchecked(mirror * rotation.matrix() * mirror)

@@ -1,9 +1,10 @@
 //! The printed classes of an angle: a score that jumps at thresholds.
 
-/// Angles closer to a threshold than this lie on it \[rad\]: a converted angle may miss by an ulp.
+/// Angles closer to a threshold than this are on it \[rad\], since a converted angle may be off by
+/// an ulp.
 const ON_THRESHOLD: f64 = 1e-9;
 
-/// A score for very negative angles and the jumps at each threshold, in degrees as printed.
+/// A score for very negative angles, and the jump at each threshold, in degrees as printed.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Steps {
     pub(crate) start: f64,
@@ -15,7 +16,7 @@ impl Steps {
         Self { start, jumps }
     }
 
-    /// The class of an angle \[rad\]. Exactly on a threshold the lower class holds.
+    /// Returns the class of an angle \[rad\]. Exactly on a threshold the lower class holds.
     pub(crate) fn class(&self, angle: f64) -> u8 {
         let mut score = self.start;
         for &(threshold, jump) in self.jumps {
@@ -29,14 +30,15 @@ impl Steps {
                 score += jump;
             }
         }
-        // Small integers by construction.
+        // The values are small integers by construction.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         {
             score as u8
         }
     }
 
-    /// Each jump replaced by a smooth step over ± `half_width` \[rad\]: value and derivative.
+    /// Returns value and derivative with each jump replaced by a smooth step over ± `half_width`
+    /// \[rad\].
     pub(crate) fn softened(&self, angle: f64, half_width: f64) -> (f64, f64) {
         let (mut value, mut slope) = (self.start, 0.0);
         for &(threshold, jump) in self.jumps {
@@ -49,12 +51,14 @@ impl Steps {
     }
 }
 
-/// Steepness of a smooth step at its middle, over its width. A plain smoothstep (1.5) spends so long
-/// between two classes that where a table jumps by two, or two parts change at once, the score
-/// rounds to what neither side has: 4 to 10 % of postures at ±2°, against below 1 % here.
+/// Steepness of a smooth step at its centre, over its width.
+///
+/// A plain smoothstep (1.5) spends much of its width between two classes. Where a table jumps by
+/// two, or two parts change at once, the score would round to a value that neither side has. This
+/// affects 4 to 10 % of postures at ±2°, against below 1 % here.
 const STEEPNESS: i32 = 24;
 
-/// A step from 0 to 1 over [0, 1], tᵖ / (tᵖ + (1 - t)ᵖ), with its derivative.
+/// Returns a step from 0 to 1 over [0, 1], tᵖ / (tᵖ + (1 - t)ᵖ), with its derivative.
 fn smooth_step(t: f64) -> (f64, f64) {
     if t <= 0.0 || t >= 1.0 {
         return (f64::from(u8::from(t >= 1.0)), 0.0);

@@ -1,4 +1,5 @@
-//! A desired pose stays in a box that goes with a person and, below that, moves as little as it can.
+//! A desired pose stays in a box that moves with a person. Below that it moves as little as
+//! possible.
 #![allow(clippy::print_stdout)]
 
 use ahqp_core::{AugmentedState, Hierarchy, Level, Rows, Settings, Solver, integrate_pose};
@@ -14,7 +15,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         Bounds::symmetric(Vector3::repeat(0.3))?,
     )?;
 
-    // χ = [ẋ_d; s], the twist of the desired pose and the slack; the joints of a robot would come first.
+    // χ = [ẋ_d; s]: the twist of the desired pose and the slack. The joints of a robot would come
+    // first.
     let state = AugmentedState { joints: 0, task: 6, slack: 6 };
     let soft = SoftWorkspace::new(state, 0.2)?;
     let mut hierarchy = Hierarchy::new(state.len())?;

@@ -1,20 +1,20 @@
-//! What a workspace hangs on: a frame that is measured now and then, late and noisy.
+//! Frames to which a workspace is attached. Their measurements are late, noisy and not periodic.
 
 use nalgebra::{Isometry3, Vector3, Vector6};
 
 use crate::error::{Error, check_all, check_pose, not_negative, positive};
 use crate::motion::{is_period, moved};
 
-/// Two measurements whose ages differ by less are the same one \[s\]: ages are sums of periods.
+/// Two measurements whose ages differ by less are the same one \[s\]. Ages are sums of periods.
 const SIMULTANEOUS: f64 = 1e-6;
 
-/// How long a frame is believed to go on without being seen.
+/// Extrapolation of a frame that is not seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AnchorSettings {
-    /// How long it goes on with the velocity measured last \[s\]. Default 0.2, four frames of a
-    /// 20 Hz camera.
+    /// Time for which it moves on with the last measured velocity \[s\]. Default 0.2, four frames
+    /// of a 20 Hz camera.
     pub extrapolation: f64,
-    /// How long it then takes to come to rest \[s\]. Default 0.3.
+    /// Time in which it then comes to rest \[s\]. Default 0.3.
     pub braking: f64,
 }
 
@@ -25,8 +25,8 @@ impl Default for AnchorSettings {
 }
 
 impl AnchorSettings {
-    /// The time at full speed that makes the displacement after `age`: ∫ c dt with the share c
-    /// of the velocity at 1, then falling to 0.
+    /// Returns the time at full speed that gives the displacement after `age`. It is ∫ c dt, where
+    /// c is the share of the velocity: 1 at first, then falling to 0.
     fn coasted(&self, age: f64) -> f64 {
         let Self { extrapolation, braking } = *self;
         let beyond = (age - extrapolation).clamp(0.0, braking);
@@ -34,7 +34,8 @@ impl AnchorSettings {
     }
 }
 
-/// A measured frame, extrapolated between measurements for a bounded time, then held.
+/// A measured frame that is extrapolated between measurements for a bounded time, and then stands
+/// still.
 ///
 /// ```
 /// use hrsw::{Anchor, AnchorSettings};
@@ -59,23 +60,22 @@ pub struct Anchor {
 }
 
 impl Anchor {
-    /// A frame that was never seen.
+    /// Creates a frame that was never seen.
     ///
     /// # Errors
-    /// [`Error::Value`] for times that are not positive and finite.
+    /// [`Error::Value`] if a time is not positive and finite.
     pub fn new(settings: AnchorSettings) -> Result<Self, Error> {
         positive("the extrapolation time", settings.extrapolation)?;
         positive("the braking time of an anchor", settings.braking)?;
         Ok(Self { settings, pose: None, measured: Vector6::zeros(), age: f64::INFINITY })
     }
 
-    /// Takes a measurement that is `age` old \[s\]: the pose then and the velocity, linear at the
-    /// origin, then angular, in world axes.
+    /// Takes a measurement of age `age` \[s\]: the pose at that time and the velocity, linear at
+    /// the origin, then angular, in world axes.
     ///
     /// # Errors
-    /// [`Error::Value`] for a pose that is none or a negative age,
-    /// [`Error::OutOfOrder`] for a measurement older than the newest one; the frame then goes on as
-    /// before.
+    /// [`Error::Value`] if the pose is invalid or the age negative. [`Error::OutOfOrder`] if the
+    /// measurement is older than the newest one. The frame is then unchanged.
     pub fn observe(
         &mut self,
         pose: Isometry3<f64>,
@@ -96,7 +96,7 @@ impl Anchor {
         Ok(())
     }
 
-    /// Goes on by `period` \[s\]; not at all by one that is not positive and finite.
+    /// Advances by `period` \[s\]. A period that is not positive and finite has no effect.
     pub fn advance(&mut self, period: f64) {
         if !is_period(period) {
             return;
@@ -109,24 +109,24 @@ impl Anchor {
         }
     }
 
-    /// Where the frame is taken to be; none before the first measurement.
+    /// Returns the extrapolated pose. None before the first measurement.
     pub fn pose(&self) -> Option<&Isometry3<f64>> {
         self.pose.as_ref()
     }
 
-    /// How fast it is taken to move: as measured, then braking, then at rest.
+    /// Returns the extrapolated velocity: first as measured, then braking, then zero.
     pub fn twist(&self) -> Vector6<f64> {
         let beyond = (self.age - self.settings.extrapolation) / self.settings.braking;
         self.measured * (1.0 - beyond).clamp(0.0, 1.0)
     }
 
-    /// How old the last measurement is \[s\]; infinite before the first.
+    /// Returns the age of the last measurement \[s\], infinite before the first one.
     pub fn age(&self) -> f64 {
         self.age
     }
 }
 
-/// The pose after `time` at `twist`.
+/// Returns the pose after `time` at `twist`.
 fn carried(pose: &Isometry3<f64>, twist: &Vector6<f64>, time: f64) -> Isometry3<f64> {
     let part = |at: usize| Vector3::new(twist[at], twist[at + 1], twist[at + 2]) * time;
     moved(pose, &part(0), &part(3))

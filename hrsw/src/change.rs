@@ -4,9 +4,9 @@ use crate::error::{Error, positive};
 use crate::motion::is_period;
 use crate::shape::{Bounds, OrientationShape, PositionShape};
 
-/// Shapes of one kind that pass into each other within the kind.
+/// Shapes of one kind with blends of the same kind.
 pub(crate) trait Blend: Sized {
-    /// (1 − share) · self + share · other, where the kind has it.
+    /// Returns (1 − share) · self + share · other, if the kind contains it.
     fn blended(&self, other: &Self, share: f64) -> Option<Self>;
 }
 
@@ -29,7 +29,7 @@ impl Blend for OrientationShape {
     }
 }
 
-/// A shape, or one on its way to another.
+/// A shape, or a transition between two shapes.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Change<S> {
     from: S,
@@ -44,10 +44,10 @@ struct Target<S> {
     elapsed: f64,
 }
 
-/// Where a change stands.
+/// Current stage of a change.
 pub(crate) enum Stage<'a, S> {
     Still(&'a S),
-    /// The share of `to` and its rate \[1/s\].
+    /// `share` is that of `to`, and `rate` its rate \[1/s\].
     Between {
         from: &'a S,
         to: &'a S,
@@ -61,8 +61,8 @@ impl<S: Blend + Clone> Change<S> {
         Self { from: shape, to: None, next: None }
     }
 
-    /// Begins to change into `shape`. A change under way continues from where it is when the
-    /// kinds allow, and else ends first.
+    /// Starts a change to `shape`. A change in progress continues from its current shape if the
+    /// kinds allow it. Otherwise it ends first.
     pub(crate) fn begin(&mut self, shape: S, duration: f64) -> Result<(), Error> {
         positive("the duration of a change of shape", duration)?;
         self.next = None;
@@ -99,7 +99,7 @@ impl<S: Blend + Clone> Change<S> {
         match &self.to {
             None => Stage::Still(&self.from),
             Some(Target { shape, duration, elapsed }) => {
-                // 10u³ − 15u⁴ + 6u⁵: at rest, and without acceleration, at both ends.
+                // The polynomial 10u³ − 15u⁴ + 6u⁵ has zero velocity and acceleration at both ends.
                 let u = (elapsed / duration).clamp(0.0, 1.0);
                 let share = u * u * u * (10.0 + u * (6.0 * u - 15.0));
                 let rate = 30.0 * u * u * (1.0 - u) * (1.0 - u) / duration;
@@ -112,7 +112,7 @@ impl<S: Blend + Clone> Change<S> {
         self.to.is_none()
     }
 
-    /// What it becomes in the end.
+    /// Returns the final shape.
     pub(crate) fn goal(&self) -> &S {
         match (&self.next, &self.to) {
             (Some((shape, _)), _) => shape,
@@ -123,7 +123,7 @@ impl<S: Blend + Clone> Change<S> {
 }
 
 impl Change<PositionShape> {
-    /// The smallest bounds around the shape as it is now.
+    /// Returns the smallest bounds around the current shape.
     pub(crate) fn extent(&self) -> Bounds {
         match self.stage() {
             Stage::Still(shape) => shape.extent(),

@@ -1,4 +1,4 @@
-//! What can be wrong with a shape or a workspace.
+//! Errors of shapes and workspaces.
 
 use nalgebra::Isometry3;
 
@@ -6,14 +6,14 @@ use nalgebra::Isometry3;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A number is not finite or out of its range, or a quaternion is no rotation.
+    /// A number is not finite or out of its range, or a quaternion is not a rotation.
     #[error("{what} is {got}; it must be {wanted}")]
     Value {
-        /// The parameter or the item that holds the number.
+        /// Name of the parameter or of the item that contains the number.
         what: &'static str,
         /// The number.
         got: f64,
-        /// The range it must lie in.
+        /// The allowed range.
         wanted: &'static str,
     },
 
@@ -28,21 +28,21 @@ pub enum Error {
         wanted: usize,
     },
 
-    /// More parts than there is room for.
+    /// There are more parts than there is room for.
     #[error("{what}: {got} are needed, there is room for {most}; simplify, or make more room")]
     TooMany {
-        /// What there are too many of.
+        /// Name of the parts.
         what: &'static str,
-        /// How many.
+        /// Number of parts.
         got: usize,
-        /// How many there may be.
+        /// Largest number of parts.
         most: usize,
     },
 
     /// A lower bound lies above its upper bound.
     #[error("{what}, axis {axis}: the minimum {min} lies above the maximum {max}; swap them")]
     EmptyRange {
-        /// The bounds.
+        /// Name of the bounds.
         what: &'static str,
         /// The axis, 0 to 2.
         axis: usize,
@@ -52,14 +52,14 @@ pub enum Error {
         max: f64,
     },
 
-    /// Half-spaces or points that enclose no volume.
+    /// The half-spaces or points enclose no volume.
     #[error("the {faces} half-spaces or points of the polytope enclose no volume; move them apart")]
     NoVolume {
-        /// How many half-spaces or points were given.
+        /// Number of given half-spaces or points.
         faces: usize,
     },
 
-    /// Half-spaces that leave a way to infinity.
+    /// The half-spaces do not bound a finite set.
     #[error("the polytope reaches farther than {limit} m; close it with more half-spaces")]
     Unbounded {
         /// The largest coordinate that a polytope may have \[m\].
@@ -72,13 +72,13 @@ pub enum Error {
          the order in which they were taken"
     )]
     OutOfOrder {
-        /// Its age \[s\].
+        /// Age of the measurement \[s\].
         age: f64,
-        /// The age of the newest one \[s\].
+        /// Age of the newest measurement \[s\].
         newest: f64,
     },
 
-    /// The solver's crate refused the rows.
+    /// The rows were refused by `ahqp-core`.
     #[error(transparent)]
     Hierarchy(#[from] ahqp_core::Error),
 }

@@ -1,38 +1,40 @@
-//! When a frame follows a person, and when it is held in the world.
+//! Frames that follow a person who walks, and are held in the world while the person stands.
 
 use nalgebra::{SVector, Vector1, Vector2};
 
 use crate::error::{Error, positive};
 
-/// Over how long the mean goes of where somebody is who stands \[s\]: some swings of the body.
+/// Time constant of the mean place of a person who stands, several periods of body sway \[s\].
 const MEAN: f64 = 1.0;
-/// Whoever is slower stands \[m/s\].
+/// A person who is slower stands still \[m/s\].
 const SLOW: f64 = 0.12;
-/// Whoever turns slower does not turn \[rad/s\].
+/// A person who turns more slowly does not turn \[rad/s\].
 const SLOW_TURN: f64 = 0.15;
-/// The mean goes over so long of who is followed \[s\]: whoever is near to it is slow, whatever noise the frames have.
+/// Time constant of the mean place of a person who is followed \[s\]. A person near that mean is
+/// slow, however noisy the frames are.
 const FOLLOWED: f64 = 0.3;
 /// Time for which a person must be slow before the frame is held \[s\]: two frames of a camera.
 const SETTLING: f64 = 0.1;
-/// A frame is held once it stops so near to the person \[zones\].
+/// A frame is held if it would stop within this distance of the person \[zones\].
 const NEAR: f64 = 0.5;
-/// A person leaves who is beyond [`LEAVES`] zones so much later, by their velocity and their turning \[s\].
+/// Prediction times of place and heading \[s\]. A person leaves if the prediction is more than
+/// [`LEAVES`] zones away.
 const AHEAD: f64 = 0.15;
 const AHEAD_TURN: f64 = 0.1;
 const LEAVES: f64 = 1.6;
-/// Whoever is farther from the held place is not swaying \[zones\].
+/// A person who is farther from the held place is not swaying \[zones\].
 const ELSEWHERE: f64 = 3.0;
-/// How fast a held frame goes to a new place \[zones/s\].
+/// Speed at which a held frame moves to a new place \[zones/s\].
 const PLACING: f64 = 0.7;
 
-/// How far the mean frame of a person who stands may be from the held one.
+/// Largest distance between the mean frame of a person who stands and the held frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct HoldSettings {
-    /// Over the floor \[m\]. Default 0.07.
+    /// Distance on the floor \[m\]. Default 0.07.
     pub position: f64,
-    /// In heading \[rad\]. Default 0.13.
+    /// Difference in heading \[rad\]. Default 0.13.
     pub heading: f64,
 }
 
@@ -46,7 +48,7 @@ impl HoldSettings {
     /// Checks the ranges.
     ///
     /// # Errors
-    /// [`Error::Value`] names the first that is not positive and finite.
+    /// [`Error::Value`] names the first setting that is not positive and finite.
     pub fn validate(&self) -> Result<(), Error> {
         positive("the zone of positions of a held frame", self.position)?;
         positive("the zone of headings of a held frame", self.heading)?;
@@ -54,19 +56,21 @@ impl HoldSettings {
     }
 }
 
-/// Where somebody is on the floor and where they look, or how fast these change.
+/// Place and heading of a person on the floor, or their rates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FloorMotion {
-    /// On the floor \[m\] or \[m/s\].
+    /// Place on the floor \[m\] or its rate \[m/s\].
     pub position: Vector2<f64>,
-    /// About the vertical \[rad\] or \[rad/s\].
+    /// Angle about the vertical \[rad\] or its rate \[rad/s\].
     pub heading: f64,
 }
 
-/// The frame of a person that a robot works by: held in the world while they stand, along with them while they walk.
+/// Frame of a person for the work of a robot. It is held in the world while they stand, and follows
+/// them while they walk.
 ///
-/// Place and heading are held each by itself. A person who sways or leans does not move it. It is placed anew, slowly,
-/// when their mean place has left the zone around it, and follows again when they leave the zone.
+/// Place and heading are held independently. A person who sways or leans does not move the frame.
+/// It moves slowly to a new place when the person's mean place has left the zone around it. It
+/// follows again when the person leaves the zone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeldFrame {
     settings: HoldSettings,
@@ -75,28 +79,29 @@ pub struct HeldFrame {
 }
 
 impl HeldFrame {
-    /// A frame that follows.
+    /// Creates a frame that follows.
     ///
     /// # Errors
-    /// [`Error::Value`] for settings out of range.
+    /// [`Error::Value`] if a setting is out of range.
     pub fn new(settings: HoldSettings) -> Result<Self, Error> {
         settings.validate()?;
         Ok(Self { settings, position: Hold::FOLLOWING, heading: Hold::FOLLOWING })
     }
 
-    /// Follows from now on, until the person stands.
+    /// Follows from now on, until the person stands still.
     pub fn follow(&mut self) {
         (self.position, self.heading) = (Hold::FOLLOWING, Hold::FOLLOWING);
     }
 
-    /// Whether both place and heading are held.
+    /// Returns true if both place and heading are held.
     pub fn is_held(&self) -> bool {
         self.position.place.is_some() && self.heading.place.is_some()
     }
 
-    /// Goes on by `period` \[s\] with the person as `seen`, moving at `rate`, and returns the target of what follows
-    /// and how fast that moves. A frame that begins to be held stays where what follows `stops`. Headings are continuous,
-    /// in any branch.
+    /// Advances by `period` \[s\]. Returns the target of the follower and its velocity.
+    ///
+    /// `seen` is the person's place, and `rate` its rate. A frame that begins to be held stays
+    /// where the follower `stops`. Headings are continuous, in any branch.
     pub fn advance(
         &mut self,
         seen: FloorMotion,
@@ -107,7 +112,7 @@ impl HeldFrame {
         let zone = Zone { width: self.settings.position, slow: SLOW, ahead: AHEAD };
         let seen_at = Seen { place: seen.position, rate: rate.position };
         let (position, velocity) = self.position.advance(&seen_at, stops.position, &zone, period);
-        // Angles in the branch of the heading that is seen.
+        // Angles are in the branch of the heading that is seen.
         let near = |angle: f64| seen.heading + wrapped(angle - seen.heading);
         self.heading.map(near);
         let zone = Zone { width: self.settings.heading, slow: SLOW_TURN, ahead: AHEAD_TURN };
@@ -126,27 +131,27 @@ fn wrapped(angle: f64) -> f64 {
     angle.sin().atan2(angle.cos())
 }
 
-/// Within what a place or a heading is held.
+/// Zone within which a place or a heading is held.
 struct Zone {
     width: f64,
     slow: f64,
     ahead: f64,
 }
 
-/// Where somebody is, and how fast that changes.
+/// Place or heading of a person, and its rate.
 struct Seen<const N: usize> {
     place: SVector<f64, N>,
     rate: SVector<f64, N>,
 }
 
-/// Holds a place or a heading.
+/// State of a held place or heading.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Hold<const N: usize> {
-    /// Where it is held; none while it follows.
+    /// The held value. None while it follows.
     place: Option<SVector<f64, N>>,
-    /// The target on the way to a new place.
+    /// Target on the way to a new value.
     target: SVector<f64, N>,
-    /// Mean of where the person is, once they were seen.
+    /// Mean value of the person, once they were seen.
     mean: Option<SVector<f64, N>>,
     /// Time for which the person has been slow \[s\].
     slow: f64,
@@ -166,7 +171,7 @@ impl<const N: usize> Hold<N> {
         self.place = self.place.map(|place| place.map(&by));
     }
 
-    /// Goes on by `period` \[s\]; the target and how fast that moves.
+    /// Advances by `period` \[s\]. Returns the target and its rate.
     fn advance(
         &mut self,
         seen: &Seen<N>,
@@ -197,7 +202,7 @@ impl<const N: usize> Hold<N> {
             }
         }
         let Some(place) = self.place else {
-            // What is slow is mostly noise, and is left to the follower.
+            // A slow motion is mostly noise, and is left to the follower.
             return (seen, rate * (speed / zone.slow - 1.0).clamp(0.0, 1.0));
         };
         let (way, most) = (place - self.target, PLACING * zone.width * period);

@@ -1,7 +1,7 @@
-//! Human-robot shared workspaces: their shapes, softening and motion with the person.
+//! Human-robot shared workspaces: their shapes, softening, and motion with the person.
 //!
-//! The rows of a workspace stand in a stack of one's own: here the desired pose of a tool stays in a box that goes
-//! with a person and, below that, moves as little as it can.
+//! The rows of a workspace belong into a stack of your own. In this example the desired pose of a
+//! tool stays in a box that moves with a person. Below that it moves as little as possible.
 //!
 //! ```
 //! use ahqp_core::{AugmentedState, Hierarchy, Level, Rows, Settings, Solver, integrate_pose};
@@ -70,7 +70,7 @@ pub use shape::{
 pub use softening::{SoftWorkspace, Softening};
 pub use workspace::Workspace;
 
-/// The program of the crate's README.
+/// Compiles the program of the crate's README.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;

@@ -1,11 +1,11 @@
-//! How a workspace moves: its frame follows a target with limited rates.
+//! Motion of a workspace: its frame follows a target with limited rates.
 
 use ahqp_core::rotation_log;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3, Vector6};
 
 use crate::error::{Error, check_all, check_pose, positive};
 
-/// How fast a frame may follow.
+/// Limits of a frame that follows a target.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
@@ -38,7 +38,7 @@ impl FollowerSettings {
     /// Checks the ranges.
     ///
     /// # Errors
-    /// [`Error::Value`] names the first that is not positive and finite.
+    /// [`Error::Value`] names the first setting that is not positive and finite.
     pub fn validate(&self) -> Result<(), Error> {
         positive("the follower's speed", self.speed)?;
         positive("the follower's acceleration", self.acceleration)?;
@@ -49,8 +49,8 @@ impl FollowerSettings {
     }
 }
 
-/// A frame that follows a moving target without a jolt: whatever the target does, velocity and
-/// acceleration of the frame stay limited, and it comes to rest on a resting target.
+/// A frame that follows a moving target smoothly. Whatever the target does, velocity and
+/// acceleration of the frame stay limited. The frame comes to rest on a resting target.
 ///
 /// ```
 /// use hrsw::{FollowerSettings, FrameFollower};
@@ -73,15 +73,15 @@ pub struct FrameFollower {
     target: Isometry3<f64>,
     target_linear: Vector3<f64>,
     target_angular: Vector3<f64>,
-    /// How fast it may come nearer to the target \[m/s\].
+    /// Largest speed towards the target \[m/s\].
     closing: f64,
 }
 
 impl FrameFollower {
-    /// A frame at rest at `pose`.
+    /// Creates a frame at rest at `pose`.
     ///
     /// # Errors
-    /// [`Error::Value`] for the pose and the settings.
+    /// [`Error::Value`] if the pose or a setting is invalid.
     pub fn new(pose: Isometry3<f64>, settings: FollowerSettings) -> Result<Self, Error> {
         check_pose(&pose)?;
         settings.validate()?;
@@ -97,22 +97,22 @@ impl FrameFollower {
         })
     }
 
-    /// Where the frame is.
+    /// Returns the pose of the frame.
     pub fn pose(&self) -> &Isometry3<f64> {
         &self.pose
     }
 
-    /// Its velocity: linear at its origin, then angular, in world axes.
+    /// Returns the velocity of the frame: linear at its origin, then angular, in world axes.
     pub fn twist(&self) -> Vector6<f64> {
         let (v, w) = (self.linear, self.angular);
         Vector6::new(v.x, v.y, v.z, w.x, w.y, w.z)
     }
 
-    /// Gives the target's pose now and its velocity (linear at its origin, then angular, world
-    /// axes), along which it is taken to go on.
+    /// Sets the target's current pose and its velocity (linear at its origin, then angular, world
+    /// axes). The target is assumed to move on at that velocity.
     ///
     /// # Errors
-    /// [`Error::Value`]; the target then stays as it was.
+    /// [`Error::Value`] if a number is invalid. The target is then unchanged.
     pub fn retarget(&mut self, pose: Isometry3<f64>, twist: Vector6<f64>) -> Result<(), Error> {
         check_pose(&pose)?;
         check_all("the twist of the target", twist.iter())?;
@@ -122,24 +122,25 @@ impl FrameFollower {
         Ok(())
     }
 
-    /// Lets the frame come nearer to the target no faster than `speed` \[m/s\], beside the target's own motion.
+    /// Limits the speed towards the target to `speed` \[m/s\], in addition to the target's own
+    /// motion.
     pub(crate) fn close_within(&mut self, speed: f64) {
         self.closing = speed;
     }
 
-    /// How far the frame is from the target \[m\].
+    /// Returns the distance from the frame to the target \[m\].
     pub(crate) fn distance(&self) -> f64 {
         (self.target.translation.vector - self.pose.translation.vector).norm()
     }
 
-    /// Lets the frame come to rest where it can stop.
+    /// Brings the frame to rest where it can stop.
     pub fn hold(&mut self) {
         self.target = self.stopping_pose();
         self.target_linear = Vector3::zeros();
         self.target_angular = Vector3::zeros();
     }
 
-    /// Where the frame stops when it brakes now.
+    /// Returns the pose at which the frame stops if it brakes now.
     pub fn stopping_pose(&self) -> Isometry3<f64> {
         let brake = |v: Vector3<f64>, limit: f64| v * (0.5 * v.norm() / limit);
         moved(
@@ -149,16 +150,16 @@ impl FrameFollower {
         )
     }
 
-    /// Jumps to `pose`, at rest: for the first sight of a target, not for one that moves.
+    /// Jumps to `pose`, at rest. This is for the first sight of a target, not for a moving one.
     ///
     /// # Errors
-    /// [`Error::Value`]; the frame then stays as it was.
+    /// [`Error::Value`] if the pose is invalid. The frame is then unchanged.
     pub fn reset(&mut self, pose: Isometry3<f64>) -> Result<(), Error> {
         *self = Self::new(pose, self.settings)?;
         Ok(())
     }
 
-    /// One period of `period` seconds; nothing for one that is not positive and finite.
+    /// Advances by `period` \[s\]. A period that is not positive and finite has no effect.
     pub fn advance(&mut self, period: f64) {
         if !is_period(period) {
             return;
@@ -170,11 +171,12 @@ impl FrameFollower {
         let turn = rotation_log(&(self.target.rotation * self.pose.rotation.inverse()));
         let approach = |gap: &Vector3<f64>, speed: f64, acceleration: f64| {
             let distance = gap.norm();
-            // A target beyond all numbers has no direction.
+            // A target whose distance overflows has no direction.
             if distance == 0.0 || !distance.is_finite() {
                 return Vector3::zeros();
             }
-            // Slow enough to stop in time: the gain near the target, the brake far from it.
+            // The speed allows stopping in time: by the gain near the target, by the brake far from
+            // it.
             let brake = (acceleration * distance).sqrt();
             gap * ((settings.gain * distance).min(brake).min(speed) / distance)
         };
@@ -190,7 +192,7 @@ impl FrameFollower {
     }
 }
 
-/// Returns true if time passes.
+/// Returns true if the period is positive and finite.
 pub(crate) fn is_period(period: f64) -> bool {
     period > 0.0 && period.is_finite()
 }

@@ -1,4 +1,4 @@
-//! A workspace that is carried along: by the person, a path, or not at all.
+//! Workspaces that move with a person, move along a path, or rest.
 
 use nalgebra::{Isometry3, Point3, Translation3, Unit, UnitQuaternion, Vector3, Vector6};
 
@@ -10,38 +10,40 @@ use crate::reorientation::Reorientation;
 use crate::shape::{OrientationShape, PositionShape};
 use crate::workspace::Workspace;
 
-/// How fast a workspace goes to what carries it from now on \[m/s\], or over which time \[s\] where that is faster, until
-/// it is so near \[m\]: a tool within it follows no faster beside a person.
+/// Approach of a workspace to a new carrier. It closes at `ARRIVING` \[m/s\], or faster if the time
+/// would exceed `ARRIVES_OVER` \[s\]. It has arrived within `ARRIVED` \[m\]. A tool inside follows
+/// no faster beside a person.
 const ARRIVING: f64 = 0.35;
 const ARRIVES_OVER: f64 = 2.0;
 const ARRIVED: f64 = 0.05;
 
-/// What carries a workspace.
+/// Carrier of a workspace.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Attachment {
-    /// Nothing: it rests at this pose in the world.
+    /// No carrier: the workspace rests at this pose in the world.
     World(Isometry3<f64>),
-    /// The person: the frame of the workspace in theirs.
+    /// The person. The pose is that of the workspace in the person's frame.
     Person(Isometry3<f64>),
-    /// A path in the world, begun when it is attached.
+    /// A path in the world, which starts when it is attached.
     Path(Path),
 }
 
-/// How a workspace may move.
+/// Limits of a workspace's motion.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct MovingSettings {
     /// Rates of the frame.
     pub frame: FollowerSettings,
-    /// Rates of the reference of orientations; only the angular ones count.
+    /// Rates of the reference of orientations. Only the angular ones count.
     pub reference: FollowerSettings,
-    /// How the person is extrapolated.
+    /// Extrapolation of the person.
     pub anchor: AnchorSettings,
 }
 
-/// A workspace whose frame follows what carries it, without a jolt: whatever happens to
-/// attachment, lead, reference and shape, the velocity of the frame changes no faster than its
-/// limits, and its shape passes continuously into the next.
+/// A workspace whose frame follows its carrier smoothly.
+///
+/// Attachment, lead, reference and shape may change at any time. The velocity of the frame changes
+/// no faster than its limits, and one shape changes continuously into the next.
 ///
 /// ```
 /// use hrsw::{Attachment, Bounds, MovingSettings, MovingWorkspace, Workspace};
@@ -72,15 +74,15 @@ pub struct MovingWorkspace {
     person: Anchor,
     lead: Vector3<f64>,
     on_path: f64,
-    /// Whether what carries it is new, and the way there not yet begun.
+    /// True if the carrier is new, and the motion to it has not started.
     is_new: bool,
 }
 
 impl MovingWorkspace {
-    /// The workspace as it is, at rest in the world.
+    /// Creates a moving workspace from `workspace`, at rest in the world.
     ///
     /// # Errors
-    /// [`Error::Value`] for settings out of range.
+    /// [`Error::Value`] if a setting is out of range.
     pub fn new(workspace: Workspace, settings: MovingSettings) -> Result<Self, Error> {
         let pose = *workspace.world_from_workspace();
         Ok(Self {
@@ -95,25 +97,25 @@ impl MovingWorkspace {
         })
     }
 
-    /// The workspace now.
+    /// Returns the workspace in its current state.
     pub fn workspace(&self) -> &Workspace {
         &self.workspace
     }
 
-    /// What carries it.
+    /// Returns the carrier of the workspace.
     pub fn attachment(&self) -> &Attachment {
         &self.attachment
     }
 
-    /// The person's frame as it is taken to be.
+    /// Returns the person's frame with its extrapolation.
     pub fn person(&self) -> &Anchor {
         &self.person
     }
 
-    /// Lets something else carry the workspace; it goes there at its limited rates.
+    /// Attaches the workspace to another carrier. It moves there at its limited rates.
     ///
     /// # Errors
-    /// [`Error::Value`]; the attachment then stays as it was.
+    /// [`Error::Value`] if a pose is invalid. The attachment is then unchanged.
     pub fn attach(&mut self, attachment: Attachment) -> Result<(), Error> {
         match &attachment {
             Attachment::World(pose) | Attachment::Person(pose) => check_pose(pose)?,
@@ -124,18 +126,17 @@ impl MovingWorkspace {
         Ok(())
     }
 
-    /// Leaves the workspace where it is, in the world; it comes to rest where it can stop, and
-    /// its lead ends.
+    /// Leaves the workspace in the world. It comes to rest where it can stop, and its lead ends.
     pub fn detach(&mut self) {
         self.lead = Vector3::zeros();
         self.attachment = Attachment::World(self.frame.stopping_pose());
     }
 
-    /// Takes a measurement of the person's frame, `age` old \[s\], with its velocity, linear at its
-    /// origin, then angular, in world axes.
+    /// Takes a measurement of the person's frame of age `age` \[s\], with its velocity, linear at
+    /// its origin, then angular, in world axes.
     ///
     /// # Errors
-    /// Those of [`Anchor::observe`]; the measurement is then ignored.
+    /// Those of [`Anchor::observe`]. The measurement is then ignored.
     pub fn observe_person(
         &mut self,
         pose: Isometry3<f64>,
@@ -145,22 +146,24 @@ impl MovingWorkspace {
         self.person.observe(pose, twist, age)
     }
 
-    /// Shifts the workspace by `lead` in the axes of what carries it \[m\], at its limited rates.
+    /// Shifts the workspace by `lead` in the axes of its carrier \[m\], at its limited rates.
     ///
     /// # Errors
-    /// [`Error::Value`]; the lead then stays as it was.
+    /// [`Error::Value`] if a number is not finite. The lead is then unchanged.
     pub fn set_lead(&mut self, lead: Vector3<f64>) -> Result<(), Error> {
         check_all("the lead of a workspace", lead.iter())?;
         self.lead = lead;
         Ok(())
     }
 
-    /// Turns the reference of orientations to `goal`, in the axes of the frame, along a geodesic
-    /// at limited rates, and the shape of orientations with it. By half a turn, where two ways
-    /// are as short, it turns the positive way about `axis`, in the axes of the reference.
+    /// Turns the reference of orientations to `goal`, in the axes of the frame, together with the
+    /// shape of orientations.
+    ///
+    /// The turn follows a geodesic at limited rates. If it is half a turn, two ways are equally
+    /// short. It then turns in the positive sense of `axis`, in the axes of the reference.
     ///
     /// # Errors
-    /// [`Error::Value`]; the goal then stays as it was.
+    /// [`Error::Value`] if the goal is not a rotation. The goal is then unchanged.
     pub fn reorient(
         &mut self,
         goal: UnitQuaternion<f64>,
@@ -169,12 +172,13 @@ impl MovingWorkspace {
         self.reference.turn_to(goal, axis)
     }
 
-    /// Where the reference of orientations turns to.
+    /// Returns the goal of the reference of orientations.
     pub fn reference_goal(&self) -> UnitQuaternion<f64> {
         self.reference.goal()
     }
 
-    /// Changes the shape of positions over `duration` \[s\]; nothing if it is, or is becoming, that.
+    /// Changes the shape of positions over `duration` \[s\]. Has no effect if `position` is the
+    /// goal already.
     ///
     /// # Errors
     /// Those of [`Workspace::reshape_position`].
@@ -189,8 +193,8 @@ impl MovingWorkspace {
         self.workspace.reshape_position(position.clone(), duration)
     }
 
-    /// Changes the shape of orientations over `duration` \[s\]; nothing if it is, or is becoming,
-    /// that.
+    /// Changes the shape of orientations over `duration` \[s\]. Has no effect if `orientation` is
+    /// the goal already.
     ///
     /// # Errors
     /// Those of [`Workspace::reshape_orientation`].
@@ -205,18 +209,17 @@ impl MovingWorkspace {
         self.workspace.reshape_orientation(*orientation, duration)
     }
 
-    /// One period of `period` \[s\]. Allocates nothing.
+    /// Advances by `period` \[s\]. Allocates nothing.
     ///
     /// # Errors
-    /// [`Error::Value`] for a period that is not positive and finite; the workspace then
-    /// stays as it was.
+    /// [`Error::Value`] if the period is not positive and finite. The workspace is then unchanged.
     pub fn advance(&mut self, period: f64) -> Result<(), Error> {
         positive("the period", period)?;
         self.person.advance(period);
         self.on_path += period;
         if let Some((pose, twist)) = self.target() {
             if self.frame.retarget(pose, twist).is_err() {
-                // What carries it went beyond all numbers.
+                // The pose of the carrier has overflowed.
                 self.frame.hold();
             }
             let distance = self.frame.distance();
@@ -233,7 +236,7 @@ impl MovingWorkspace {
         self.workspace.set_reference(*self.reference.rotation(), self.reference.rate())
     }
 
-    /// Where the frame should be, and how that moves; none while its carrier was never seen.
+    /// Returns the target of the frame and its velocity. None if the carrier was never seen.
     fn target(&self) -> Option<(Isometry3<f64>, Vector6<f64>)> {
         let carried = |anchor: &Anchor, offset: &Isometry3<f64>| {
             let (pose, twist) = (anchor.pose()?, anchor.twist());
@@ -256,7 +259,7 @@ impl MovingWorkspace {
     }
 }
 
-/// The pose, led in its own axes.
+/// Returns the pose shifted by `lead` in its own axes.
 fn led(pose: &Isometry3<f64>, lead: &Vector3<f64>) -> Isometry3<f64> {
     let origin = pose * Point3::from(*lead);
     Isometry3::from_parts(Translation3::from(origin.coords), pose.rotation)

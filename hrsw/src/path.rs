@@ -5,10 +5,10 @@ use nalgebra::{Isometry3, Vector6};
 
 use crate::error::{Error, check_pose, positive};
 
-/// What a radian of turning counts against a metre of travel \[m/rad\].
+/// Length that one radian of turning counts as \[m/rad\].
 const LEVER: f64 = 0.3;
 
-/// Waypoints, joined by straight lines that turn evenly, travelled at one speed.
+/// A path of straight lines between waypoints, with uniform turning, at one speed.
 ///
 /// ```
 /// use hrsw::Path;
@@ -35,11 +35,11 @@ struct Leg {
 }
 
 impl Path {
-    /// Through `waypoints` at `speed` \[m/s\]; a radian counts as 0.3 m, so that the path also
-    /// takes its time where it only turns.
+    /// Creates a path through `waypoints` at `speed` \[m/s\]. One radian counts as 0.3 m, so that
+    /// pure turns take time too.
     ///
     /// # Errors
-    /// [`Error::Value`] for a waypoint, the speed, or without a waypoint.
+    /// [`Error::Value`] if a waypoint or the speed is invalid, or if there is no waypoint.
     pub fn new(waypoints: &[Isometry3<f64>], speed: f64) -> Result<Self, Error> {
         positive("the speed along a path", speed)?;
         waypoints.iter().try_for_each(check_pose)?;
@@ -61,13 +61,13 @@ impl Path {
         Ok(Self { legs, end })
     }
 
-    /// How long the way takes \[s\].
+    /// Returns the duration of the path \[s\].
     pub fn duration(&self) -> f64 {
         self.legs.last().map_or(0.0, |leg| leg.begins + leg.duration)
     }
 
-    /// Pose and twist, linear then angular in world axes, `time` \[s\] after the start; at rest
-    /// before the start and after the end.
+    /// Returns pose and twist, linear then angular in world axes, `time` \[s\] after the start. The
+    /// pose is at rest before the start and after the end.
     pub fn at(&self, time: f64) -> (Isometry3<f64>, Vector6<f64>) {
         let next = self.legs.partition_point(|leg| leg.begins + leg.duration <= time);
         match self.legs.get(next) {

@@ -1,12 +1,12 @@
-//! Turns of a reference along a geodesic, up to half a turn and beyond, at a limited rate.
+//! Turns of a reference along a geodesic at a limited rate, up to half a turn and beyond.
 
 use nalgebra::{Isometry3, Unit, UnitQuaternion, Vector3, Vector6};
 
 use crate::error::{Error, check_rotation};
 use crate::motion::{FollowerSettings, FrameFollower};
 
-/// How far ahead of the turn its target runs: well below half a turn, where the way back would
-/// be as short \[rad\].
+/// Angle by which the target of a turn leads \[rad\]. It is well below half a turn, at which the
+/// way back would be as short.
 const AHEAD: f64 = std::f64::consts::FRAC_PI_2;
 
 /// An orientation that turns to its goals with limited angular velocity and acceleration.
@@ -33,7 +33,7 @@ impl Reorientation {
         &self.follower.pose().rotation
     }
 
-    /// Angular velocity, in the axes in which the rotation is given.
+    /// Returns the angular velocity, in the axes in which the rotation is given.
     pub(crate) fn rate(&self) -> Vector3<f64> {
         self.follower.twist().fixed_rows::<3>(3).into_owned()
     }
@@ -42,8 +42,8 @@ impl Reorientation {
         self.start * UnitQuaternion::from_axis_angle(&self.axis, self.angle)
     }
 
-    /// Turns to `goal` the shortest way; about half a turn, where ways are as short, about that
-    /// sense of `axis`, in the axes of the rotation itself, which leads there.
+    /// Turns to `goal` by the shortest way. Near half a turn both ways are equally short. It then
+    /// turns in the sense of `axis`, in the axes of the rotation itself.
     pub(crate) fn turn_to(
         &mut self,
         goal: UnitQuaternion<f64>,

@@ -1,42 +1,42 @@
-//! The rows of a workspace: what bounds a pose, and how that changes with its velocity.
+//! Rows of a workspace: bounds of a pose and their rates.
 
 use nalgebra::{Isometry3, Matrix3, Vector3, Vector6};
 
 use crate::change::{Blend, Change, Stage};
 use crate::shape::{HalfSpace, OrientationRow, OrientationShape, PositionShape, RotationPoint};
 
-/// One bound of a pose: its excess over the bound, and how the excess changes.
+/// One bound of a pose: the excess over the bound, and the terms of its rate.
 ///
 /// d excess/dt = gradient · ẋ + drift for a pose that moves with the twist ẋ.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PoseRow {
-    /// With respect to the twist of the pose, linear then angular, in world axes.
+    /// Gradient with respect to the twist of the pose, linear then angular, in world axes.
     pub gradient: Vector6<f64>,
-    /// The direction of the bound in the coordinates of the workspace: linear in its axes, then
-    /// angular in those of its reference. The shared slack acts along it.
+    /// Direction of the bound in the coordinates of the workspace: linear in its axes, then angular
+    /// in those of its reference. The shared slack acts along it.
     pub axes: Vector6<f64>,
-    /// By how much the pose exceeds the bound \[m or rad\]; negative within.
+    /// Excess of the pose over the bound \[m or rad\], negative inside.
     pub excess: f64,
-    /// The rate of the excess for a pose at rest, by the motion of frame, reference and bound
+    /// Rate of the excess for a pose at rest, caused by the motion of frame, reference and bound
     /// \[m/s or rad/s\].
     pub drift: f64,
 }
 
-/// A pose as the shapes of a workspace see it, computed once for all rows.
+/// A pose relative to the shapes of a workspace, computed once for all rows.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PosePoint {
     pub(crate) position: Vector3<f64>,
     pub(crate) rotation: RotationPoint,
     pub(crate) world_from_frame: Matrix3<f64>,
     pub(crate) world_from_reference: Matrix3<f64>,
-    /// The velocity of a point that moves with the workspace, in world axes.
+    /// Velocity of a point that moves with the workspace, in world axes.
     pub(crate) linear_drift: Vector3<f64>,
     pub(crate) angular_drift: Vector3<f64>,
 }
 
 impl PosePoint {
-    /// The excess times the fade: the set that it bounds is the same, what it costs to be
-    /// beyond is not.
+    /// Returns the row with its excess multiplied by the fade. The bounded set is the same, but a
+    /// violation costs less.
     fn position_row(&self, plane: &Plane) -> PoseRow {
         let normal = plane.face.normal();
         let gradient = self.world_from_frame * normal;
@@ -74,9 +74,11 @@ impl Change<PositionShape> {
         }
     }
 
-    /// Plane `index`; between two shapes A and B of the blend (1 − λ)A ⊕ λB, bounded along the
-    /// normals of both: its support function is (1 − λ)h_A + λh_B, so that it is never empty
-    /// and becomes each of the two at its end. Planes that come or go fade.
+    /// Returns plane `index`.
+    ///
+    /// In the blend (1 − λ)A ⊕ λB of two shapes, planes along the normals of both bound the set.
+    /// Its support function is (1 − λ)h_A + λh_B. The set is therefore never empty, and equals A
+    /// and B at its ends. Planes fade in and out.
     pub(crate) fn plane(&self, index: usize, at: &Vector3<f64>) -> Option<Plane> {
         let (from, to, share, rate) = match self.stage() {
             Stage::Still(shape) => {
@@ -107,17 +109,18 @@ impl Change<PositionShape> {
     }
 }
 
-/// A plane of a shape, or of one that changes.
+/// A plane of a shape, or of a changing one.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Plane {
     pub(crate) face: HalfSpace,
     offset_rate: f64,
-    /// What its excess counts, from 0 to 1.
+    /// Factor of its excess, from 0 to 1.
     fade: f64,
     fade_rate: f64,
 }
 
-/// 3x² − 2x³ for x = 5 · share, and its rate: from 0 to 1 over the first fifth.
+/// Returns 3x² − 2x³ for x = 5 · share, and its rate. The value rises from 0 to 1 over the first
+/// fifth.
 fn faded(share: f64, rate: f64) -> (f64, f64) {
     let x = 5.0 * share;
     if x >= 1.0 { (1.0, 0.0) } else { (x * x * (3.0 - 2.0 * x), 30.0 * x * (1.0 - x) * rate) }
@@ -137,8 +140,8 @@ impl Change<OrientationShape> {
         }
     }
 
-    /// Row `index`; between two shapes that do not blend, the first opens to half a turn and
-    /// then the second closes.
+    /// Returns row `index`. Between two shapes that do not blend, the first one opens to half a
+    /// turn, and then the second one closes.
     pub(crate) fn row(&self, index: usize, at: &PosePoint) -> Option<PoseRow> {
         if index >= self.row_count() {
             return None;
@@ -164,7 +167,7 @@ impl Change<OrientationShape> {
     }
 }
 
-/// `pose` as seen from a workspace at rest.
+/// Returns `pose` relative to a workspace at rest.
 pub(crate) fn pose_point(
     frame: &Isometry3<f64>,
     reference: &nalgebra::UnitQuaternion<f64>,

@@ -1,4 +1,4 @@
-//! The shapes that a position may be held in.
+//! Shapes that bound a position.
 
 mod bounds;
 mod capsule;
@@ -38,11 +38,11 @@ pub use polytope::Polytope;
 pub enum PositionShape {
     /// A box along the axes.
     Box(Bounds),
-    /// A box along axes of its own.
+    /// A box along its own axes.
     OrientedBox(OrientedBox),
     /// A convex polytope.
     Polytope(Polytope),
-    /// A capsule or a sphere, by the plane that supports it where it is nearest.
+    /// A capsule or a sphere, bounded by the plane that supports it at its nearest point.
     Capsule(Capsule),
 }
 
@@ -71,7 +71,7 @@ impl From<Capsule> for PositionShape {
 }
 
 impl PositionShape {
-    /// How many rows bound it.
+    /// Number of rows that bound the shape.
     pub fn row_count(&self) -> usize {
         match self {
             Self::Box(_) | Self::OrientedBox(_) => 6,
@@ -80,10 +80,10 @@ impl PositionShape {
         }
     }
 
-    /// Half-space `index` around the shape, as seen from `point`; none past the last row.
+    /// Returns half-space `index` around the shape, as seen from `point`. None past the last row.
     ///
-    /// A flat face is the same from everywhere; a round shape gives the plane that touches it
-    /// where it is nearest.
+    /// A flat face is the same from everywhere. A round shape returns the plane that touches it at
+    /// its nearest point.
     pub fn half_space(&self, index: usize, point: &Vector3<f64>) -> Option<HalfSpace> {
         if index >= self.row_count() {
             return None;
@@ -96,7 +96,7 @@ impl PositionShape {
         }
     }
 
-    /// The support function, the largest direction · z over the shape \[m\].
+    /// Returns the support function, the largest direction · z over the shape \[m\].
     pub fn support(&self, direction: &Vector3<f64>) -> f64 {
         match self {
             Self::Box(bounds) => bounds.support(direction),
@@ -106,7 +106,7 @@ impl PositionShape {
         }
     }
 
-    /// Returns true if the point lies within.
+    /// Returns true if the point is inside.
     pub fn contains(&self, point: &Vector3<f64>) -> bool {
         match self {
             Self::Box(bounds) => bounds.contains(point),
@@ -114,7 +114,7 @@ impl PositionShape {
         }
     }
 
-    /// The Euclidean distance \[m\]; within, minus the distance to the surface.
+    /// Returns the Euclidean distance \[m\]. Inside it is minus the distance to the surface.
     pub fn signed_distance(&self, point: &Vector3<f64>) -> f64 {
         match self {
             Self::Box(bounds) => bounds.signed_distance(point),
@@ -124,7 +124,7 @@ impl PositionShape {
         }
     }
 
-    /// The nearest point of the shape; a point within is its own.
+    /// Returns the nearest point of the shape. A point inside is its own nearest point.
     pub fn nearest(&self, point: &Vector3<f64>) -> Vector3<f64> {
         match self {
             Self::Box(bounds) => bounds.nearest(point),
@@ -134,7 +134,7 @@ impl PositionShape {
         }
     }
 
-    /// The smallest bounds around the shape.
+    /// Returns the smallest bounds around the shape.
     pub fn extent(&self) -> Bounds {
         let reach =
             |sign: f64| Vector3::from_fn(|axis, _| sign * self.support(&Vector3::ith(axis, sign)));
@@ -144,7 +144,7 @@ impl PositionShape {
         }
     }
 
-    /// The surface, for drawing.
+    /// Returns the surface, for drawing.
     pub fn mesh(&self) -> Mesh {
         match self {
             Self::Box(bounds) => Mesh::of_box(bounds.corners()),
@@ -155,7 +155,7 @@ impl PositionShape {
     }
 }
 
-/// Rings of latitude about the segment.
+/// Returns rings of latitude around the segment.
 fn capsule_surface(capsule: &Capsule) -> Mesh {
     const AROUND: usize = 24;
     const RINGS: usize = 6;
@@ -175,7 +175,7 @@ fn capsule_surface(capsule: &Capsule) -> Mesh {
     let latitude = |i: usize| std::f64::consts::FRAC_PI_2 * i as f64 / RINGS as f64;
     let south = (0..RINGS).rev().map(|i| ring(capsule.start(), -latitude(i)));
     let north = (0..RINGS).map(|i| ring(capsule.end(), latitude(i)));
-    // From the south pole up: the lowest ring first.
+    // The rings are in order from the south pole up.
     Mesh::of_rings(
         capsule.start() - along * radius,
         south.chain(north),

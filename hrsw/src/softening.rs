@@ -7,18 +7,18 @@ use crate::error::{Error, check_pose, check_size, not_negative, positive};
 use crate::rows::PoseRow;
 use crate::workspace::Workspace;
 
-/// Softening of a workspace by one slack a coordinate, shared by all rows that the coordinate moves (the paper's
-/// Sec. III-C). The shape grows by the box of half-widths s.
+/// Softening of a workspace by one slack for each coordinate, shared by all rows that the
+/// coordinate affects (the paper's Sec. III-C). The shape grows by the box of half-widths s.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Softening {
-    /// Cost of a slack by coordinate of the workspace \[1/m², 1/rad²\]. Default 1.
+    /// Costs of the slacks, by coordinate of the workspace \[1/m², 1/rad²\]. Default 1.
     pub weights: Vector6<f64>,
-    /// How far within its bounds the pose is kept \[m or rad\], so that a frame that is not known exactly does
-    /// not carry it out of them; the slack counts what the margin lacks, too. In a shape that is narrower than
-    /// both margins the pose is kept to the middle. Default 0.
+    /// Margin inside the bounds that is kept to the pose \[m or rad\], since the frame is not known
+    /// exactly. The slack includes the violation of the margin. A shape narrower than both margins
+    /// keeps the pose to its middle. Default 0.
     pub margin: f64,
-    /// Room for rows of the position; a change between two kinds of shape needs as many as
-    /// both together. Default 6, a box.
+    /// Room for rows of the position. A change between two kinds of shape needs as many as both
+    /// together. Default 6, a box.
     pub position_rows: usize,
     /// Room for rows of the orientation. Default 6, a box.
     pub orientation_rows: usize,
@@ -30,15 +30,16 @@ impl Default for Softening {
     }
 }
 
-/// The level min ½ Σ wᵢsᵢ² subject to the rows of the workspace, each loosened by the slack:
-/// for boxes z_min − s ≤ z ≤ z_max + s (the paper's Sec. III-C). Where in the hierarchy it
-/// stands is the caller's choice.
+/// The level min ½ Σ wᵢsᵢ² subject to the rows of the workspace, each relaxed by the slack. Its
+/// place in the hierarchy is the caller's choice.
 ///
-/// The excess e of each row is taken τ seconds ahead, e + τ (gradient · ẋ_d + drift), with the
-/// velocity of the workspace fed forward by the drift. With τ = Δt this is the paper's form,
-/// which asks for the optimum within one tick; a larger horizon approaches the bounds with the
-/// time constant τ. To leave room to brake, τ must be at least the velocity limit over the
-/// acceleration limit of ẋ_d.
+/// The rows of boxes are z_min − s ≤ z ≤ z_max + s (the paper's Sec. III-C). The excess e of each
+/// row is predicted by τ seconds, e + τ (gradient · ẋ_d + drift). The drift feeds the velocity of
+/// the workspace forward.
+///
+/// The paper uses τ = Δt, which demands the optimum within one tick. A larger horizon approaches
+/// the bounds with the time constant τ. To leave room for braking, τ must be at least the velocity
+/// limit of ẋ_d over its acceleration limit.
 ///
 /// ```
 /// use ahqp_core::AugmentedState;
@@ -65,19 +66,20 @@ pub struct SoftWorkspace {
 }
 
 impl SoftWorkspace {
-    /// With the layout of χ and the horizon τ \[s\], softened as in the paper, for boxes.
+    /// Creates a level for the layout of χ and the horizon τ \[s\], softened as in the paper, for
+    /// boxes.
     ///
     /// # Errors
-    /// [`Error::Size`] unless the task has 6 dimensions and 6 slacks; [`Error::Value`] for
-    /// a horizon that is not positive.
+    /// [`Error::Size`] unless the task has 6 dimensions and 6 slacks. [`Error::Value`] if the
+    /// horizon is not positive.
     pub fn new(state: AugmentedState, horizon: f64) -> Result<Self, Error> {
         Self::with_softening(state, horizon, Softening::default())
     }
 
-    /// With the layout of χ, the horizon τ \[s\], and how the workspace gives way.
+    /// Creates a level for the layout of χ and the horizon τ \[s\], with the given softening.
     ///
     /// # Errors
-    /// As [`new`](Self::new); [`Error::Value`] for weights that are not positive.
+    /// Those of [`new`](Self::new), and [`Error::Value`] if a weight is not positive.
     pub fn with_softening(
         state: AugmentedState,
         horizon: f64,
@@ -92,15 +94,15 @@ impl SoftWorkspace {
         Ok(Self { state, horizon: positive("the horizon", horizon)?, softening })
     }
 
-    /// How many rows a level holds.
+    /// Number of rows of a level.
     pub fn capacity(&self) -> usize {
         self.softening.position_rows + self.softening.orientation_rows
     }
 
-    /// The level, its rows still to be written.
+    /// Creates the level, whose rows are still to be written.
     ///
     /// # Errors
-    /// [`Error::Hierarchy`] for weights that are not from 1e-100 to 1e100.
+    /// [`Error::Hierarchy`] if a weight is not from 1e-100 to 1e100.
     pub fn level(&self) -> Result<Level, Error> {
         let rows = free_rows(self.capacity(), self.state.len());
         let slack = self.state.slack();
@@ -114,13 +116,13 @@ impl SoftWorkspace {
     }
 
     /// Writes the rows τ gradient · ẋ_d − |axes| · s ≤ −excess − τ drift for the desired pose
-    /// x_d(t−1) into a level made by [`level`](Self::level); for boxes those of the paper's
+    /// x_d(t−1) into a level made by [`level`](Self::level). Boxes have the rows of the paper's
     /// Sec. III-C.
     ///
     /// # Errors
-    /// [`Error::Value`] for the desired pose; [`Error::TooMany`] when
-    /// the workspace has more rows than there is room for; [`Error::Size`] or [`Error::Hierarchy`]
-    /// for another level.
+    /// [`Error::Value`] if the desired pose is invalid. [`Error::TooMany`] if the workspace has
+    /// more rows than there is room for. [`Error::Size`] or [`Error::Hierarchy`] if the level is
+    /// another one.
     pub fn write(
         &self,
         workspace: &Workspace,
@@ -130,10 +132,11 @@ impl SoftWorkspace {
         self.write_rows(workspace, desired, level.constraints_mut())
     }
 
-    /// As [`write`](Self::write), into [`capacity`](Self::capacity) constraints that stand by themselves.
+    /// Writes the rows into [`capacity`](Self::capacity) constraints without a level. Otherwise
+    /// works like [`write`](Self::write).
     ///
     /// # Errors
-    /// As [`write`](Self::write).
+    /// Those of [`write`](Self::write).
     pub fn write_rows(
         &self,
         workspace: &Workspace,
@@ -177,14 +180,14 @@ impl SoftWorkspace {
         for (out, part) in out[self.state.slack()].iter_mut().zip(&row.axes) {
             *out = -part.abs();
         }
-        // A row that fades out has a gradient that does.
+        // The gradient of a row that fades out fades too.
         let margin = self.softening.margin * row.gradient.norm();
         rows.upper_mut()[index] = -(row.excess + margin + self.horizon * row.drift);
         Ok(())
     }
 }
 
-/// Rows that bound nothing.
+/// Creates rows that bound nothing.
 fn free_rows(rows: usize, columns: usize) -> Rows {
     let mut rows = Rows::zeros(rows, columns);
     rows.set_free();

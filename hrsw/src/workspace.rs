@@ -11,10 +11,10 @@ use crate::shape::{Bounds, Mesh, OrientationShape, PositionShape};
 /// A human-robot shared workspace: a shape of positions in the axes of its frame, and a shape of
 /// orientations about a reference in that frame.
 ///
-/// The coordinates of a pose (p, R) in a workspace with the frame (p_S, R_S) and the reference
-/// R_0 are z = [R_Sᵀ(p − p_S); log((R_S R_0)ᵀR)] \[m, rad\]. With boxes for both shapes the workspace
-/// is the set of poses whose z lies within bounds (the paper's x_min ≤ x_d ≤ x_max, in axes that
-/// may turn).
+/// A pose (p, R) in a workspace with the frame (p_S, R_S) and the reference R_0 has the coordinates
+/// z = [R_Sᵀ(p − p_S); log((R_S R_0)ᵀR)] \[m, rad\]. If both shapes are boxes, the workspace is the
+/// set of poses whose z lies within bounds. This is the paper's x_min ≤ x_d ≤ x_max, in axes that
+/// may turn.
 ///
 /// ```
 /// use hrsw::{Bounds, Workspace};
@@ -38,10 +38,10 @@ pub struct Workspace {
 }
 
 impl Workspace {
-    /// A workspace at rest.
+    /// Creates a workspace at rest.
     ///
     /// # Errors
-    /// [`Error::Value`] for the frame, and for orientation bounds that come near half a turn.
+    /// [`Error::Value`] if the frame is invalid, or the orientation bounds come near half a turn.
     pub fn new(
         world_from_workspace: Isometry3<f64>,
         position: impl Into<PositionShape>,
@@ -60,20 +60,20 @@ impl Workspace {
         })
     }
 
-    /// The same workspace with its orientations about `reference`, an orientation given in the
-    /// axes of the frame, instead of about the frame itself.
+    /// Sets the reference of orientations, in the axes of the frame. The default is the frame
+    /// itself.
     #[must_use]
     pub fn with_reference(mut self, reference: UnitQuaternion<f64>) -> Self {
         self.reference = reference;
         self
     }
 
-    /// The orientation about which orientations are bounded, in the axes of the frame.
+    /// Reference about which orientations are bounded, in the axes of the frame.
     pub fn reference(&self) -> &UnitQuaternion<f64> {
         &self.reference
     }
 
-    /// The angular velocity of the reference, in the axes of the frame \[rad/s\].
+    /// Angular velocity of the reference, in the axes of the frame \[rad/s\].
     pub fn reference_rate(&self) -> &Vector3<f64> {
         &self.reference_rate
     }
@@ -83,31 +83,31 @@ impl Workspace {
         &self.frame
     }
 
-    /// The smallest bounds around the present positions, in the axes of the frame \[m\].
+    /// Returns the smallest bounds around the current positions, in the axes of the frame \[m\].
     pub fn position(&self) -> Bounds {
         self.position.extent()
     }
 
-    /// The shape of positions; during a change the one that it ends in.
+    /// Returns the shape of positions. During a change it is the final one.
     pub fn position_shape(&self) -> &PositionShape {
         self.position.goal()
     }
 
-    /// The shape of orientations; during a change the one that it ends in.
+    /// Returns the shape of orientations. During a change it is the final one.
     pub fn orientation_shape(&self) -> &OrientationShape {
         self.orientation.goal()
     }
 
-    /// The velocity of the frame: linear at its origin, then angular, in world axes.
+    /// Velocity of the frame: linear at its origin, then angular, in world axes.
     pub fn twist(&self) -> &Vector6<f64> {
         &self.twist
     }
 
-    /// Moves the frame; `twist` is its velocity, linear at its origin, then angular, in world
-    /// axes \[m/s, rad/s\].
+    /// Moves the frame. `twist` is its velocity, linear at its origin, then angular, in world axes
+    /// \[m/s, rad/s\].
     ///
     /// # Errors
-    /// [`Error::Value`]; the workspace then stays as it was.
+    /// [`Error::Value`] if a number is invalid. The workspace is then unchanged.
     pub fn place(
         &mut self,
         world_from_workspace: Isometry3<f64>,
@@ -120,10 +120,10 @@ impl Workspace {
         Ok(())
     }
 
-    /// Turns the reference; `rate` is its angular velocity in the axes of the frame \[rad/s\].
+    /// Turns the reference. `rate` is its angular velocity in the axes of the frame \[rad/s\].
     ///
     /// # Errors
-    /// [`Error::Value`]; the workspace then stays as it was.
+    /// [`Error::Value`] if a number is invalid. The workspace is then unchanged.
     pub fn set_reference(
         &mut self,
         reference: UnitQuaternion<f64>,
@@ -136,20 +136,20 @@ impl Workspace {
         Ok(())
     }
 
-    /// Replaces the shape of positions, at once.
+    /// Replaces the shape of positions at once.
     pub fn set_position(&mut self, position: impl Into<PositionShape>) {
         self.position = Change::still(position.into());
     }
 
-    /// Begins to change the shape of positions, continuously over `duration` \[s\]: the blend
-    /// (1 − λ)A ⊕ λB of the old and the new, bounded along the normals of both. Rows that come
-    /// with the new or go with the old fade in and out, so that the slack is continuous too.
+    /// Starts a continuous change of the shape of positions over `duration` \[s\].
     ///
-    /// From box to box a change may be replaced while under way; another kind begins when the
-    /// present change has ended.
+    /// In between, the shape is the blend (1 − λ)A ⊕ λB of the old and the new one, bounded along
+    /// the normals of both. Rows that come with the new shape or go with the old one fade in and
+    /// out, so that the slack is continuous too. A change between boxes may be replaced while it is
+    /// in progress. A change to another kind of shape starts when the current one has ended.
     ///
     /// # Errors
-    /// [`Error::Value`] for the duration; the workspace then stays as it was.
+    /// [`Error::Value`] if the duration is not positive. The workspace is then unchanged.
     pub fn reshape_position(
         &mut self,
         position: impl Into<PositionShape>,
@@ -158,11 +158,11 @@ impl Workspace {
         self.position.begin(position.into(), duration)
     }
 
-    /// Begins to change the shape of orientations, continuously over `duration` \[s\]. Between a
-    /// box and a cone the first opens to half a turn, then the second closes.
+    /// Starts a continuous change of the shape of orientations over `duration` \[s\]. Between a box
+    /// and a cone, the first one opens to half a turn, and then the second one closes.
     ///
     /// # Errors
-    /// [`Error::Value`]; the workspace then stays as it was.
+    /// [`Error::Value`] if an argument is invalid. The workspace is then unchanged.
     pub fn reshape_orientation(
         &mut self,
         orientation: impl Into<OrientationShape>,
@@ -173,25 +173,25 @@ impl Workspace {
         self.orientation.begin(orientation, duration)
     }
 
-    /// Lets changes of shape go on by `period` \[s\].
+    /// Advances changes of shape by `period` \[s\].
     pub fn advance(&mut self, period: f64) {
         self.position.advance(period);
         self.orientation.advance(period);
     }
 
-    /// Returns true if a change of shape is under way.
+    /// Returns true if a change of shape is in progress.
     pub fn is_changing(&self) -> bool {
         !(self.position.is_still() && self.orientation.is_still())
     }
 
-    /// z, the coordinates of a pose \[m, rad\].
+    /// Returns the coordinates z of a pose \[m, rad\].
     pub fn coordinates(&self, pose: &Isometry3<f64>) -> Vector6<f64> {
         let at = self.point(pose);
         stack(&at.position, at.rotation.vector())
     }
 
-    /// How z changes: ż = M (ẋ − drift), with the matrix M and the drift of the frame at the
-    /// pose, both for twists in world axes.
+    /// Returns the matrix M and the drift of the frame in ż = M (ẋ − drift) at the pose, for twists
+    /// in world axes.
     pub fn rates(&self, pose: &Isometry3<f64>) -> (Matrix6<f64>, Vector6<f64>) {
         let at = self.point(pose);
         let angular =
@@ -202,7 +202,7 @@ impl Workspace {
         (matrix, stack(&at.linear_drift, &at.angular_drift))
     }
 
-    /// The bounds of a pose: those of the position, then those of the orientation.
+    /// Returns the bounds of a pose: those of the position, then those of the orientation.
     pub fn rows(&self, pose: &Isometry3<f64>) -> impl Iterator<Item = PoseRow> + '_ {
         let at = self.point(pose);
         let (positions, orientations) = self.row_counts();
@@ -211,13 +211,14 @@ impl Workspace {
         position.chain(orientation)
     }
 
-    /// How many rows bound the position now, and how many the orientation.
+    /// Returns the numbers of rows that currently bound the position and the orientation.
     pub fn row_counts(&self) -> (usize, usize) {
         (self.position.row_count(), self.orientation.row_count())
     }
 
-    /// By how much the pose leaves the shapes, zero within \[m, rad\]: the shortest way out, in
-    /// the axes of the frame and of the reference. For boxes z less the nearest z within.
+    /// Returns the shortest displacement by which the pose is outside the shapes, zero inside \[m,
+    /// rad\]. It is in the axes of the frame and of the reference. If the shapes are boxes, it is z
+    /// minus the nearest z inside.
     pub fn violation(&self, pose: &Isometry3<f64>) -> Vector6<f64> {
         let at = self.point(pose);
         let linear = match self.position.stage() {
@@ -243,13 +244,13 @@ impl Workspace {
         stack(&linear, &angular)
     }
 
-    /// Returns true if the pose lies within.
+    /// Returns true if the pose is inside.
     pub fn contains(&self, pose: &Isometry3<f64>) -> bool {
         self.violation(pose) == Vector6::zeros()
     }
 
-    /// The present surface of positions in the world, for drawing; during a change that of the
-    /// shape it ends in.
+    /// Returns the current surface of positions in the world, for drawing. During a change without
+    /// a blend it is that of the final shape.
     pub fn mesh(&self) -> Mesh {
         let shape = match self.position.stage() {
             Stage::Still(shape) => shape.mesh(),
@@ -272,7 +273,7 @@ impl Workspace {
     }
 }
 
-/// The largest positive excess, along its direction.
+/// Returns the largest positive excess, along its direction.
 fn worst(rows: impl Iterator<Item = (f64, Vector3<f64>)>) -> Vector3<f64> {
     let worst = rows.max_by(|(a, _), (b, _)| a.total_cmp(b));
     worst.map_or(Vector3::zeros(), |(excess, direction)| direction * excess.max(0.0))

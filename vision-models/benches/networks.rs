@@ -1,4 +1,4 @@
-//! Time of an inference, and of loading: `cargo bench -p vision-models --bench networks`.
+//! Times of an inference and of loading: `cargo bench -p vision-models --bench networks`.
 //!
 //! Weights and inputs are random. `peers/run.sh` beside this file compares with other engines.
 #![allow(clippy::unwrap_used, missing_docs)]

@@ -1,8 +1,11 @@
-//! Prints the landmarks of everyone in the images of a camera, a line of JSON an image.
+//! Prints the landmarks of all people in the images of a camera, one line of JSON per image.
 //!
-//! `blaze_pose pose_solution_packed_assets.data pose_landmark_full.tflite MOST RATE IMAGE...`: of at most so many people,
-//! each an array of landmarks, each x, y, depth (pixels), visibility, presence and the metric place (m). There are so
-//! many images a second; with RATE 0 each is alone, and people are looked for anew.
+//! `blaze_pose pose_solution_packed_assets.data pose_landmark_full.tflite MOST RATE IMAGE...`
+//!
+//! MOST is the largest number of people. RATE is the number of images per second. If it is 0, the
+//! images are independent and people are searched in each of them. Each person is an array of
+//! landmarks. Each landmark is x, y, depth (pixels), visibility, presence and the metric position
+//! (m).
 
 use std::error::Error;
 use std::io::Write;

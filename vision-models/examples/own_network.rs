@@ -1,10 +1,12 @@
-//! A network of one's own: an encoder and decoder that finds objects, written from the engine's layers.
+//! A network of your own, built from the engine's layers: an encoder and decoder for object
+//! detection.
 //!
 //! ```text
 //! cargo run -p vision-models --example own_network [WEIGHTS]
 //! ```
 //!
-//! WEIGHTS is a checkpoint with the names below, by `torch.save` or as safetensors; without it they are all 0.01.
+//! WEIGHTS is a checkpoint with the names below, from `torch.save` or as safetensors. If it is
+//! missing, all weights are 0.01.
 #![allow(clippy::print_stdout, missing_docs)]
 
 use std::{env, error::Error};
@@ -16,7 +18,8 @@ use vision_models::engine::{
 };
 use vision_models::{Checkpoint, Options, Tensor, Tensors};
 
-/// Three colours in; for every fourth pixel, a score for each of five classes.
+/// Returns a network with three input colours. It gives a score for each of five classes at every
+/// fourth pixel.
 fn objects() -> Graph {
     let mut graph = Graph::new();
     let image = graph.input(3);
@@ -27,7 +30,7 @@ fn objects() -> Graph {
     let small =
         Convolution::image("encoder.1", 128, [3, 3]).stride([1, 2, 2]).norm("encoder.1_norm");
     let eighth = graph.convolution(quarter, small.activation(Relu));
-    // Wider, without another stride.
+    // Wider, but without another stride.
     let wide = Convolution::image("context", 128, [3, 3]).dilation([1, 2, 2]).norm("context_norm");
     let eighth = graph.residual(eighth, wide.activation(Relu), eighth);
     let up = Convolution::transposed_image("up", 64, [4, 4])
@@ -42,7 +45,7 @@ fn objects() -> Graph {
     graph
 }
 
-/// Each channel by itself, then all together.
+/// Adds a depthwise convolution, then one over all channels.
 fn separable(graph: &mut Graph, name: &str, x: Value, outputs: usize) -> Value {
     let channels = graph.channels(x);
     let slopes =
@@ -82,7 +85,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Weights that make no sense, to show that the network runs.
+/// Returns meaningless weights, to show that the network runs.
 fn constant(graph: &Graph) -> Result<Tensors, vision_models::Error> {
     let mut tensors = Tensors::new();
     for (name, shape) in Network::parameters(graph, 0)? {

@@ -1,6 +1,8 @@
-//! Trains a linear SVM on features in a file and prints how long it took and how good it is:
-//! `train_svm FEATURES LABELS COUNT hinge|squared_hinge SCALING|free COST TOLERANCE`. The files hold f32 and u8, as
-//! NumPy's `tofile` writes them; `benches/peers/svm.py` compares it with scikit-learn.
+//! Trains a linear SVM on features from a file. Prints the time and the quality.
+//!
+//! `train_svm FEATURES LABELS COUNT hinge|squared_hinge SCALING|free COST TOLERANCE`. The files
+//! hold f32 and u8, as written by NumPy's `tofile`. `benches/peers/svm.py` compares with
+//! scikit-learn.
 #![allow(clippy::print_stdout)]
 
 use std::{error::Error, fs, time::Instant};

@@ -1,4 +1,4 @@
-//! The actions that the recogniser tells apart.
+//! The actions that the recogniser distinguishes.
 
 mod direction;
 mod group;
@@ -33,15 +33,15 @@ use crate::error::Error;
 pub enum Action {
     /// Hands the object over to the robot.
     DeliverObject,
-    /// Walks while working on the object: this is how the robot is led.
+    /// Walks while working on the object. The person leads the robot in this way.
     MoveWhileUsing(WalkingDirection, Tool),
-    /// Has a tool in the hand and does not work with the robot.
+    /// Holds a tool and does not work with the robot.
     NoCollaborative(Tool),
     /// Takes a tool from the table.
     PickUp(Tool),
     /// Takes the object from the table.
     PickUpObject,
-    /// Lays a tool down.
+    /// Puts a tool down.
     PutDown(Tool),
     /// Stands and works on the object that the robot holds.
     Using(Tool),
@@ -53,7 +53,7 @@ pub enum Action {
     WalkingWithObject,
 }
 
-/// The error of a name that is no action's.
+/// Returns the error for a name that no action has.
 pub(crate) fn unknown(name: &str) -> Error {
     let wanted = "one of the thirty HRI30 class names exactly as they are written, such as \
                   \"Using The Drill\"";
@@ -61,8 +61,8 @@ pub(crate) fn unknown(name: &str) -> Error {
 }
 
 impl Action {
-    /// The thirty classes, in the alphabetical order of their names. A network's label file may
-    /// have another order.
+    /// The thirty classes in the alphabetical order of their names. A network's label file may have
+    /// another order.
     pub const ALL: [Self; 30] = {
         use Tool::{Drill, Polisher};
         use WalkingDirection::{
@@ -103,7 +103,7 @@ impl Action {
         ]
     };
 
-    /// The class's name in HRI30.
+    /// Returns the class's name in HRI30.
     pub fn name(self) -> &'static str {
         use Tool::{Drill, Polisher};
         match self {
@@ -126,7 +126,7 @@ impl Action {
         }
     }
 
-    /// The class of this name.
+    /// Returns the class with this name.
     ///
     /// # Errors
     /// [`Error::Name`] if no class has exactly this name.
@@ -134,8 +134,9 @@ impl Action {
         Self::ALL.into_iter().find(|action| action.name() == name).ok_or_else(|| unknown(name))
     }
 
-    /// The class that a label of a copy of HRI30 means: words joined in any way, in any case, with or without
-    /// a plural s (`MoveDiagonallyBackwardLeftWithDrill`, `move_backwards_while_drilling`).
+    /// Returns the class that a label of a copy of HRI30 names. The words may be joined in any way,
+    /// in any case, with or without a plural s (`MoveDiagonallyBackwardLeftWithDrill`,
+    /// `move_backwards_while_drilling`).
     ///
     /// ```
     /// use vision_models::Action;
@@ -146,7 +147,7 @@ impl Action {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Name`] if it means none.
+    /// [`Error::Name`] if the label names no class.
     pub fn from_label(label: &str) -> Result<Self, Error> {
         let letters = |name: &str| -> String {
             let letters = name.chars().filter(|letter| letter.is_alphanumeric());
@@ -159,8 +160,8 @@ impl Action {
             .ok_or_else(|| unknown(label))
     }
 
-    /// Where the person walks while working, in the person's frame. `None` for every other action:
-    /// plain walking is not tied to a direction in HRI30 and does not lead the robot.
+    /// Returns the direction in which the person walks while working, in the person's frame. `None`
+    /// for every other action: plain walking has no direction in HRI30 and does not lead the robot.
     pub fn walking_direction(self) -> Option<WalkingDirection> {
         match self {
             Self::MoveWhileUsing(direction, _) => Some(direction),
@@ -168,7 +169,7 @@ impl Action {
         }
     }
 
-    /// The action that a mirror shows: left is right. All but walking while working are their own.
+    /// Returns the action with left and right exchanged. Only walking while working changes.
     ///
     /// ```
     /// use vision_models::Action;
@@ -188,7 +189,7 @@ impl Action {
         }
     }
 
-    /// The tool that the action is about.
+    /// Returns the tool that belongs to the action.
     pub fn tool(self) -> Option<Tool> {
         match self {
             Self::MoveWhileUsing(_, tool)
@@ -203,10 +204,11 @@ impl Action {
         }
     }
 
-    /// Whether the person works with the robot: delivers the object to it, or uses a tool on the
-    /// object, standing or walking. Paper, Experiment 3: the person becomes collaborative by
-    /// straightening the arm towards the robot, so that merely carrying a tool, taking it or laying
-    /// it down, does not count.
+    /// Returns true if the person works with the robot: delivers the object to it, or uses a tool
+    /// on the object, standing or walking.
+    ///
+    /// Paper, Experiment 3: the person becomes collaborative by straightening the arm towards the
+    /// robot. Carrying a tool, taking it or putting it down is therefore not collaborative.
     pub fn is_collaborative(self) -> bool {
         matches!(self, Self::DeliverObject | Self::Using(_) | Self::MoveWhileUsing(..))
     }

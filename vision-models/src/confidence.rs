@@ -1,4 +1,4 @@
-//! A probability that a recognition is right.
+//! The probability that a recognition is right.
 
 use serde::{Deserialize, Serialize};
 
@@ -24,7 +24,7 @@ impl Confidence {
     /// No evidence at all.
     pub const ZERO: Self = Self(0.0);
 
-    /// Takes a probability.
+    /// Creates a confidence from a probability.
     ///
     /// # Errors
     /// [`Error::Value`] if `value` is NaN or outside [0, 1].
@@ -36,7 +36,7 @@ impl Confidence {
         }
     }
 
-    /// The probability, in [0, 1].
+    /// Returns the probability, in [0, 1].
     pub fn value(self) -> f64 {
         self.0
     }

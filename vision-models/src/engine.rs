@@ -1,23 +1,23 @@
-//! The engine that runs the networks, for networks of one's own.
+//! Inference engine for this crate's networks and for your own.
 //!
-//! A [`Graph`] says which layers there are and what their weights are called; [`Network::load`] takes the
-//! weights from a checkpoint and plans the pass; [`Network::infer`] runs it. The networks of this crate are
-//! such graphs.
+//! A [`Graph`] lists the layers and the names of their weights. [`Network::load`] takes the weights
+//! from a checkpoint and plans the forward pass. [`Network::infer`] runs it. The networks of this
+//! crate are such graphs.
 //!
 //! | layer | |
 //! |---|---|
 //! | [`Graph::convolution`] | [`Convolution`]: of images or clips, strided, dilated, grouped, depthwise, transposed; bias, batch norm, [`Activation`] |
-//! | [`Graph::residual`] | a convolution that is added to an activation |
+//! | [`Graph::residual`] | a convolution plus an activation |
 //! | [`Graph::max_pool`] | |
 //! | [`Graph::concatenation`] | |
 //! | [`Graph::resize`] | bilinear interpolation |
 //! | [`Graph::reshape`] | |
 //! | [`Graph::classify`] | pooled features and a linear layer |
 //!
-//! Everything has frames, rows and columns: an image is a clip of one frame. `examples/own_network.rs` writes
-//! a network for finding objects from these layers.
+//! Every activation has frames, rows and columns. An image is a clip of one frame.
+//! `examples/own_network.rs` builds a network for object detection from these layers.
 
-// Views are small, and given by value as everywhere with ndarray.
+// Views are small. They are passed by value, as usual with ndarray.
 #![allow(clippy::needless_pass_by_value)]
 
 mod graph;

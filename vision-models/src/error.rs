@@ -1,10 +1,10 @@
-//! What can be wrong with what is given to this crate.
+//! Errors of this crate.
 
 use std::fmt;
 
 use crate::excerpt::Excerpt;
 
-/// A value that this crate refuses, with the place and what would be right.
+/// A value that this crate rejects. It says where the value is and what would be right.
 ///
 /// ```
 /// use vision_models::{Action, Error};
@@ -16,67 +16,67 @@ use crate::excerpt::Excerpt;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A number, an index or a pose that is out of its range or not finite.
+    /// A number, an index or a pose that is out of range or not finite.
     #[error("{what} is {got}: give {wanted}")]
     Value {
-        /// The setting, the element of an array, or what else it is.
+        /// The setting, the element of an array, or another value.
         what: String,
-        /// What was given.
+        /// The given value.
         got: String,
-        /// What would be right.
+        /// The right values.
         wanted: String,
     },
     /// An array, an image, a clip or a list of the wrong size.
     #[error("{what} has {} {unit}: give {wanted}", sizes(.got))]
     Size {
-        /// What has the size.
+        /// The object with this size.
         what: String,
-        /// Its size along each axis.
+        /// The size along each axis.
         got: Vec<usize>,
-        /// What is counted.
+        /// The unit of the size.
         unit: &'static str,
-        /// The size that is right.
+        /// The right size.
         wanted: String,
     },
-    /// A name that is none of those that are known.
+    /// An unknown name.
     #[error("unknown {what} \"{}\": give {wanted}", Excerpt(.got))]
     Name {
-        /// What has such names.
+        /// The kind of name.
         what: &'static str,
-        /// The name that was given.
+        /// The given name.
         got: String,
-        /// The names that are right.
+        /// The right names.
         wanted: &'static str,
     },
     /// A text, a file or a set of samples whose parts do not fit together.
     #[error("{what}: {problem}")]
     Malformed {
-        /// What it is, with the line where there are lines.
+        /// The text, file or set, with the line if there are lines.
         what: String,
-        /// What does not fit, and what would.
+        /// The problem, and what would fit.
         problem: String,
     },
-    /// A checkpoint that is not the network's. The message has the first few names only.
+    /// A checkpoint of another network. The message has only the first few names.
     #[cfg(feature = "inference")]
     #[error("{}", WeightsMessage { network, found, lists: [missing, surplus, misshapen] })]
     Weights {
-        /// The network that was to be loaded, if it is one of this crate.
+        /// The network that was to be loaded, if it belongs to this crate.
         network: Option<Box<str>>,
-        /// The network that the checkpoint holds, if it is a known one.
+        /// The network that the checkpoint holds, if it is known.
         found: Option<Box<str>>,
         /// Names and shapes of tensors that the network needs and the checkpoint lacks.
         missing: Vec<String>,
-        /// Names of tensors that the network has no place for.
+        /// Names of tensors that the network does not use.
         surplus: Vec<String>,
         /// Names of tensors of the wrong shape, with both shapes.
         misshapen: Vec<String>,
     },
-    /// A layer that does not fit the activations which it reads and writes.
+    /// A layer that does not fit the activations that it reads and writes.
     #[error("layer {layer} cannot be planned: {problem}")]
     Layer {
-        /// What the checkpoint calls it, or what it is.
+        /// The layer's name in the checkpoint, or its kind.
         layer: String,
-        /// What does not fit.
+        /// The problem.
         problem: String,
     },
     /// Weights or activations that are too large for f32.
@@ -84,41 +84,41 @@ pub enum Error {
     Overflow {
         /// The layer's weight, or the image or clip of the batch whose activations overflow.
         what: String,
-        /// What may be wrong.
+        /// The probable cause.
         cause: &'static str,
     },
     /// Threads that cannot be started: none, more than
     /// [`Options::MAX_THREADS`](crate::Options::MAX_THREADS), or more than the operating system
-    /// gives.
+    /// allows.
     #[error("{threads} threads cannot be started: {reason}")]
     Threads {
-        /// How many were asked for.
+        /// The requested number.
         threads: usize,
         /// The limit, or the operating system's reason.
         reason: String,
     },
-    /// A file that the operating system does not let us read or write.
+    /// A file that the operating system cannot read or write.
     #[error("{}{reason}", place(.path))]
     File {
-        /// The path; empty for a reader that is no file.
+        /// The path. Empty if the reader is not a file.
         path: String,
-        /// What the operating system says.
+        /// The operating system's reason.
         reason: String,
     },
-    /// A checkpoint file that is refused. Nothing of it is used.
+    /// A checkpoint file that is rejected. None of its contents is used.
     #[error("{place}: {problem}")]
     Checkpoint {
         /// The part of the file.
         place: String,
-        /// What is wrong there.
+        /// The problem in that part.
         problem: String,
     },
     /// An image file that cannot be decoded.
     #[error("{}no JPEG or PNG image that can be read: {reason}", place(.path))]
     Image {
-        /// The path; empty for bytes in memory.
+        /// The path. Empty for bytes in memory.
         path: String,
-        /// What the decoder says.
+        /// The decoder's reason.
         reason: String,
     },
     /// A video or a folder without frames.
@@ -145,22 +145,22 @@ impl Error {
     }
 }
 
-/// "480 × 640 × 3".
+/// Formats sizes as in "480 × 640 × 3".
 fn sizes(sizes: &[usize]) -> String {
     sizes.iter().map(usize::to_string).collect::<Vec<_>>().join(" × ")
 }
 
-/// What a message about a file starts with.
+/// Returns the beginning of a message about a file.
 fn place(path: &str) -> String {
     if path.is_empty() { String::new() } else { format!("{path}: ") }
 }
 
-/// What is wrong with a checkpoint, in a few lines.
+/// The problems of a checkpoint in a few lines.
 #[cfg(feature = "inference")]
 struct WeightsMessage<'a> {
     network: &'a Option<Box<str>>,
     found: &'a Option<Box<str>>,
-    /// Missing, surplus, misshapen.
+    /// Missing, surplus and misshapen tensors.
     lists: [&'a [String]; 3],
 }
 

@@ -1,9 +1,9 @@
-//! What an error quotes of what it was given.
+//! Excerpts of given text for errors.
 
 use std::fmt;
 
 /// The start of a text from outside, so that no file makes a message long. Control characters are
-/// escaped: the message stays on its line.
+/// escaped, so that the message stays on one line.
 pub(crate) struct Excerpt<'a>(pub(crate) &'a str);
 
 impl Excerpt<'_> {

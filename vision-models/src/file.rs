@@ -1,4 +1,4 @@
-//! Files from outside, taken into memory up to a limit.
+//! Reading files into memory up to a size limit.
 
 use std::{
     fs::File,
@@ -9,7 +9,8 @@ use std::{
 #[cfg(feature = "inference")]
 use crate::error::Error;
 
-/// Reads a file of at most `limit` bytes. A device or a pipe, which has no length, is read no further than that.
+/// Reads a file of at most `limit` bytes. Devices and pipes, which have no length, are read no
+/// further either.
 ///
 /// ```
 /// use vision_models::file::read_bytes;
@@ -23,7 +24,8 @@ use crate::error::Error;
 /// ```
 ///
 /// # Errors
-/// What the system says; [`io::ErrorKind::FileTooLarge`] for a larger file, before memory is taken for it.
+/// Those of the operating system. [`io::ErrorKind::FileTooLarge`] if the file is larger, before
+/// memory is allocated.
 pub fn read_bytes(path: impl AsRef<Path>, limit: u64) -> io::Result<Vec<u8>> {
     let too_large = || {
         let text = format!("larger than such a file can be: at most {limit} bytes are read");
@@ -41,7 +43,8 @@ pub fn read_bytes(path: impl AsRef<Path>, limit: u64) -> io::Result<Vec<u8>> {
 /// Reads a text of at most `limit` bytes.
 ///
 /// # Errors
-/// As of [`read_bytes`]; [`io::ErrorKind::InvalidData`] for what is no UTF-8, with the place.
+/// Those of [`read_bytes`]. [`io::ErrorKind::InvalidData`] with the position if the text is not
+/// UTF-8.
 pub fn read_text(path: impl AsRef<Path>, limit: u64) -> io::Result<String> {
     String::from_utf8(read_bytes(path, limit)?).map_err(|error| {
         let place = error.utf8_error().valid_up_to();
@@ -49,13 +52,13 @@ pub fn read_text(path: impl AsRef<Path>, limit: u64) -> io::Result<String> {
     })
 }
 
-/// An error of reading a file, with the file's name.
+/// Adds the file's name to an error of reading.
 #[cfg(feature = "inference")]
 pub(crate) fn in_file(path: &Path) -> impl Fn(io::Error) -> Error {
     |error| Error::File { path: path.display().to_string(), reason: error.to_string() }
 }
 
-/// The text behind a byte-order mark, which some editors write at the start.
+/// Returns the text without the byte-order mark that some editors write at the start.
 #[cfg(feature = "inference")]
 pub(crate) fn without_byte_order_mark(text: &str) -> &str {
     text.strip_prefix('\u{feff}').unwrap_or(text)

@@ -1,6 +1,6 @@
 //! A network's last layer, trained on its features (paper, Sec. "Experiment 1": a new last layer on
 //! a frozen network).
-#![allow(clippy::needless_pass_by_value)] // views go by value, as everywhere in ndarray
+#![allow(clippy::needless_pass_by_value)] // views are passed by value, as usual with ndarray
 
 mod scaling;
 mod settings;
@@ -20,7 +20,7 @@ use crate::random::uniform;
 use crate::samples::{check_classes, check_finite, check_samples, misfit, not_finite};
 use crate::weights::{Tensor, TensorSource, Tensors};
 
-/// A linear layer from features to one score a class, the logits of [`softmax`](crate::softmax).
+/// A linear layer from features to one score per class, the logits of [`softmax`](crate::softmax).
 ///
 /// ```
 /// use ndarray::{Array2, array};
@@ -46,17 +46,23 @@ pub struct LinearHead {
 }
 
 impl LinearHead {
-    /// The most samples that it is trained with.
+    /// Largest number of training samples.
     pub const MAX_SAMPLES: usize = 10_000_000;
 
-    /// Trains on features, samples × features, of which `labels` says the classes as indices into
-    /// `classes`, as long as `go_on`, which is told each epoch, says so. The same samples and settings
-    /// give the same head.
+    /// Trains a head on features, samples × features. `labels` are the samples' classes as indices
+    /// into `classes`.
+    ///
+    /// After each epoch `go_on` is called and decides whether to continue. The same samples and
+    /// settings give the same head.
     ///
     /// # Errors
-    /// [`Error::Malformed`] if there are none or too many, labels are missing or out of range, a class
-    /// has no sample, no name or another's, there are fewer than two classes, or the steps go to
-    /// infinity; [`Error::Value`] for a feature that is not finite, and for a setting out of range.
+    /// [`Error::Malformed`] if one of these is wrong:
+    /// - There are no samples, too many, or fewer than two classes.
+    /// - Labels are missing or out of range.
+    /// - A class has no sample, no name or the name of another class.
+    /// - The steps diverge to infinity.
+    ///
+    /// [`Error::Value`] if a feature is not finite or a setting is out of range.
     pub fn train(
         samples: ArrayView2<'_, f32>,
         labels: &[usize],
@@ -85,27 +91,29 @@ impl LinearHead {
         standardisation.map_or(Ok(head.clone()), |standardisation| standardisation.fold(&head))
     }
 
-    /// A head to begin with: weights and biases uniform within 1/√features, as PyTorch's linear layer
-    /// begins.
+    /// Creates an initial head with weights and biases uniform within 1/√features, as in PyTorch's
+    /// linear layer.
     ///
     /// # Errors
-    /// [`Error::Malformed`] for no feature, fewer than two classes, or a class without a name of its own.
+    /// [`Error::Malformed`] if there is no feature, there are fewer than two classes, or class
+    /// names are empty or equal.
     pub fn random(classes: Vec<String>, features: usize, seed: u64) -> Result<Self, Error> {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
-        random.set_stream(1); // Not what the order of the samples is drawn from.
+        random.set_stream(1); // Different from the stream that orders the samples.
         let bound = 1.0 / (features as f64).sqrt();
-        #[allow(clippy::cast_possible_truncation)] // What a network computes with.
+        #[allow(clippy::cast_possible_truncation)] // Networks compute in f32.
         let mut draw = || (bound * (2.0 * uniform(&mut random) - 1.0)) as f32;
         let weights = Array2::from_shape_simple_fn((classes.len(), features), &mut draw);
         let biases = Array1::from_shape_simple_fn(classes.len(), &mut draw);
         Self::new(classes, weights, biases)
     }
 
-    /// A head of given weights, classes × features.
+    /// Creates a head with the given weights, classes × features.
     ///
     /// # Errors
-    /// [`Error::Malformed`] if the numbers of classes, weights and biases do not fit, or a class has no
-    /// name or another's; [`Error::Value`] for a weight or bias that is not finite.
+    /// - [`Error::Malformed`] if the numbers of classes, weights and biases differ, or class names
+    ///   are empty or equal.
+    /// - [`Error::Value`] if a weight or bias is not finite.
     pub fn new(
         classes: Vec<String>,
         weights: Array2<f32>,
@@ -130,11 +138,12 @@ impl LinearHead {
         Ok(Self { classes, weights, biases })
     }
 
-    /// Reads the layer `NAME.weight`, `NAME.bias` of a checkpoint, whose classes have these names.
+    /// Reads the layer `NAME.weight`, `NAME.bias` of a checkpoint. Its classes get the given names.
     ///
     /// # Errors
-    /// [`Error::Name`] if it is not there; [`Error::Malformed`] if it has another shape; as of
-    /// [`Self::new`].
+    /// - [`Error::Name`] if the layer is missing.
+    /// - [`Error::Malformed`] if it has another shape.
+    /// - Those of [`Self::new`].
     pub fn read(
         source: &mut impl TensorSource,
         name: &str,
@@ -152,10 +161,10 @@ impl LinearHead {
         Self::new(classes, weights, Array1::from_vec(biases.into_data()))
     }
 
-    /// The layer as tensors `NAME.weight` and `NAME.bias`.
+    /// Returns the layer as tensors `NAME.weight` and `NAME.bias`.
     ///
     /// # Errors
-    /// None that is known: the shapes fit.
+    /// None known, since the shapes fit.
     pub fn tensors(&self, name: &str) -> Result<Tensors, Error> {
         let mut tensors = Tensors::new();
         let shape = self.weights.shape().to_vec();
@@ -166,26 +175,26 @@ impl LinearHead {
         Ok(tensors)
     }
 
-    /// The names of the classes.
+    /// Returns the names of the classes.
     pub fn classes(&self) -> &[String] {
         &self.classes
     }
 
-    /// The weights, classes × features.
+    /// Returns the weights, classes × features.
     pub fn weights(&self) -> ArrayView2<'_, f32> {
         self.weights.view()
     }
 
-    /// The biases.
+    /// Returns the biases.
     pub fn biases(&self) -> ArrayView1<'_, f32> {
         self.biases.view()
     }
 
-    /// One score a class.
+    /// Returns one score per class.
     ///
     /// # Errors
-    /// [`Error::Malformed`] for another number of features than in training; [`Error::Value`] for one
-    /// that is not finite.
+    /// - [`Error::Malformed`] if the number of features differs from the training's.
+    /// - [`Error::Value`] if a feature is not finite.
     pub fn scores(&self, features: ArrayView1<'_, f32>) -> Result<Array1<f32>, Error> {
         if features.len() != self.weights.ncols() {
             let problem = format!(
@@ -199,10 +208,10 @@ impl LinearHead {
         Ok(self.weights.dot(&features) + &self.biases)
     }
 
-    /// The index of the class with the highest score; the first of equal ones.
+    /// Returns the index of the class with the highest score, the first of equal ones.
     ///
     /// # Errors
-    /// As of [`Self::scores`].
+    /// Those of [`Self::scores`].
     pub fn classify(&self, features: ArrayView1<'_, f32>) -> Result<usize, Error> {
         let scores = self.scores(features)?;
         let best =

@@ -1,8 +1,8 @@
-//! The arithmetic, and all that is `unsafe` in this crate.
+//! The numerical kernels, and all `unsafe` code of this crate.
 //!
-//! A kernel is written once over [`vector::Vector`] and compiled for each instruction set; which
-//! one runs is decided when the program starts. What the rest of the crate sees is safe: slices,
-//! layouts and plans, checked against each other before any pointer is made of them.
+//! A kernel is written once over [`vector::Vector`] and compiled for each instruction set. The set
+//! is chosen when the program starts. The interface to the rest of the crate is safe: slices,
+//! layouts and plans are checked against each other before pointers are made.
 #![allow(unsafe_code)]
 // A function that is generic over the instruction set has it enabled only where it is inlined.
 #![allow(clippy::inline_always)]

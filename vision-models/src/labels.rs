@@ -11,20 +11,21 @@ use crate::error::Error;
 use crate::excerpt::Excerpt;
 use crate::file::{in_file, read_text, without_byte_order_mark};
 
-/// The largest label file that is read (bytes).
+/// Largest label file that is read (bytes).
 const MAX_BYTES: u64 = 64 << 20;
-/// More classes than any network has.
+/// Largest number of classes. No network has more.
 pub(crate) const MAX_CLASSES: usize = 100_000;
 
 /// The names of a network's classes, in the order of its scores.
 ///
-/// A file has a name a line, with or without a number before it (`1 Deliver Object`,
-/// `0,Deliver Object`); the numbers must follow each other. Copies of HRI30 differ in their order,
-/// so the file that came with the weights counts. At most 100,000 names are read.
+/// A file has one name per line, with or without a number before it (`1 Deliver Object`,
+/// `0,Deliver Object`). The numbers must be consecutive. Copies of HRI30 differ in their order, so
+/// use the file that came with the weights. At most 100,000 names are read.
 ///
-/// Names are told apart by their letters and digits, by case too: ImageNet has a dog `Cardigan` and
-/// a jacket `cardigan`. [`Self::index`] overlooks case where that leaves one class. Classes that are written alike, as
-/// the two `crane` of ImageNet, are told apart by their number alone: [`Self::label`] shows it.
+/// Names are compared by their letters and digits, including case: ImageNet has a dog `Cardigan`
+/// and a jacket `cardigan`. [`Self::index`] ignores case if only one class then matches. Classes
+/// with the same name, such as the two `crane` of ImageNet, differ only in their number, which
+/// [`Self::label`] shows.
 ///
 /// ```
 /// use vision_models::{Action, ClassNames};
@@ -40,9 +41,9 @@ pub struct ClassNames {
     names: Vec<String>,
     /// The number of the first class in the file.
     first: usize,
-    /// The classes of each name, by its letters.
+    /// The classes of each name, by the name's letters.
     by_letters: BTreeMap<String, Named>,
-    /// The same in lower case; `None` where that makes two names one.
+    /// The classes by the name's letters in lower case, or `None` if several names become equal.
     by_lower_case: BTreeMap<String, Option<usize>>,
 }
 
@@ -50,12 +51,12 @@ pub struct ClassNames {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Named {
     first: usize,
-    /// Whether others are written alike.
+    /// True if another class has the same name.
     is_shared: bool,
 }
 
 impl ClassNames {
-    /// HRI30's, in the order of [`Action::ALL`].
+    /// Returns HRI30's classes, in the order of [`Action::ALL`].
     pub fn hri30() -> Self {
         let mut classes = Self::numbered_from(0);
         for action in Action::ALL {
@@ -68,19 +69,19 @@ impl ClassNames {
     /// Reads a file of at most 64 MiB.
     ///
     /// # Errors
-    /// [`Error::File`], [`Error::Malformed`].
+    /// [`Error::File`] if it cannot be read, [`Error::Malformed`] if its lines are wrong.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
         read_text(path, MAX_BYTES).map_err(in_file(path))?.parse()
     }
 
-    /// The names.
+    /// Returns the names.
     pub fn names(&self) -> &[String] {
         &self.names
     }
 
-    /// The name of a class as it is shown: with the number of the class, from zero, where another class is written
-    /// alike. `None` for a class that has no name.
+    /// Returns the name of a class for display. If another class has the same name, the class's
+    /// number from zero is added. `None` for a class without a name.
     ///
     /// ```
     /// use vision_models::ClassNames;
@@ -96,8 +97,8 @@ impl ClassNames {
         Some(if is_shared { format!("{name} ({class})") } else { name.clone() })
     }
 
-    /// The class of a name, however its words are joined, or of a number as the file has it. Case
-    /// counts only where names differ by nothing else. `None` for a name of several classes.
+    /// Returns the class of a name, however its words are joined, or of a number in the file. Case
+    /// only matters if names differ in nothing else. `None` if several classes have the name.
     pub fn index(&self, label: &str) -> Option<usize> {
         let letters = letters(label);
         let by_number = || {
@@ -111,10 +112,10 @@ impl ClassNames {
             .or_else(by_number)
     }
 
-    /// The classes as actions of HRI30.
+    /// Returns the classes as actions of HRI30.
     ///
     /// # Errors
-    /// [`Error::Name`] for a name that is none.
+    /// [`Error::Name`] if a name is not an action.
     pub fn actions(&self) -> Result<Vec<Action>, Error> {
         let key = |name: &str| letters(name).to_lowercase();
         let known = Action::ALL.map(|action| (key(action.name()), action));
@@ -131,17 +132,17 @@ impl ClassNames {
     /// Reads a file of at most 64 MiB as [`Self::clips`] does.
     ///
     /// # Errors
-    /// [`Error::File`], [`Error::Malformed`].
+    /// [`Error::File`] if it cannot be read, [`Error::Malformed`] if its lines are wrong.
     pub fn read_clips(&self, path: impl AsRef<Path>) -> Result<Vec<(String, usize)>, Error> {
         let path = path.as_ref();
         self.clips(&read_text(path, MAX_BYTES).map_err(in_file(path))?)
     }
 
-    /// Reads the classes of clips: a line each, its name and then its class, by name or number,
-    /// with a comma or a space between. A first line whose class is unknown is a heading.
+    /// Reads the classes of clips, one per line: the clip's name and its class, by name or number,
+    /// separated by a comma or a space. A first line with an unknown class is a heading.
     ///
     /// # Errors
-    /// [`Error::Malformed`].
+    /// [`Error::Malformed`] if a line is wrong.
     pub fn clips(&self, text: &str) -> Result<Vec<(String, usize)>, Error> {
         let mut clips = Vec::new();
         for (line, number) in lines(without_byte_order_mark(text)) {
@@ -166,7 +167,8 @@ impl ClassNames {
         Self { names: Vec::new(), first, by_letters, by_lower_case }
     }
 
-    /// Adds the next class. Returns the class that has these letters in another writing, if there is one.
+    /// Adds the next class. Returns the class whose name differs only in its spelling, if there is
+    /// one.
     fn insert(&mut self, name: String, letters: String) -> Option<usize> {
         let class = self.names.len();
         match self.by_lower_case.entry(letters.to_lowercase()) {
@@ -233,17 +235,17 @@ impl FromStr for ClassNames {
     }
 }
 
-/// The lines that are not empty, trimmed, counted from one.
-/// An error of a line, counted from one.
+/// Returns the error of a line, counted from one.
 fn refuse(line: usize, expected: &str) -> Error {
     Error::malformed(&format!("label file, line {line}"), format!("expected {expected}"))
 }
 
+/// Returns the lines that are not empty, trimmed, with their numbers from one.
 fn lines(text: &str) -> impl Iterator<Item = (&str, usize)> {
     text.lines().map(str::trim).zip(1..).filter(|(line, _)| !line.is_empty())
 }
 
-/// A number at the start, if something stands between it and the name.
+/// Splits a number at the start from the name, if a separator stands between them.
 fn split_number(line: &str) -> (Option<usize>, &str) {
     let split = line.split_once([' ', '\t', ',', ':']);
     match split.map(|(number, name)| (number.parse(), name)) {
@@ -252,7 +254,8 @@ fn split_number(line: &str) -> (Option<usize>, &str) {
     }
 }
 
-/// What names are compared by: letters and digits, or all of a name that has neither.
+/// Returns the characters by which names are compared: letters and digits, or all of a name that
+/// has neither.
 fn letters(name: &str) -> String {
     let letters: String = name.chars().filter(|letter| letter.is_alphanumeric()).collect();
     if letters.is_empty() { name.into() } else { letters }

@@ -1,15 +1,15 @@
-//! How activations lie in memory: frames, rows, pixels, channels, inside a border of zeros.
+//! Memory layout of activations: frames, rows, pixels, channels, inside a border of zeros.
 
 /// Frames (time), rows (height) and columns (width), in this order.
 pub(crate) type Extent = [usize; 3];
 
-/// The layout of one activation tensor, channels running fastest. Its border holds zeros, so that
-/// a padded convolution reads past the edges without asking where they are.
+/// The layout of one activation tensor, channels running fastest. Its border holds zeros, so that a
+/// padded convolution can read past the edges without checks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Layout {
     /// Frames, rows and columns, without the border.
     pub(crate) size: Extent,
-    /// Floats a pixel.
+    /// Floats per pixel.
     pub(crate) channels: usize,
     /// Zeros before the first frame, row and column.
     pub(crate) before: Extent,
@@ -18,29 +18,29 @@ pub(crate) struct Layout {
 }
 
 impl Layout {
-    /// A layout without a border.
+    /// Creates a layout without a border.
     pub(crate) fn dense(size: Extent, channels: usize) -> Self {
         Self { size, channels, before: [0; 3], after: [0; 3] }
     }
 
-    /// Frames, rows and columns with the border.
+    /// Returns frames, rows and columns with the border.
     fn padded(&self) -> Extent {
         std::array::from_fn(|axis| self.before[axis] + self.size[axis] + self.after[axis])
     }
 
-    /// Floats from one frame, row and column to the next.
+    /// Returns the floats from one frame, row and column to the next.
     pub(crate) fn strides(&self) -> Extent {
         let [_, rows, columns] = self.padded();
         [rows * columns * self.channels, columns * self.channels, self.channels]
     }
 
-    /// Floats in all.
+    /// Returns the total number of floats.
     pub(crate) fn length(&self) -> usize {
         self.padded().iter().product::<usize>() * self.channels
     }
 
-    /// The same where it may be more than a slice can have: `None` then. The other methods are for layouts
-    /// that can be.
+    /// Returns the same, or `None` if it exceeds the size of any slice. The other methods require a
+    /// layout that does not.
     pub(crate) fn checked_length(&self) -> Option<usize> {
         let axes = (0..3).map(|axis| {
             self.before[axis].checked_add(self.size[axis])?.checked_add(self.after[axis])
@@ -51,30 +51,30 @@ impl Layout {
         (length <= isize::MAX as usize / size_of::<f32>()).then_some(length)
     }
 
-    /// Where the first pixel inside the border starts.
+    /// Returns the start of the first pixel inside the border.
     pub(crate) fn origin(&self) -> usize {
         self.strides().iter().zip(&self.before).map(|(stride, before)| stride * before).sum()
     }
 
-    /// Pixels of all frames, without the border.
+    /// Returns the number of pixels of all frames, without the border.
     pub(crate) fn pixels(&self) -> usize {
         self.size.iter().product()
     }
 
-    /// Whether the border holds anything.
+    /// Returns true if there is a border.
     pub(crate) fn has_border(&self) -> bool {
         self.before != [0; 3] || self.after != [0; 3]
     }
 
-    /// Whether the border is at least this large.
+    /// Returns true if the border is at least this large.
     pub(crate) fn has_border_of(&self, before: Extent, after: Extent) -> bool {
         (0..3).all(|axis| self.before[axis] >= before[axis] && self.after[axis] >= after[axis])
     }
 
-    /// Makes the border zero.
+    /// Sets the border to zero.
     pub(crate) fn clear_border(&self, memory: &mut [f32]) {
         let strides = self.strides();
-        // What lies before and after the part inside, from the whole down to one row.
+        // The memory before and after the inner part, from the whole down to one row.
         let mut clear = |start: usize, axis: usize| {
             let first = start + self.before[axis] * strides[axis];
             let last = first + self.size[axis] * strides[axis];
@@ -91,7 +91,7 @@ impl Layout {
         }
     }
 
-    /// Makes the border at least this large.
+    /// Enlarges the border to at least this size.
     pub(crate) fn widen(&mut self, before: Extent, after: Extent) {
         for axis in 0..3 {
             self.before[axis] = self.before[axis].max(before[axis]);
@@ -103,34 +103,34 @@ impl Layout {
 /// Neighbouring channels of an activation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Channels {
-    /// The activation's.
+    /// The layout of the activation.
     pub(crate) layout: Layout,
-    /// The first of the channels.
+    /// First channel.
     pub(crate) first: usize,
-    /// How many they are.
+    /// Number of channels.
     pub(crate) count: usize,
 }
 
 impl Channels {
-    /// Where the channels of the first pixel inside the border start.
+    /// Returns the start of the channels of the first pixel inside the border.
     pub(crate) fn origin(&self) -> usize {
         self.layout.origin() + self.first
     }
 
-    /// Whether the activation has them.
+    /// Returns true if the activation has these channels.
     pub(crate) fn exist(&self) -> bool {
         let end = self.first.checked_add(self.count);
         self.count > 0 && end.is_some_and(|end| end <= self.layout.channels)
     }
 }
 
-/// The position of the `index`-th pixel of an extent, columns running fastest.
+/// Returns the position of the `index`-th pixel of an extent, columns running fastest.
 pub(crate) fn position(index: usize, extent: Extent) -> Extent {
     let [_, rows, columns] = extent;
     [index / (rows * columns), index / columns % rows, index % columns]
 }
 
-/// The dot product of a position and strides.
+/// Returns the dot product of a position and strides.
 pub(crate) fn offset(position: Extent, strides: Extent) -> usize {
     position.iter().zip(&strides).map(|(at, stride)| at * stride).sum()
 }

@@ -1,18 +1,19 @@
-//! What perception reports to the control side, and the tracking of the person in it.
+//! Perception: the results that it reports to the controller, and the tracking of the person.
 //!
-//! A camera frame becomes a [`Percept`]: the recognised [`Action`], the [`Surface`] that faces the
-//! on-board camera and the [`Body`], each with its confidence. A [`BodyTracker`] turns the bodies,
-//! noisy and sometimes missing, into a [`TrackedPerson`] that a control loop can ask for at any
-//! time.
+//! A [`Percept`] is the result for one camera frame: the recognised [`Action`], the [`Surface`]
+//! that faces the on-board camera, and the [`Body`], each with its confidence. A [`BodyTracker`]
+//! turns the bodies, which are noisy and sometimes missing, into a [`TrackedPerson`] that a control
+//! loop can query at any time.
 //!
-//! The feature `inference`, on by default, is what makes percepts of images: networks and [the engine that
-//! runs them](engine), their weights, pre-processing, pose estimation and classification. Without it there are
-//! percepts, bodies in images and tracking.
+//! The feature `inference`, on by default, computes percepts from images. It has the networks, [the
+//! engine that runs them](engine), their weights, pre-processing, pose estimation and
+//! classification. If it is off, the crate has percepts, bodies in images and tracking.
 //!
 //! Units are SI and radians. Positions are in the world frame: x and y on the floor, z up. The
 //! person's frame has its origin on the floor below the pelvis, x forwards and y to the left.
 //!
-//! Features of a residual network, and a linear support vector machine over them that tells two surfaces apart:
+//! Example: features of a residual network, and a linear support vector machine that distinguishes
+//! two surfaces.
 //!
 //! ```no_run
 //! # #[cfg(feature = "inference")]

@@ -1,4 +1,4 @@
-//! From joints in the image and aligned depth to joints in the world.
+//! Converts joints in the image to joints in the world by aligned depth.
 
 mod lifter;
 mod section;

@@ -1,8 +1,8 @@
-//! How well a classifier does.
+//! Accuracy of a classifier.
 
 use crate::error::Error;
 
-/// How often each class was taken for each: rows are the true classes, columns the given ones.
+/// Counts of samples by true class (rows) and given class (columns).
 ///
 /// ```
 /// use vision_models::ConfusionMatrix;
@@ -22,7 +22,7 @@ pub struct ConfusionMatrix {
 }
 
 impl ConfusionMatrix {
-    /// Of this many classes, nothing counted.
+    /// Creates an empty matrix for this number of classes.
     pub fn new(classes: usize) -> Self {
         Self { classes, counts: vec![0; classes * classes] }
     }
@@ -30,7 +30,7 @@ impl ConfusionMatrix {
     /// Counts a sample.
     ///
     /// # Errors
-    /// [`Error::Value`].
+    /// [`Error::Value`] if a class does not exist.
     pub fn add(&mut self, truth: usize, given: usize) -> Result<(), Error> {
         let classes = self.classes;
         for class in [truth, given] {
@@ -44,18 +44,20 @@ impl ConfusionMatrix {
         Ok(())
     }
 
-    /// How many samples of class `truth` were given class `given`; zero for other classes.
+    /// Returns how many samples of class `truth` were given class `given`. Zero if a class does not
+    /// exist.
     pub fn count(&self, truth: usize, given: usize) -> u64 {
         self.row(truth).get(given).copied().unwrap_or(0)
     }
 
-    /// The same in percent of all samples of class `truth`, as the paper shows it; `None` if there
-    /// are none.
+    /// Returns the same in percent of all samples of class `truth`, as in the paper. `None` if
+    /// there are none.
     pub fn percent(&self, truth: usize, given: usize) -> Option<f64> {
         ratio(100 * self.count(truth, given), self.row(truth).iter().sum())
     }
 
-    /// The share of samples that were given their class; `None` without samples.
+    /// Returns the share of samples that were given their true class. `None` if there are no
+    /// samples.
     pub fn accuracy(&self) -> Option<f64> {
         let right = (0..self.classes).map(|class| self.count(class, class)).sum();
         ratio(right, self.counts.iter().sum())
@@ -71,8 +73,8 @@ fn ratio(part: u64, whole: u64) -> Option<f64> {
     (whole > 0).then(|| part as f64 / whole as f64)
 }
 
-/// The classes of the k largest scores, the largest first; of equal ones the first class comes
-/// first.
+/// Returns the classes of the k largest scores, the largest first. Equal classes are in the order
+/// of their numbers.
 pub fn top_k(scores: &[f32], k: usize) -> Vec<usize> {
     let mut classes: Vec<usize> = (0..scores.len()).collect();
     let score = |class: usize| scores.get(class).copied().unwrap_or(f32::NAN);
@@ -81,7 +83,7 @@ pub fn top_k(scores: &[f32], k: usize) -> Vec<usize> {
     classes
 }
 
-/// Probabilities from scores: exp(s_i) / Σ exp(s_j).
+/// Returns probabilities from scores: exp(s_i) / Σ exp(s_j).
 pub fn softmax(scores: &[f32]) -> Vec<f32> {
     let largest = scores.iter().copied().fold(f32::NEG_INFINITY, f32::max);
     let powers: Vec<f32> = scores.iter().map(|score| (score - largest).exp()).collect();

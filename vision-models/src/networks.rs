@@ -1,5 +1,5 @@
-//! The paper's networks, and their kin.
-// Views are small, and given by value as everywhere with ndarray.
+//! The paper's networks and related ones.
+// Views are small. They are passed by value, as usual with ndarray.
 #![allow(clippy::needless_pass_by_value)]
 
 mod architecture;

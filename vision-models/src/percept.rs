@@ -1,4 +1,4 @@
-//! One camera frame, understood.
+//! The recognition results of one camera frame.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,7 +7,7 @@ use crate::body::Body;
 use crate::confidence::Confidence;
 use crate::surface::Surface;
 
-/// All that perception says about one camera frame. `None` means that it was not seen.
+/// All recognition results of one camera frame. `None` means not seen.
 ///
 /// ```
 /// use vision_models::{Action, Confidence, Percept, RecognisedAction, Tool};
@@ -26,11 +26,11 @@ use crate::surface::Surface;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Percept {
-    /// When the camera took the frame (s).
+    /// Time at which the camera took the frame (s).
     pub time: f64,
     /// The person, in the world frame.
     pub body: Option<Body>,
-    /// What the person does.
+    /// The person's action.
     pub action: Option<RecognisedAction>,
     /// The surface of the object that faces the on-board camera.
     pub surface: Option<RecognisedSurface>,
@@ -48,7 +48,7 @@ pub struct Percept {
 pub struct RecognisedAction {
     /// The class.
     pub action: Action,
-    /// Its probability.
+    /// The class's probability.
     pub confidence: Confidence,
 }
 
@@ -64,6 +64,6 @@ pub struct RecognisedAction {
 pub struct RecognisedSurface {
     /// The class.
     pub surface: Surface,
-    /// Its probability.
+    /// The class's probability.
     pub confidence: Confidence,
 }

@@ -1,5 +1,5 @@
-//! People's joints in an image, by networks.
-// Views are small, and given by value as everywhere with ndarray.
+//! Networks that find people's joints in an image.
+// Views are small. They are passed by value, as usual with ndarray.
 #![allow(clippy::needless_pass_by_value)]
 
 mod blaze_pose;

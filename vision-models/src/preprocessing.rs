@@ -1,5 +1,5 @@
-//! From camera frames to what a network was trained on.
-#![allow(clippy::needless_pass_by_value)] // views go by value, as everywhere in ndarray
+//! Converts camera frames to a network's input, as in its training.
+#![allow(clippy::needless_pass_by_value)] // views are passed by value, as usual with ndarray
 
 mod antialiased;
 mod files;
@@ -20,23 +20,23 @@ pub use sampling::ClipSampling;
 
 use crate::error::Error;
 
-/// The size that a frame is brought to.
+/// The size to which a frame is resized.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Resize {
-    /// The short side gets this length, the long one follows (pixels).
+    /// The short side gets this length (pixels). The long side keeps the proportions.
     ShortSide(usize),
-    /// Both sides get this length, whatever the frame's shape (pixels).
+    /// Both sides get this length, whatever the frame's proportions (pixels).
     Square(usize),
 }
 
-/// The parts of a frame that a network sees.
+/// The crops of a frame that a network sees.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Crops {
-    /// The middle.
+    /// The centre crop.
     Centre,
-    /// Both ends and the middle along the long side.
+    /// Crops at both ends and in the middle of the long side.
     Three,
-    /// The corners and the middle, each also mirrored.
+    /// Crops at the corners and in the middle, each also mirrored.
     Ten,
 }
 
@@ -59,51 +59,52 @@ pub enum Crops {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Preprocessing {
-    /// Whose arithmetic is followed.
+    /// The library whose arithmetic is used.
     pub library: Library,
-    /// The size before the crop.
+    /// Size before the crop.
     pub resize: Resize,
-    /// The side of the crop (pixels).
+    /// Side of the crop (pixels).
     pub crop: usize,
-    /// Which crops are taken.
+    /// The crops that are taken.
     pub crops: Crops,
 }
 
 impl Preprocessing {
-    /// ImageNet's, with the paper's 255: short side 255, the middle 224 × 224. torchvision's own weights were measured
-    /// with 256 (`IMAGENET1K_V1`) and 232 (`IMAGENET1K_V2`).
+    /// ImageNet's preprocessing with the paper's 255: short side 255, centre crop 224 × 224.
+    /// torchvision measured its own weights with 256 (`IMAGENET1K_V1`) and 232 (`IMAGENET1K_V2`).
     pub const TORCHVISION: Self = Self {
         library: Library::Torchvision,
         resize: Resize::ShortSide(255),
         crop: 224,
         crops: Crops::Centre,
     };
-    /// The paper's for surfaces, to the letter (Experiment 1): 255 × 255, the middle 224 × 224.
+    /// The paper's preprocessing for surfaces (Experiment 1): 255 × 255, centre crop 224 × 224.
     pub const SURFACE: Self = Self { resize: Resize::Square(255), ..Self::TORCHVISION };
-    /// mmaction2's for SlowOnly: short side 256, the middle 256 × 256.
+    /// mmaction2's preprocessing for SlowOnly: short side 256, centre crop 256 × 256.
     pub const MMACTION2: Self = Self {
         library: Library::Mmaction2,
         resize: Resize::ShortSide(256),
         crop: 256,
         crops: Crops::Centre,
     };
-    /// PyTorchVideo's: short side 256, the middle 256 × 256.
+    /// PyTorchVideo's preprocessing: short side 256, centre crop 256 × 256.
     pub const PYTORCHVIDEO: Self = Self { library: Library::PyTorchVideo, ..Self::MMACTION2 };
 
-    /// The crops of one frame, crops × 3 × side × side.
+    /// Returns the crops of one frame, crops × 3 × side × side.
     ///
     /// # Errors
-    /// [`Error::Size`] for a frame without pixels, with other than three channels or with a
-    /// side above 16,384, before or after the resize, or smaller than the crop; [`Error::Value`]
-    /// for a size that is not from 1 to 16,384.
+    /// - [`Error::Size`] if the frame has no pixels or not three channels.
+    /// - [`Error::Size`] if a side is above 16,384 before or after the resize, or smaller than the
+    ///   crop.
+    /// - [`Error::Value`] if a size in the settings is not from 1 to 16,384.
     pub fn image(&self, frame: ArrayView3<'_, u8>) -> Result<Array4<f32>, Error> {
         Ok(self.clip(&[frame])?.index_axis_move(Axis(2), 0))
     }
 
-    /// The crops of the frames of a clip, crops × 3 × frames × side × side.
+    /// Returns the crops of the frames of a clip, crops × 3 × frames × side × side.
     ///
     /// # Errors
-    /// As of [`Self::image`]; [`Error::NoFrames`].
+    /// Those of [`Self::image`], and [`Error::NoFrames`] if the clip is empty.
     pub fn clip(&self, frames: &[ArrayView3<'_, u8>]) -> Result<Array5<f32>, Error> {
         let Some((first, rest)) = frames.split_first() else {
             return Err(Error::NoFrames);
@@ -134,7 +135,7 @@ impl Preprocessing {
         Ok(clips)
     }
 
-    /// The size of a frame after the resize: height, width.
+    /// Returns the size of a frame after the resize: height, width.
     fn size(&self, frame: &ArrayView3<'_, u8>) -> Result<(usize, usize), Error> {
         check_frame(frame)?;
         let (height, width, _) = frame.dim();
@@ -154,7 +155,7 @@ impl Preprocessing {
         Ok(size)
     }
 
-    /// Where the crops are, in the order of mmaction2.
+    /// Returns the positions of the crops, in mmaction2's order.
     fn places(&self, height: usize, width: usize) -> Result<Vec<Place>, Error> {
         let crop = self.crop;
         if crop > height.min(width) {
@@ -194,13 +195,14 @@ impl Preprocessing {
 }
 
 /// Resizes an image, height × width × 3, with Pillow's bilinear filter, which antialiases
-/// (`Image.resize(…, Image.BILINEAR)`): every byte is the same as with Pillow up to version 12.
-/// Version 13 differs, by one at some pixels, when the height shrinks by more than twice as many
-/// pixels as the width.
+/// (`Image.resize(…, Image.BILINEAR)`).
+///
+/// Up to version 12 of Pillow every byte is the same. Later versions differ by one at some pixels
+/// if the height shrinks by more than twice as many pixels as the width. pixels as the width.
 ///
 /// # Errors
-/// [`Error::Size`] for a frame without pixels or with other than three channels,
-/// [`Error::Value`] for a side that is not from 1 to 16,384.
+/// - [`Error::Size`] if the frame has no pixels or not three channels.
+/// - [`Error::Value`] if a side is not from 1 to 16,384.
 pub fn resize_pillow(
     frame: ArrayView3<'_, u8>,
     height: usize,
@@ -211,10 +213,10 @@ pub fn resize_pillow(
 }
 
 /// Resizes an image, height × width × 3, with OpenCV's bilinear interpolation, which does not
-/// antialias (`cv2.resize(…, interpolation=cv2.INTER_LINEAR)`): every byte is the same.
+/// antialias (`cv2.resize(…, interpolation=cv2.INTER_LINEAR)`). Every byte is the same.
 ///
 /// # Errors
-/// As of [`resize_pillow`].
+/// Those of [`resize_pillow`].
 pub fn resize_opencv(
     frame: ArrayView3<'_, u8>,
     height: usize,
@@ -224,7 +226,7 @@ pub fn resize_opencv(
     Ok(interpolated::resize_opencv(frame, height, width))
 }
 
-/// The longest side of an image (pixels).
+/// Longest side of an image (pixels).
 const MAX_SIDE: usize = 16_384;
 
 fn check_resize(frame: &ArrayView3<'_, u8>, height: usize, width: usize) -> Result<(), Error> {
@@ -251,7 +253,7 @@ fn check_sides(sides: [(&'static str, usize); 2]) -> Result<(), Error> {
     }
 }
 
-/// Where a crop starts.
+/// The start of a crop.
 #[derive(Clone, Copy, Debug)]
 struct Place {
     top: usize,

@@ -2,7 +2,7 @@
 
 use rand_chacha::{ChaCha8Rng, rand_core::RngCore};
 
-/// In [0, 1): the upper 53 bits.
+/// Returns a number in [0, 1) from the upper 53 bits.
 pub(crate) fn uniform(random: &mut ChaCha8Rng) -> f64 {
     (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
 }

@@ -1,4 +1,4 @@
-//! What training takes: samples, their classes and the classes' names, checked.
+//! Checks of training data: samples, their classes and the classes' names.
 
 use std::collections::BTreeMap;
 
@@ -7,8 +7,8 @@ use ndarray::ArrayView2;
 use crate::error::Error;
 use crate::excerpt::Excerpt;
 
-/// Checks samples × features, of which `labels` says the classes as indices into `classes`; each
-/// class has a sample, and there are no more than `most`.
+/// Checks samples × features. `labels` are the samples' classes as indices into `classes`. Each
+/// class must have a sample, and there may be at most `most` samples.
 pub(crate) fn check_samples(
     samples: &ArrayView2<'_, f32>,
     labels: &[usize],
@@ -32,7 +32,7 @@ pub(crate) fn check_samples(
     check_finite(samples)
 }
 
-/// Each label is the index of a class.
+/// Checks that each label is the index of a class.
 pub(crate) fn check_labels(labels: &[usize], classes: &[String]) -> Result<(), Error> {
     match labels.iter().enumerate().find(|(_, label)| **label >= classes.len()) {
         Some((sample, label)) => {
@@ -44,7 +44,7 @@ pub(crate) fn check_labels(labels: &[usize], classes: &[String]) -> Result<(), E
     }
 }
 
-/// At least two classes, each with a name of its own in one line.
+/// Checks that there are at least two classes, each with a name of its own in one line.
 pub(crate) fn check_classes(classes: &[String]) -> Result<(), Error> {
     let refuse = |problem| Err(misfit(problem));
     if classes.len() < 2 {
@@ -68,7 +68,7 @@ pub(crate) fn check_classes(classes: &[String]) -> Result<(), Error> {
     Ok(())
 }
 
-/// No feature is NaN or infinite.
+/// Checks that no feature is NaN or infinite.
 pub(crate) fn check_finite(samples: &ArrayView2<'_, f32>) -> Result<(), Error> {
     match samples.indexed_iter().find(|(_, value)| !value.is_finite()) {
         Some(((row, column), &value)) => Err(not_finite(row, column, value.into())),
@@ -76,12 +76,14 @@ pub(crate) fn check_finite(samples: &ArrayView2<'_, f32>) -> Result<(), Error> {
     }
 }
 
-/// Samples, labels, classes and weights of a linear classifier do not fit together.
+/// Returns the error for samples, labels, classes and weights of a linear classifier that do not
+/// fit together.
 pub(crate) fn misfit(problem: impl Into<String>) -> Error {
     Error::malformed("linear classifier", problem)
 }
 
-/// A feature, weight or bias is NaN or infinite; the bias of a plane comes after its weights.
+/// Returns the error for a feature, weight or bias that is NaN or infinite. The bias of a plane
+/// comes after its weights.
 pub(crate) fn not_finite(row: usize, column: usize, value: f64) -> Error {
     Error::value(&format!("row {row}, column {column}"), value, "finite numbers")
 }

@@ -7,8 +7,8 @@ use serde::{Deserialize, Serialize};
 use crate::action::Tool;
 use crate::error::Error;
 
-/// A surface of the object, as the paper's surface classifier tells them apart (Sec. "Surface
-/// Classification Model"): the drilled one is for drilling, the smooth one for polishing.
+/// A surface of the object, one of the paper's two classes (Sec. "Surface Classification Model").
+/// The drilled surface is for drilling, the smooth one for polishing.
 ///
 /// ```
 /// use vision_models::{Surface, Tool};
@@ -21,14 +21,14 @@ use crate::error::Error;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Surface {
-    /// Without holes: to be polished.
+    /// The surface that has no holes, for polishing.
     Smooth,
-    /// Perforated: to be drilled.
+    /// The perforated surface, for drilling.
     Drilled,
 }
 
 impl Surface {
-    /// The tool that works on this surface.
+    /// Returns the tool that works on this surface.
     pub fn tool(self) -> Tool {
         match self {
             Self::Smooth => Tool::Polisher,
@@ -36,7 +36,7 @@ impl Surface {
         }
     }
 
-    /// `"smooth"` or `"drilled"`.
+    /// Returns `"smooth"` or `"drilled"`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Smooth => "smooth",

@@ -1,6 +1,6 @@
 //! The linear support vector machine over a network's features (paper, Sec. "Two-Class Linear
 //! Support Vector Machine").
-#![allow(clippy::needless_pass_by_value)] // views go by value, as everywhere in ndarray
+#![allow(clippy::needless_pass_by_value)] // views are passed by value, as usual with ndarray
 
 mod ascent;
 mod cholesky;
@@ -21,8 +21,9 @@ use self::{newton::Newton, problem::Problem, training::train};
 use crate::error::Error;
 use crate::samples::{check_classes, check_finite, check_samples, misfit, not_finite};
 
-/// A linear classifier: for two classes one plane, whose positive side is the second class; for
-/// more, one plane a class against the rest, and the class whose plane is farthest behind wins.
+/// A linear classifier. Two classes have one plane, whose positive side is the second class. More
+/// classes have one plane each against the rest, and the class with the largest decision value
+/// wins.
 ///
 /// ```
 /// use ndarray::{array, Array2};
@@ -42,23 +43,26 @@ use crate::samples::{check_classes, check_finite, check_samples, misfit, not_fin
 #[derive(Clone, Debug, PartialEq)]
 pub struct LinearSvm {
     classes: Vec<String>,
-    /// One row a plane.
+    /// One row per plane.
     weights: Array2<f64>,
     biases: Array1<f64>,
 }
 
 impl LinearSvm {
-    /// The most samples that it is trained with.
+    /// Largest number of training samples.
     pub const MAX_SAMPLES: usize = 10_000_000;
 
-    /// Trains on features, samples × features, of which `labels` says the classes as indices into
-    /// `classes`. Gives how the training of each plane ended, too.
+    /// Trains on features, samples × features. `labels` are the samples' classes as indices into
+    /// `classes`. Also returns how the training of each plane ended.
     ///
     /// # Errors
-    /// [`Error::Malformed`] if there are none or too many, labels are missing or out of range, a
-    /// class has no sample, no name or another's, there are fewer than two classes, or not as many class
-    /// weights; [`Error::Value`] for a feature that is not finite, and for a
-    /// setting out of range.
+    /// [`Error::Malformed`] if one of these is wrong:
+    /// - There are no samples, too many, or fewer than two classes.
+    /// - Labels are missing or out of range.
+    /// - A class has no sample, no name or the name of another class.
+    /// - The number of class weights is not the number of classes.
+    ///
+    /// [`Error::Value`] if a feature is not finite or a setting is out of range.
     pub fn train(
         samples: ArrayView2<'_, f32>,
         labels: &[usize],
@@ -71,7 +75,7 @@ impl LinearSvm {
         let cost = |&label: &usize| class_costs.get(label).copied().unwrap_or(settings.cost);
         let samples = samples.as_standard_layout();
 
-        // The classes that stand on the positive side of a plane.
+        // The classes on the positive side of each plane.
         let positives = if classes.len() == 2 { 1..2 } else { 0..classes.len() };
         let mut weights = Array2::zeros((positives.len(), samples.ncols()));
         let mut biases = Array1::zeros(positives.len());
@@ -95,12 +99,12 @@ impl LinearSvm {
         Ok((Self { classes, weights, biases }, trainings))
     }
 
-    /// A machine of given planes, one row of `weights` each.
+    /// Creates a machine from given planes, one row of `weights` each.
     ///
     /// # Errors
-    /// [`Error::Malformed`] if the numbers of classes, planes and biases do not fit, or a class has no name
-    /// or another's;
-    /// [`Error::Value`] for a weight or bias that is not finite.
+    /// - [`Error::Malformed`] if the numbers of classes, planes and biases differ, or class names
+    ///   are empty or equal.
+    /// - [`Error::Value`] if a weight or bias is not finite.
     pub fn new(
         classes: Vec<String>,
         weights: Array2<f64>,
@@ -127,26 +131,27 @@ impl LinearSvm {
         Ok(Self { classes, weights, biases })
     }
 
-    /// The names of the classes.
+    /// Returns the names of the classes.
     pub fn classes(&self) -> &[String] {
         &self.classes
     }
 
-    /// The planes' normal vectors, planes × features.
+    /// Returns the planes' normal vectors, planes × features.
     pub fn weights(&self) -> ArrayView2<'_, f64> {
         self.weights.view()
     }
 
-    /// The planes' biases.
+    /// Returns the planes' biases.
     pub fn biases(&self) -> ArrayView1<'_, f64> {
         self.biases.view()
     }
 
-    /// f(x) = wᵀx + b of each plane: the distance from it times |w|, positive on its side.
+    /// Returns f(x) = wᵀx + b of each plane: the distance from it times |w|, positive on its
+    /// positive side.
     ///
     /// # Errors
-    /// [`Error::Malformed`] for another number of features than in training; [`Error::Value`] for
-    /// one that is not finite.
+    /// - [`Error::Malformed`] if the number of features differs from the training's.
+    /// - [`Error::Value`] if a feature is not finite.
     pub fn decide(&self, features: ArrayView1<'_, f32>) -> Result<Array1<f64>, Error> {
         if features.len() != self.weights.ncols() {
             return Err(misfit(format!(
@@ -159,10 +164,10 @@ impl LinearSvm {
         Ok(self.weights.dot(&features.mapv(f64::from)) + &self.biases)
     }
 
-    /// The index of the class.
+    /// Returns the index of the class.
     ///
     /// # Errors
-    /// As of [`Self::decide`].
+    /// Those of [`Self::decide`].
     pub fn classify(&self, features: ArrayView1<'_, f32>) -> Result<usize, Error> {
         let decisions = self.decide(features)?;
         if let [decision] = decisions.as_slice().unwrap_or_default() {

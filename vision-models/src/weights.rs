@@ -1,4 +1,4 @@
-//! Checkpoints: what they hold, and how it is read.
+//! Checkpoints: their contents and their readers.
 
 mod budget;
 mod checkpoint;

@@ -1,6 +1,6 @@
-//! After the first inference of a size, an inference allocates nothing, on any thread.
+//! After the first inference of a size, an inference allocates nothing on any thread.
 //!
-//! A process of its own: the allocator counts the calls of all threads.
+//! This is a separate process, because the allocator counts the calls of all threads.
 #![allow(unsafe_code, clippy::unwrap_used, missing_docs)]
 
 #[path = "it/support.rs"]
@@ -23,7 +23,7 @@ struct Counting;
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         ALLOCATIONS.fetch_add(1, Ordering::Relaxed);
-        // SAFETY: the caller keeps `GlobalAlloc::alloc`'s contract, which is `System`'s.
+        // SAFETY: the caller keeps the contract of `GlobalAlloc::alloc`, which is that of `System`.
         unsafe { System.alloc(layout) }
     }
 
@@ -37,14 +37,14 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// How often `work` calls the allocator.
+/// Returns how often `work` calls the allocator.
 fn allocations(work: impl FnOnce()) -> usize {
     let before = ALLOCATIONS.load(Ordering::Relaxed);
     work();
     ALLOCATIONS.load(Ordering::Relaxed) - before
 }
 
-/// One test, so that no other runs on another thread meanwhile.
+/// A single test, so that no other test runs on another thread at the same time.
 #[test]
 fn inference_does_not_allocate() {
     assert!(allocations(|| drop(std::hint::black_box(vec![1.0_f32; 8]))) > 0);
@@ -56,7 +56,7 @@ fn inference_does_not_allocate() {
     network.infer(images.view()).unwrap();
     assert_eq!(allocations(|| assert!(network.infer(images.view()).is_ok())), 0);
 
-    // Sizes that are planned take turns for free.
+    // Changes between planned sizes allocate nothing.
     let others: Array4<f32> = input((2, 3, 40, 72));
     network.plan([40, 72]).unwrap();
     network.infer(others.view()).unwrap();

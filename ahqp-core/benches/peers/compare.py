@@ -18,7 +18,7 @@ EQUAL = 1e-10
 
 
 class Level:
-    """Rows lower ≤ A x ≤ upper; `bounds` tells variables' bounds from general rows."""
+    """Rows lower ≤ A x ≤ upper; `bounds` is true if they are bounds of variables."""
 
     def __init__(self, bounds, hard, matrix, lower, upper):
         self.bounds, self.hard = bounds, hard
@@ -69,7 +69,7 @@ def read(path, limit):
 
 
 class Result:
-    """Solutions, None where there is none, with median and 99th percentile of the times in µs."""
+    """Solutions, None if there is none, with median and 99th percentile of the times in µs."""
 
     def __init__(self, solutions, median, p99):
         self.solutions, self.median, self.p99 = solutions, median, p99
@@ -97,11 +97,11 @@ def program(binary, problems, *options):
 
 
 def daqp_hierarchy(problems, start):
-    """DAQP's hierarchical mode; `start` is what of the solution before it starts from."""
+    """DAQP's hierarchical mode; `start` is the part of the last solution that it starts from."""
     solutions, times, before = [], [], {}
     for problem in problems:
         first, rest = problem.levels[0], problem.levels[1:]
-        # DAQP knows bounds only of the first variables, one after the other.
+        # DAQP only supports bounds of the first variables, in order.
         simple = first.bounds and np.array_equal(
             first.matrix, np.eye(len(first.lower), problem.variables)
         )
@@ -121,7 +121,7 @@ def daqp_hierarchy(problems, start):
 
 
 def cascade(problems, solver):
-    """One ordinary quadratic program a level, the levels above stacked as equalities."""
+    """One ordinary quadratic program per level, with the levels above stacked as equalities."""
     solutions, times = [], []
     for problem in problems:
         x, took = np.zeros(problem.variables), 0.0
@@ -141,7 +141,7 @@ def cascade(problems, solver):
 
 
 class Held:
-    """What holds from here down."""
+    """The constraints that all further levels must keep."""
 
     def __init__(self, variables):
         self.variables = variables
@@ -172,7 +172,7 @@ class Held:
         start = time.perf_counter()
         try:
             solution = qpsolvers.solve_problem(problem, solver=solver)
-        except Exception:  # A solver that gives up with an exception has failed like any other.
+        except Exception:  # An exception counts as a failure.
             return None, time.perf_counter() - start
         seconds = time.perf_counter() - start
         return (solution.x[:n] if solution.found else None), seconds
@@ -185,7 +185,7 @@ class Held:
         self.inequalities.append((level.matrix[~fixed], level.lower[~fixed], level.upper[~fixed]))
         matrix = np.vstack([self.equalities[0], level.matrix[fixed]])
         value = np.concatenate([self.equalities[1], value[fixed]])
-        # Quadratic solvers want independent equalities.
+        # Quadratic solvers need independent equalities.
         kept, basis = [], np.zeros((0, self.variables))
         for i, row in enumerate(matrix):
             rest = row - basis.T @ (basis @ row)
@@ -212,8 +212,8 @@ def share_right(problems, results):
 
 
 def lexicographic_least(candidates):
-    """The residuals that are least level by level. A solver that gives way in one level, however
-    little, gains in the next: levels are told apart more finely than right from wrong."""
+    """The residuals that are least level by level. A solver that violates one level a little more
+    gains in the next, so the tolerance here is finer than that for correct results."""
     for level in range(len(candidates[0]) if candidates else 0):
         best = min(values[level] for values in candidates)
         limit = best + EQUAL * (1.0 + best)
@@ -227,12 +227,12 @@ def fastest(results):
 
 
 def hierarchical_solvers(problems, options):
-    """What each hierarchical solver does with the problems, by name and kind of start."""
+    """Results of each hierarchical solver, by name and kind of start."""
     runs = {("ahqp-core", "cold"): lambda: program(options.hqp, problems)}
     runs["DAQP", "cold"] = lambda: daqp_hierarchy(problems, None)
     if options.lexls:
         runs["LexLS", "cold"] = lambda: program(options.lexls, problems)
-    # Problems of different shapes have nothing to start from.
+    # Problems of different shapes allow no warm start.
     if any(problem.shape() != problems[0].shape() for problem in problems):
         return runs
     runs["ahqp-core", "warm"] = lambda: program(options.hqp, problems, "--warm")
@@ -247,14 +247,14 @@ def hierarchical_solvers(problems, options):
 
 
 def compare(path, options):
-    """Prints how the solvers do on one set; the results of the hierarchical ones."""
+    """Prints the results of one set; returns those of the hierarchical solvers."""
     problems = read(path, options.limit)
     name = pathlib.Path(path).stem
     print(f"\n{name}: {len(problems)} problems", flush=True)
     if not problems:
         return name, {}
     results = {}
-    # In turn, several times: a machine that others use too is slow for seconds at a time.
+    # Several rounds in turn, because a shared machine may be slow for seconds.
     for _ in range(options.rounds):
         for key, run in hierarchical_solvers(problems, options).items():
             result = run()
@@ -277,7 +277,7 @@ def compare(path, options):
 
 
 def summarise(compared):
-    """Prints a line for each set and kind of start: ahqp-core, and each other solver against it."""
+    """Prints a line for each set and kind of start: ahqp-core, and the ratio to each other solver."""
     others = [name for name in ("DAQP", "LexLS") if any((name, "cold") in r for _, r in compared)]
     print("\nmedian and p99 in µs; ratio: the other's median over that of ahqp-core")
     heads = ["set", "start", "ahqp-core", "p99", "p99/median"]

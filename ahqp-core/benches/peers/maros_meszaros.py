@@ -3,7 +3,7 @@
 
 FOLDER is `data` in a checkout of github.com/qpsolvers/maros_meszaros_qpbenchmark. Needs numpy, scipy and cargo.
 The optima are those of Maros and Meszaros, "A repository of convex quadratic programming problems", Optimization
-Methods and Software 11, 1999. VALUES is not convex: it has to be refused.
+Methods and Software 11, 1999. VALUES is not convex and must be rejected.
 """
 
 import argparse
@@ -70,7 +70,7 @@ def bounds(numbers):
 
 
 def judge(name, end, what):
-    """Prints how a problem ended; whether that is right."""
+    """Prints the result of a problem; returns whether it is right."""
     if end == "refused":
         right = name in REFUSED
         print(f"{name:10} refused {'as it should be' if right else 'WRONG'}: {what}")

@@ -35,7 +35,7 @@ def main():
         command += ["--rounds", str(options.rounds)]
         command += ["--no-cascade"] if options.no_cascade else []
         command += ["--lexls", options.lexls] if options.lexls else []
-        # One thread for everybody.
+        # One thread for each solver.
         threads = {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS")}
         sys.exit(subprocess.run(command + sets, env=os.environ | threads).returncode)
 

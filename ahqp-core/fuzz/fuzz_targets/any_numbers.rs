@@ -1,4 +1,4 @@
-//! Any numbers at all: an error, or a point at which what must hold does.
+//! Arbitrary numbers lead to an error, or to a point that satisfies the hard constraints.
 #![no_main]
 
 use ahqp_core::{Settings, Solver};
@@ -9,7 +9,7 @@ fuzz_target!(|bytes: &[u8]| {
     let mut bytes = Bytes(bytes);
     let hierarchy = bytes.wild();
     let mut solver = Solver::new(&hierarchy, Settings::default()).expect("settings in range");
-    // Cold, then warm.
+    // First a cold start, then a warm one.
     for _ in 0..2 {
         let Ok(solution) = solver.solve(&hierarchy) else { continue };
         let x = solution.best().to_vec();

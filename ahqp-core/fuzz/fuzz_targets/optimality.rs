@@ -1,4 +1,4 @@
-//! Three ticks of one shape, cold and warm, against exact arithmetic.
+//! Compares three ticks of one shape, cold and warm, with exact arithmetic.
 #![no_main]
 
 use ahqp_core::{Settings, Solver, WarmStart};

@@ -1,16 +1,16 @@
-//! Hierarchies from bytes.
+//! Hierarchies made from bytes.
 
 use ahqp_core::nalgebra::{DMatrix, DVector};
 use ahqp_core::{Hierarchy, Level, Rows};
 
-/// A fuzzer's bytes, one after the other; zeros behind the last.
+/// A fuzzer's bytes in sequence, followed by zeros.
 pub struct Bytes<'a>(pub &'a [u8]);
 
-/// What stays the same from tick to tick: the variables, and the levels with their rows.
+/// Shape that stays the same from tick to tick: the variables, and the levels with their rows.
 pub struct Shape {
     variables: usize,
     hard: usize,
-    /// The rows of each level, and whether it is a quadratic.
+    /// Number of rows of each level, and whether it is a quadratic.
     levels: Vec<(usize, bool)>,
 }
 
@@ -21,27 +21,27 @@ impl Bytes<'_> {
         first
     }
 
-    /// A number from 0 to `most`.
+    /// Returns an integer from 0 to `most`.
     fn up_to(&mut self, most: u8) -> usize {
         usize::from(self.next() % (most + 1))
     }
 
-    /// From −4 to 4.
+    /// Returns an integer from −4 to 4.
     fn small(&mut self) -> f64 {
         f64::from(self.next() % 9) - 4.0
     }
 
-    /// A power of two: products and sums of small numbers with it are exact.
+    /// Returns a power of two. Products and sums of small numbers with it are exact.
     fn weight(&mut self) -> f64 {
         f64::from(i16::from(self.next() % 31) - 15).exp2()
     }
 
-    /// Any double.
+    /// Returns an arbitrary double.
     pub fn any(&mut self) -> f64 {
         f64::from_le_bytes(std::array::from_fn(|_| self.next()))
     }
 
-    /// Up to three variables, two hard rows, and two levels of up to three rows.
+    /// Creates a shape of up to three variables, two hard rows, and two levels of up to three rows.
     pub fn shape(&mut self) -> Shape {
         let variables = 1 + self.up_to(2);
         let hard = self.up_to(2);
@@ -49,7 +49,7 @@ impl Bytes<'_> {
         Shape { variables, hard, levels }
     }
 
-    /// A tick: bounds, and numbers with few digits times a weight for each row.
+    /// Creates a tick: bounds, and numbers with few digits, multiplied by a weight for each row.
     pub fn tick(&mut self, shape: &Shape) -> Hierarchy {
         let n = shape.variables;
         let mut hierarchy = Hierarchy::new(n).expect("a variable");
@@ -84,7 +84,7 @@ impl Bytes<'_> {
         rows
     }
 
-    /// ½‖R x − b‖², without its constant.
+    /// Creates the quadratic ½‖R x − b‖², without its constant.
     fn quadratic(&mut self, n: usize) -> Level {
         let rank = self.up_to(3);
         let root = DMatrix::from_fn(rank, n, |_, _| self.small());
@@ -93,7 +93,7 @@ impl Bytes<'_> {
         Level::quadratic(&(root.transpose() * root), &gradient).expect("a square matrix")
     }
 
-    /// A hierarchy in which every number may be anything.
+    /// Creates a hierarchy in which every number may be arbitrary.
     pub fn wild(&mut self) -> Hierarchy {
         let shape = self.shape();
         let n = shape.variables;
@@ -108,7 +108,7 @@ impl Bytes<'_> {
             if let Ok(rows) = level.rows_mut() {
                 self.replace_rows(rows);
                 let weights: Vec<f64> = (0..rows.len()).map(|_| self.any()).collect();
-                // Weights that are none are refused.
+                // Invalid weights are refused.
                 let _ = rows.set_weights(&weights);
             } else if let Ok((hessian, gradient)) = level.quadratic_mut() {
                 (0..n * n).for_each(|i| self.replace(&mut hessian[i]));
@@ -128,7 +128,7 @@ impl Bytes<'_> {
         }
     }
 
-    /// Makes anything of a number, now and then.
+    /// Replaces a number by an arbitrary one in some cases.
     fn replace(&mut self, number: &mut f64) {
         if self.next() % 4 == 1 {
             *number = self.any();

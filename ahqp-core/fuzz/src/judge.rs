@@ -1,17 +1,17 @@
-//! Whether an answer is right.
+//! Judgement of answers.
 
 use ahqp_core::{Error, Hierarchy, Solver, Status};
 
 use crate::exact::{double, solve_exactly};
 
-/// An optimum that moves by more than this when the data move by 1e-15 is nobody's to find.
+/// An optimum counts as undetermined if a change of the data by 1e-15 moves it by more than this.
 const SENSITIVE: f64 = 1e-7;
 
-/// Solves a hierarchy by all solvers, and compares with the exact optimum. A wrong answer must be called so
-/// by its certificate.
+/// Solves a hierarchy with all solvers, and compares the solutions with the exact optimum. The
+/// certificate must reject every wrong answer.
 ///
 /// # Panics
-/// Where an answer is wrong without a word.
+/// If an answer is wrong and its certificate accepts it.
 pub fn expect_right(solvers: &mut [Solver], hierarchy: &Hierarchy) {
     let mut exact: Option<Option<Vec<f64>>> = None;
     for solver in solvers {
@@ -57,7 +57,7 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs() / (1.0 + b.abs())).fold(0.0, f64::max)
 }
 
-/// The hierarchy with every coefficient off by 1e-15 of it, up or down.
+/// Returns the hierarchy with every coefficient changed by 1e-15 of it, up or down.
 fn perturbed(hierarchy: &Hierarchy, pattern: u32) -> Hierarchy {
     let mut other = hierarchy.clone();
     let mut state = pattern;

@@ -1,4 +1,4 @@
-//! Problems made of a fuzzer's bytes, and the exact arithmetic that judges what the solver makes of them.
+//! Problems made from a fuzzer's bytes, and exact arithmetic that judges the solver's answers.
 
 mod bytes;
 #[expect(dead_code, reason = "the tests ask for more")]

@@ -1,4 +1,4 @@
-//! Sets of hierarchical problems as text; the format is described in the book, `hqp-format.md`.
+//! Sets of hierarchical problems as text. The book describes the format in `hqp-format.md`.
 //!
 //! ```
 //! use hqp_problems::file::HqpReader;
@@ -20,39 +20,39 @@ use ahqp_core::{Hierarchy, Level, Rows};
 pub use error::HqpError;
 use tokens::{Number, Tokens};
 
-/// From here on a bound counts as infinite.
+/// Bounds of at least this size count as infinite.
 pub const INFINITE: f64 = 1e30;
-/// The most variables a problem may have.
+/// Largest number of variables of a problem.
 pub const MOST_VARIABLES: usize = 4096;
-/// The most coefficients (rows × variables) that the rows of a problem may have together.
+/// Largest number of coefficients (rows × variables) of all rows of a problem.
 pub const MOST_COEFFICIENTS: usize = 1 << 26;
 
 /// One problem of a set.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Problem {
-    /// The INDEX that the file gives it.
+    /// INDEX in the file.
     pub index: usize,
-    /// The NAME that the file gives it.
+    /// NAME in the file.
     pub name: String,
-    /// The problem itself.
+    /// The hierarchy.
     pub hierarchy: Hierarchy,
-    /// Where its levels stand in the file.
+    /// Lines of its levels in the file.
     lines: Lines,
 }
 
-/// The lines on which the levels of a problem begin.
+/// Lines on which the levels of a problem begin.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 struct Lines {
-    /// Of the level that has become the bounds of the variables.
+    /// Line of the level that became the bounds of the variables.
     bounds: Option<usize>,
-    /// Of each level of the hierarchy.
+    /// Line of each level of the hierarchy.
     levels: Vec<usize>,
 }
 
-/// Reads the problems of a set one by one, from text that is not held in memory.
+/// Reads the problems of a set one by one, from text that is not kept in memory.
 ///
-/// Memory grows with what was read, not with what a count promises. After an error the reader
-/// ends.
+/// Memory grows with the data read, not with the counts in the file. The iterator ends after an
+/// error.
 #[derive(Debug)]
 pub struct HqpReader<R> {
     tokens: Tokens<R>,
@@ -66,7 +66,7 @@ impl<R: BufRead> HqpReader<R> {
     /// Reads the header `hqpset NAME COUNT`.
     ///
     /// # Errors
-    /// [`HqpError`] when the header is not one.
+    /// [`HqpError`] if the header is invalid.
     pub fn new(input: R) -> Result<Self, HqpError> {
         let mut tokens = Tokens::new(input);
         tokens.keyword("hqpset", "the file")?;
@@ -75,12 +75,12 @@ impl<R: BufRead> HqpReader<R> {
         Ok(Self { tokens, name, count, read: 0, done: false })
     }
 
-    /// The name of the set.
+    /// Name of the set.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// How many problems the header promises.
+    /// Number of problems according to the header.
     pub fn count(&self) -> usize {
         self.count
     }
@@ -119,12 +119,12 @@ impl<R: BufRead> Iterator for HqpReader<R> {
     }
 }
 
-/// What the rows of a level constrain.
+/// Kind of rows of a level.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
-    /// One variable a row.
+    /// One variable for each row.
     Bounds,
-    /// All variables.
+    /// All variables in each row.
     General,
 }
 
@@ -174,7 +174,7 @@ impl Builder {
         Ok(())
     }
 
-    /// Notes that one more row is kept.
+    /// Counts one more row, and checks that there is room for it.
     fn expect_room<R>(&mut self, tokens: &Tokens<R>) -> Result<(), HqpError> {
         self.coefficients += self.hierarchy.variables();
         if self.coefficients > MOST_COEFFICIENTS {
@@ -224,8 +224,8 @@ impl Builder {
         Ok(bounds)
     }
 
-    /// Takes the first level's bounds as those of the variables; false, and no change, where
-    /// a variable has several.
+    /// Takes the first level's bounds as those of the variables. Returns false and changes nothing
+    /// if a variable has several.
     fn set_bounds(&mut self, bounds: &[Bound]) -> bool {
         let mut seen = vec![false; self.hierarchy.variables()];
         if bounds.iter().any(|bound| std::mem::replace(&mut seen[bound.variable], true)) {

@@ -1,5 +1,5 @@
-//! Solving the problems of a set one after another, with their times and proofs: what the program
-//! `hqp` does.
+//! Solves the problems of a set one after another, with times and proofs. The program `hqp` uses
+//! it.
 
 use std::{
     fmt,
@@ -14,31 +14,31 @@ use crate::file::Problem;
 /// The largest residual of a certificate that counts as proof.
 const PROVED: f64 = 1e-8;
 
-/// How a problem ended: the STATUS column.
+/// Ending of a problem: the STATUS column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Code {
-    /// At its optimum.
+    /// The problem is at its optimum.
     Solved = 0,
     /// The iterations ran out.
     IterationLimit = 1,
     /// Hard constraints cannot hold together.
     Infeasible = 2,
-    /// An objective without a minimum.
+    /// An objective has no minimum.
     Unbounded = 3,
-    /// Data that make no problem.
+    /// The data are invalid.
     Refused = 4,
 }
 
-/// One solve's result.
+/// Result of one solve.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outcome {
-    /// How it ended.
+    /// Ending of the solve.
     pub code: Code,
-    /// Iterations of the solver.
+    /// Number of iterations.
     pub iterations: usize,
-    /// The solution's copy; NaN if there is none.
+    /// Copy of the solution, NaN if there is none.
     pub x: Vec<f64>,
-    /// Why there is none.
+    /// Reason why there is no solution.
     pub reason: Option<String>,
 }
 
@@ -49,7 +49,7 @@ impl Outcome {
     }
 }
 
-/// The solves of a set, with their times.
+/// Times of the solves of a set.
 #[derive(Debug, Default)]
 pub struct Runs {
     times: Vec<Duration>,
@@ -57,7 +57,7 @@ pub struct Runs {
 }
 
 impl Runs {
-    /// Solves one problem, with the solver of the one before when their shapes agree.
+    /// Solves one problem. Reuses the solver of the problem before if their shapes agree.
     pub fn solve(&mut self, problem: &Problem, solver: &mut Option<Solver>, warm: bool) -> Outcome {
         let hierarchy = &problem.hierarchy;
         let mut x = vec![f64::NAN; hierarchy.variables()];
@@ -93,7 +93,7 @@ impl Runs {
         }
     }
 
-    /// Percentiles of the times.
+    /// Returns percentiles of the times.
     pub fn times(&self) -> Times {
         let mut times: Vec<f64> = self.times.iter().map(|t| t.as_secs_f64() * 1e6).collect();
         times.sort_by(f64::total_cmp);
@@ -111,7 +111,7 @@ impl Runs {
     }
 }
 
-/// Percentiles of the times of single solves; `Display` gives them as one line.
+/// Percentiles of the times of single solves. `Display` prints them in one line.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Times {
     /// Median \[µs\].
@@ -122,7 +122,7 @@ pub struct Times {
     pub p99_us: f64,
     /// Maximum \[µs\].
     pub max_us: f64,
-    /// Iterations a solve.
+    /// Mean number of iterations.
     pub mean_iterations: f64,
 }
 
@@ -134,8 +134,9 @@ impl fmt::Display for Times {
     }
 }
 
-/// The sum of all numbers of a problem: reading them brings them into the cache, where numbers are
-/// that a controller has just computed. Without it the first touch of parsed text would be timed.
+/// Returns the sum of all numbers of a problem. Reading them brings them into the cache, where a
+/// controller's numbers are after it computed them. Otherwise the time would include the first
+/// access to parsed text.
 fn read_through(hierarchy: &Hierarchy) -> f64 {
     let sum = |values: &[f64]| values.iter().sum::<f64>();
     let rows = |rows: &Rows| -> f64 {
@@ -151,19 +152,19 @@ fn read_through(hierarchy: &Hierarchy) -> f64 {
         + hierarchy.levels().iter().map(|l| rows(l.constraints()) + objective(l)).sum::<f64>()
 }
 
-/// What the certificates of a set say.
+/// Results of the certificates of a set.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
 pub struct Proofs {
-    /// The worst residual.
+    /// Largest residual.
     #[serde(rename = "certificate_worst")]
     pub worst: f64,
-    /// Certificates that prove nothing.
+    /// Number of certificates that prove nothing.
     #[serde(rename = "certificate_failed")]
     pub failed: usize,
 }
 
 impl Proofs {
-    /// Checks the certificate of a solution; says what is wrong with it if it proves nothing.
+    /// Checks the certificate of a solution. Returns what is wrong if it proves nothing.
     pub fn check(&mut self, problem: &Problem, solver: &mut Solver, x: &[f64]) -> Option<String> {
         let hierarchy = &problem.hierarchy;
         let residuals = solver

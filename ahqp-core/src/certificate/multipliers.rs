@@ -1,5 +1,5 @@
-//! Multipliers for a certificate: from the factorisation where they are unique, else by least
-//! squares with signs.
+//! Multipliers for a certificate: from the factorisation where they are unique, otherwise by least
+//! squares with sign constraints.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -14,18 +14,19 @@ use crate::solver::active_set::ActiveSet;
 use crate::solver::activity::Activity;
 use crate::solver::settings::Settings;
 
-/// Multipliers of a level: rows of the table, and what they push with.
+/// Multipliers of a level: pairs of a row of the table and its multiplier.
 type Multipliers = Vec<(usize, f64)>;
 
-/// The size of the numbers that a level's gradient is made of, of these and its multipliers, and
-/// what the multipliers leave of the gradient.
+/// Sizes of the terms of a level's gradient, of these together with the multipliers, and of the
+/// part of the gradient that the multipliers leave.
 struct Balance {
     gradient: f64,
     size: f64,
     rest: f64,
 }
 
-/// Goes down the levels, and remembers which inequalities may push either way from here on.
+/// Computes multipliers level by level, and remembers which inequalities may have either sign from
+/// there on.
 pub(crate) struct Proof<'a> {
     set: &'a mut ActiveSet,
     x: &'a [f64],
@@ -33,13 +34,13 @@ pub(crate) struct Proof<'a> {
 }
 
 impl<'a> Proof<'a> {
-    /// At `x`, with the verifier's factorisation of the active set there.
+    /// Starts at `x`, with the verifier's factorisation of the active set there.
     pub(crate) fn new(set: &'a mut ActiveSet, x: &'a [f64]) -> Self {
         let settled = (0..set.data.len()).map(|id| set.data.is_equality(id)).collect();
         Self { set, x, settled }
     }
 
-    /// The multipliers of every level, and of the least norm behind the last.
+    /// Returns the multipliers of every level, and of the least norm after the last level.
     pub(crate) fn levels(mut self) -> Result<Vec<Multipliers>, Error> {
         let count = self.set.data.levels.len();
         (0..count).map(Some).chain([None]).map(|level| self.level(level)).collect()
@@ -51,8 +52,9 @@ impl<'a> Proof<'a> {
                 self.settled[id] |= !self.is_closed(id, self.violation(id).0);
             }
         }
-        // Where active rows depend on each other, another choice than the factorisation's may have
-        // the right signs or be smaller; where one nearly does, it may be missing.
+        // If active rows depend on each other, another choice than the factorisation's may have the
+        // right signs or be smaller. If they nearly depend on each other, the right choice may be
+        // missing.
         let mut multipliers = self.set.multipliers_of(level, self.x);
         let mut size = self.balance(level, &multipliers).size;
         if !self.is_sound(level, &multipliers, LARGE) {
@@ -76,14 +78,15 @@ impl<'a> Proof<'a> {
         Ok(multipliers)
     }
 
-    /// Returns true if an inequality that has not pushed yet may push with this sign.
+    /// Returns true if an inequality without an earlier nonzero multiplier may have a multiplier of
+    /// this sign.
     fn may_push(&self, id: usize, multiplier: f64) -> bool {
         let state = self.set.activity[id];
         self.settled[id] || !state.has_wrong_sign(multiplier, 0.0)
     }
 
-    /// Returns true if multipliers have the right signs, balance their level, and are no larger than
-    /// `largest` times its gradient.
+    /// Returns true if the multipliers have the right signs, balance their level, and are no larger
+    /// than `largest` times its gradient.
     fn is_sound(&self, level: Option<usize>, multipliers: &Multipliers, largest: f64) -> bool {
         let Balance { gradient, size, rest } = self.balance(level, multipliers);
         multipliers.iter().all(|&(id, multiplier)| self.may_push(id, multiplier))
@@ -119,8 +122,8 @@ impl<'a> Proof<'a> {
         self.set.data.is_closed(id, gap, self.x, norm(self.x), AT_BOUND)
     }
 
-    /// min ‖gradient + Σ λᵢ aᵢ‖ over the rows at their bounds, each λᵢ with the sign that its row
-    /// may have: a hierarchy of one level.
+    /// Solves min ‖gradient + Σ λᵢ aᵢ‖ over the rows at their bounds, as a hierarchy of one level.
+    /// Each λᵢ has the sign that its row may have.
     fn signed(&self, level: Option<usize>, rank_tolerance: f64) -> Result<Multipliers, Error> {
         let mut gradient = self.gradient(level);
         let scale = norm(&gradient).max(f64::MIN_POSITIVE);
@@ -170,7 +173,7 @@ impl<'a> Proof<'a> {
         gradient
     }
 
-    /// Rows that may push at a level, with the side on which they may.
+    /// Returns the rows that may have multipliers at a level, with the bound at which they may.
     fn candidates(&self, level: Option<usize>) -> Vec<(usize, Activity)> {
         let last = level.unwrap_or(self.set.data.levels.len().saturating_sub(1));
         let mut ids: Vec<usize> = (0..self.set.data.n).collect();

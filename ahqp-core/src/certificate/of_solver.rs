@@ -1,4 +1,4 @@
-//! The certificate of a solver's last answer.
+//! Certificate of a solver's last solution.
 
 use super::Certificate;
 use super::multipliers::Proof;
@@ -10,13 +10,13 @@ use crate::solver::Solver;
 use crate::solver::data::ProblemData;
 
 impl Solver {
-    /// The multipliers that prove the last solution optimal; [`Certificate::residuals`] checks
-    /// them. Allocates: for debugging and tests, not for the control loop.
+    /// Returns the multipliers that prove the last solution optimal. [`Certificate::residuals`]
+    /// checks them. Allocates, so it is for debugging and tests, not for the control loop.
     ///
     /// # Errors
-    /// Those of [`solve`](Self::solve) for data that make no problem; [`Error::NotSolved`] when
-    /// the last solve did not end at the optimum, or was [forgotten](Self::forget);
-    /// [`Error::DataChanged`] when `hierarchy` does not hold the data that were solved.
+    /// Those of [`solve`](Self::solve) if the data are invalid. [`Error::NotSolved`] if the last
+    /// solve did not end at the optimum, or was [forgotten](Self::forget). [`Error::DataChanged`]
+    /// if `hierarchy` does not contain the data that were solved.
     pub fn certificate(&mut self, hierarchy: &Hierarchy) -> Result<Certificate, Error> {
         let (set, x) = self.at_optimum().ok_or(Error::NotSolved)?;
         set.data.expect_unchanged(hierarchy).map_err(|error| hierarchy.named(error))?;
@@ -36,8 +36,8 @@ impl Solver {
     }
 }
 
-/// Multipliers with the sources of their rows; those of a quadratic's factor become those of its
-/// Hessian.
+/// Returns the multipliers with the sources of their rows. Those of a quadratic's factor are
+/// converted to rows of its Hessian.
 fn named(
     hierarchy: &Hierarchy,
     data: &mut ProblemData,

@@ -1,8 +1,9 @@
-//! How far a point is from the optimum where doubles cannot hold the multipliers.
+//! Distance from a point to the optimum where doubles cannot represent the multipliers.
 //!
-//! Rows of a level may pull by forces that differ by more than the 16 digits of a double: multipliers in
-//! doubles then hide the light rows, and balance at points far from the optimum. There the hierarchy is
-//! solved again in numbers of 32 digits, from x on, level by level; what that moves x by is the error.
+//! Forces of rows of one level may differ by more than the 16 digits of a double. Multipliers in
+//! doubles then hide the light rows, and balance at points far from the optimum. In this case the
+//! hierarchy is solved again in numbers of 32 digits, level by level, starting from x. The distance
+//! moved is the error.
 
 mod double_double;
 mod least_squares;
@@ -23,7 +24,8 @@ use level::{Search, Side};
 use row::{Row, nearer};
 use span::{Span, add_scaled, dot, length};
 
-/// Returns true if rows of one level may pull by so different forces at x that doubles do not show all.
+/// Returns true if the forces of rows of one level may differ so much at x that doubles do not show
+/// all of them.
 pub(super) fn is_needed(hierarchy: &Hierarchy, x: &[f64]) -> bool {
     let x_norm = norm(x);
     hierarchy.levels().iter().any(|level| {
@@ -41,8 +43,8 @@ pub(super) fn is_needed(hierarchy: &Hierarchy, x: &[f64]) -> bool {
     })
 }
 
-/// The distance from x to the optimum near it, relative to the longer of the two; infinite where none was
-/// found.
+/// Returns the distance from x to the optimum near it, relative to the longer of the two. Infinite
+/// if none was found.
 pub(super) fn distance(hierarchy: &Hierarchy, x: &[f64]) -> f64 {
     let refinement = Refinement::new(hierarchy, x);
     let rounding = PRODUCT * refinement.reach;
@@ -53,16 +55,17 @@ pub(super) fn distance(hierarchy: &Hierarchy, x: &[f64]) -> f64 {
     if moved <= rounding { 0.0 } else { moved / norm_max(x).max(norm_max(&optimum)) }
 }
 
-/// A point that is optimal for the levels so far, and what the next ones must keep.
+/// A point that is optimal for the levels so far, and the conditions that the next levels must
+/// keep.
 struct Refinement {
     x: Vec<DoubleDouble>,
-    /// The step from x.
+    /// Step from x.
     p: Vec<DoubleDouble>,
-    /// Directions in which no level may move any more.
+    /// Directions in which no later level may move.
     decided: Span,
     /// Rows that must hold.
     hard: Vec<Row>,
-    /// The size of vectors: what rounding is relative to.
+    /// Length of vectors, which rounding is relative to.
     reach: f64,
 }
 
@@ -80,7 +83,7 @@ impl Refinement {
         Self { x, p, decided, hard, reach }
     }
 
-    /// The step from x to the optimum.
+    /// Returns the step from x to the optimum.
     fn step(mut self, hierarchy: &Hierarchy) -> Option<Vec<DoubleDouble>> {
         let n = self.x.len();
         let none = vec![DoubleDouble::ZERO; n];
@@ -103,7 +106,7 @@ impl Refinement {
         Some(self.p)
     }
 
-    /// What rows are seen from.
+    /// Returns the point from which rows are seen, and the length of vectors.
     fn from(&self) -> (&[DoubleDouble], f64) {
         (&self.x, self.reach)
     }
@@ -116,7 +119,7 @@ impl Refinement {
         rows.iter().enumerate().map(row).filter(|row| row.norm > 0.0 && row.weight > 0.0).collect()
     }
 
-    /// Moves to where hard rows of a level hold, and keeps them.
+    /// Moves to a point at which the hard rows of a level hold, and keeps them.
     fn constrain(&mut self, mut rows: Vec<Row>) -> Option<()> {
         let old = self.hard.len();
         self.hard.extend(rows.iter().cloned());
@@ -143,7 +146,7 @@ impl Refinement {
         Some(())
     }
 
-    /// Minimises the violation of rows and a linear term, and keeps what that decides.
+    /// Minimises the violation of rows plus a linear term, and keeps what that decides.
     fn minimise(&mut self, soft: Vec<Row>, linear: &[DoubleDouble]) -> Option<()> {
         if self.decided.len() == self.x.len() {
             return Some(());
@@ -184,8 +187,8 @@ impl Refinement {
         pushing
     }
 
-    /// Moves to the bounds of hard rows that are near them at x, and returns these rows; none where others
-    /// do not hold there.
+    /// Moves onto the bounds of hard rows that are near their bounds at x, and returns these rows.
+    /// None if other hard rows do not hold there.
     fn snap(&mut self) -> Option<Vec<(usize, Side)>> {
         let (mut span, mut working) = (self.decided.clone(), Vec::new());
         let mut step = vec![DoubleDouble::ZERO; self.x.len()];
@@ -216,7 +219,7 @@ impl Refinement {
     }
 }
 
-/// ‖x‖, or where that is less the shortest vector, other than zero, that a row asks for.
+/// Returns ‖x‖, or the length of the shortest nonzero vector that a row demands if that is longer.
 fn reach(hierarchy: &Hierarchy, x: &[f64]) -> f64 {
     let bounds = hierarchy.lower().iter().zip(hierarchy.upper());
     let bounds = bounds.map(|(&lower, &upper)| nearer(lower, upper));

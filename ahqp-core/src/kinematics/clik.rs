@@ -1,5 +1,5 @@
-//! Closed-loop inverse kinematics: rows of a task, in joint velocities or in the augmented state
-//! χ = [q̇; ẋ_d; s].
+//! Closed-loop inverse kinematics: rows of a task in joint velocities or in the augmented state χ =
+//! [q̇; ẋ_d; s].
 
 use std::ops::Range;
 
@@ -11,8 +11,7 @@ use crate::error::Error;
 use crate::kinematics::rotation::rotation_log;
 use crate::problem::rows::{Rows, expect_size};
 
-/// Where the parts of χ = [q̇ (n); ẋ_d (m); s] stand (the paper's eq. 3, with the slack of its
-/// Sec. III-C behind).
+/// Layout of χ = [q̇ (n); ẋ_d (m); s]: the paper's eq. 3, followed by the slack of its Sec. III-C.
 ///
 /// ```
 /// use ahqp_core::AugmentedState;
@@ -27,22 +26,22 @@ pub struct AugmentedState {
     pub joints: usize,
     /// m, the dimension of the task.
     pub task: usize,
-    /// The number of slack variables; zero for a hard or row-wise softened workspace.
+    /// Number of slack variables. Zero for a hard or row-wise softened workspace.
     pub slack: usize,
 }
 
 impl AugmentedState {
-    /// Where q̇ stands.
+    /// Range of q̇.
     pub fn joint_velocity(&self) -> Range<usize> {
         0..self.joints
     }
 
-    /// Where ẋ_d stands.
+    /// Range of ẋ_d.
     pub fn desired_velocity(&self) -> Range<usize> {
         self.joints..self.joints + self.task
     }
 
-    /// Where s stands.
+    /// Range of s.
     pub fn slack(&self) -> Range<usize> {
         self.joints + self.task..self.len()
     }
@@ -58,8 +57,8 @@ impl AugmentedState {
     }
 }
 
-/// The difference of two poses, [p_d − p_a; log(R_d R_aᵀ)] \[m, rad\], linear then angular, in
-/// world axes.
+/// Returns the difference of two poses, [p_d − p_a; log(R_d R_aᵀ)] \[m, rad\], linear then angular,
+/// in world axes.
 ///
 /// ```
 /// use ahqp_core::pose_error;
@@ -76,7 +75,8 @@ pub fn pose_error(desired: &Isometry3<f64>, actual: &Isometry3<f64>) -> Vector6<
     Vector6::new(linear.x, linear.y, linear.z, angular.x, angular.y, angular.z)
 }
 
-/// The pose after moving with `twist` (linear then angular, world axes) for `period` seconds.
+/// Returns the pose after moving with `twist` (linear then angular, world axes) for `period`
+/// seconds.
 pub fn integrate_pose(pose: &Isometry3<f64>, twist: &Vector6<f64>, period: f64) -> Isometry3<f64> {
     let linear = Vector3::new(twist[0], twist[1], twist[2]);
     let angular = Vector3::new(twist[3], twist[4], twist[5]);
@@ -85,7 +85,7 @@ pub fn integrate_pose(pose: &Isometry3<f64>, twist: &Vector6<f64>, period: f64) 
     Isometry3::from_parts(Translation3::from(pose.translation.vector + linear * period), rotation)
 }
 
-/// Which coordinates of a pose a task controls, 1 to 6 of them: x, y and z, then the rotations about
+/// Coordinates of a pose that a task controls, 1 to 6 of them: x, y and z, then the rotations about
 /// them, in world axes.
 ///
 /// ```
@@ -111,10 +111,10 @@ impl PoseAxes {
     /// x, y and the rotation about z.
     pub const PLANAR: Self = Self { chosen: [true, true, false, false, false, true] };
 
-    /// These coordinates, counted from 0; they come in the order of a pose.
+    /// Selects coordinates, counted from 0. They are kept in the order of a pose.
     ///
     /// # Errors
-    /// [`Error::Value`] for none, for one named twice, and for one above 5.
+    /// [`Error::Value`] if no coordinate is given, one is given twice, or one is above 5.
     pub fn new(axes: &[usize]) -> Result<Self, Error> {
         let mut chosen = [false; 6];
         for &axis in axes {
@@ -133,7 +133,7 @@ impl PoseAxes {
         Ok(Self { chosen })
     }
 
-    /// How many there are: the dimension m of the task.
+    /// Number of coordinates: the dimension m of the task.
     #[expect(clippy::len_without_is_empty, reason = "there is always one")]
     pub fn len(&self) -> usize {
         self.iter().count()
@@ -145,9 +145,10 @@ impl PoseAxes {
     }
 }
 
-/// Closed-loop inverse kinematics for plain stacks over χ = q̇: rows J q̇ = ẋ_d + K_p (x_d − x_a) of
-/// the coordinates that the task controls (Siciliano, Sciavicco, Villani, Oriolo, *Robotics:
-/// Modelling, Planning and Control*, 2009, Sec. 3.7).
+/// Closed-loop inverse kinematics for plain stacks over χ = q̇ (Siciliano, Sciavicco, Villani,
+/// Oriolo, *Robotics: Modelling, Planning and Control*, 2009, Sec. 3.7).
+///
+/// The rows are J q̇ = ẋ_d + K_p (x_d − x_a), for the coordinates that the task controls.
 ///
 /// ```
 /// use ahqp_core::{Clik, Error, Hierarchy, Level, PoseAxes, Settings, Solver, pose_error};
@@ -185,12 +186,12 @@ pub struct Clik {
 }
 
 impl Clik {
-    /// For n = `joints`, with the diagonal of K_p \[1/s\], of which that of the `axes` counts, and
-    /// the control period Δt \[s\].
+    /// Creates the task for n = `joints` with the diagonal `gain` of K_p \[1/s\] and the control
+    /// period Δt \[s\]. Only gains of the `axes` count.
     ///
     /// # Errors
-    /// [`Error::Value`] for gains or a period that are not positive and finite, or a gain above
-    /// 1/Δt, where the loop of one step would overshoot.
+    /// [`Error::Value`] if a gain or the period is not positive and finite. The same error if a
+    /// gain exceeds 1/Δt, since the loop would overshoot within one step.
     pub fn new(
         joints: usize,
         axes: PoseAxes,
@@ -211,17 +212,17 @@ impl Clik {
         Ok(Self { joints, axes, gain })
     }
 
-    /// Empty rows of the right size for [`write`](Self::write), m × n.
+    /// Creates zero rows of the right size for [`write`](Self::write), m × n.
     pub fn rows(&self) -> Rows {
         Rows::zeros(self.axes.len(), self.joints)
     }
 
-    /// Writes the rows for the Jacobian J (6 × n, linear then angular), the pose error x_d − x_a of
-    /// [`pose_error`], and the velocity ẋ_d at which the desired pose moves, zero if it does not.
-    /// Allocates nothing.
+    /// Writes the rows for the Jacobian J (6 × n, linear then angular) and the pose error x_d − x_a
+    /// of [`pose_error`]. `velocity` is the velocity ẋ_d of the desired pose, zero if it does not
+    /// move. Allocates nothing.
     ///
     /// # Errors
-    /// [`Error::Size`] when the Jacobian or the rows do not fit.
+    /// [`Error::Size`] if the Jacobian or the rows do not fit.
     pub fn write<R: Dim, C: Dim, S: RawStorage<f64, R, C>>(
         &self,
         jacobian: &Matrix<f64, R, C, S>,
@@ -238,7 +239,7 @@ impl Clik {
         Ok(())
     }
 
-    /// Writes [J 0] into rows of so many `columns`.
+    /// Writes [J 0] into rows with this number of `columns`.
     fn write_jacobian<R: Dim, C: Dim, S: RawStorage<f64, R, C>>(
         &self,
         jacobian: &Matrix<f64, R, C, S>,
@@ -261,21 +262,22 @@ impl Clik {
 /// One row of the augmented inverse kinematics, J q̇ − (1 + k Δt) ẋ_d = k e (the paper's eq. 4).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AugmentedRow {
-    /// The coefficient of ẋ_d, −(1 + k Δt) \[-\].
+    /// Coefficient of ẋ_d, −(1 + k Δt) \[-\].
     pub desired: f64,
-    /// The right side, k e \[m/s or rad/s\].
+    /// Right-hand side, k e \[m/s or rad/s\].
     pub target: f64,
 }
 
 impl AugmentedRow {
-    /// The row for a gain k \[1/s\], the control period Δt \[s\] and the error x_d(t−1) − x_a of its coordinate.
+    /// Creates the row for a gain k \[1/s\], the control period Δt \[s\] and the error x_d(t−1) −
+    /// x_a of its coordinate.
     pub fn new(gain: f64, period: f64, error: f64) -> Self {
         Self { desired: -(1.0 + gain * period), target: gain * error }
     }
 }
 
-/// The augmented inverse kinematics, min ‖[J −(I + K_p Δt) 0] χ − K_p (x_d(t−1) − x_a)‖²
-/// (the paper's eq. 4), of the coordinates that the task controls.
+/// Augmented inverse kinematics, min ‖[J −(I + K_p Δt) 0] χ − K_p (x_d(t−1) − x_a)‖² (the paper's
+/// eq. 4), for the coordinates that the task controls.
 ///
 /// ```
 /// use ahqp_core::{AugmentedClik, AugmentedState, PoseAxes};
@@ -296,11 +298,11 @@ pub struct AugmentedClik {
 }
 
 impl AugmentedClik {
-    /// With the diagonal of K_p \[1/s\], of which that of the `axes` counts, and the control period
-    /// Δt \[s\]. ẋ_d has one entry an axis.
+    /// Creates the task with the diagonal `gain` of K_p \[1/s\] and the control period Δt \[s\].
+    /// Only gains of the `axes` count. ẋ_d has one entry for each axis.
     ///
     /// # Errors
-    /// [`Error::Size`] unless the task has as many dimensions as there are axes; those of
+    /// [`Error::Size`] if the dimension of the task is not the number of axes. Those of
     /// [`Clik::new`].
     pub fn new(
         state: AugmentedState,
@@ -312,16 +314,16 @@ impl AugmentedClik {
         Ok(Self { state, clik: Clik::new(state.joints, axes, gain, period)?, period })
     }
 
-    /// Empty rows of the right size for [`write`](Self::write).
+    /// Creates zero rows of the right size for [`write`](Self::write).
     pub fn rows(&self) -> Rows {
         Rows::zeros(self.state.task, self.state.len())
     }
 
-    /// Writes the rows A_clik χ = b_clik for the Jacobian J (6 × n, linear then angular) and the pose
-    /// error x_d(t−1) − x_a of [`pose_error`]. Allocates nothing.
+    /// Writes the rows A_clik χ = b_clik for the Jacobian J (6 × n, linear then angular) and the
+    /// pose error x_d(t−1) − x_a of [`pose_error`]. Allocates nothing.
     ///
     /// # Errors
-    /// [`Error::Size`] when the Jacobian or the rows do not fit.
+    /// [`Error::Size`] if the Jacobian or the rows do not fit.
     pub fn write<R: Dim, C: Dim, S: RawStorage<f64, R, C>>(
         &self,
         jacobian: &Matrix<f64, R, C, S>,
@@ -353,16 +355,16 @@ mod tests {
 
     proptest! {
         #[test]
-        fn moving_along_the_error_for_a_second_removes_it(desired in pose(), actual in pose()) {
+        fn integrating_the_error_for_a_second_removes_it(desired in pose(), actual in pose()) {
             let moved = integrate_pose(&actual, &pose_error(&desired, &actual), 1.0);
             prop_assert!(pose_error(&desired, &moved).norm() < 1e-9);
         }
 
         #[test]
-        fn the_error_decays_at_the_gain_when_the_rows_hold(
+        fn the_error_decays_at_the_gain(
             desired in pose(), velocity in prop::array::uniform6(-0.3..0.3_f64),
         ) {
-            // With J = I the joint velocity is the twist itself: q̇ = (1 + kΔt) ẋ_d + k e.
+            // The joint velocity is the twist itself for J = I: q̇ = (1 + kΔt) ẋ_d + k e.
             let (gain, period) = (40.0, 1e-3);
             let actual = integrate_pose(&desired, &Vector6::repeat(0.01), 1.0);
             let error = pose_error(&desired, &actual);
@@ -382,13 +384,13 @@ mod tests {
                 &integrate_pose(&actual, &twist, period),
             );
             let expected = error * (1.0 - gain * period) - velocity * (gain * period * period);
-            // Rotations do not commute: what is left is of second order.
+            // Rotations do not commute, so the remainder is of second order.
             let second_order = 2.0 * period * velocity.norm() * error.norm();
             prop_assert!((next - expected).norm() < second_order + 1e-6);
         }
     }
 
-    /// One to six coordinates.
+    /// Generates one to six coordinates.
     fn axes() -> impl Strategy<Value = PoseAxes> {
         prop::sample::subsequence((0..6).collect::<Vec<_>>(), 1..=6)
             .prop_map(|axes| PoseAxes::new(&axes).unwrap())
@@ -412,7 +414,7 @@ mod tests {
             let mut rows = plain.rows();
             plain.write(&jacobian, &error, &velocity, &mut rows).unwrap();
             prop_assert_eq!((rows.len(), rows.columns()), (axes.len(), 4));
-            // In the augmented form with ẋ_d as a variable, held at the same velocity.
+            // The augmented form has ẋ_d as a variable, held at the same velocity.
             let state = AugmentedState { joints: 4, task: axes.len(), slack: 2 };
             let augmented = AugmentedClik::new(state, axes, gain, 1e-3).unwrap();
             let mut wide = augmented.rows();
@@ -441,7 +443,7 @@ mod tests {
         }
         assert_eq!(PoseAxes::new(&[5, 0, 1]).unwrap(), PoseAxes::PLANAR);
         assert_eq!(PoseAxes::new(&[0, 1, 2, 3, 4, 5]).unwrap(), PoseAxes::ALL);
-        // Gains of coordinates that are left alone do not count.
+        // Gains of coordinates that are not controlled are ignored.
         let gain = Vector6::new(1.0, 1.0, 1.0, 0.0, f64::NAN, -1.0);
         assert!(Clik::new(7, PoseAxes::POSITION, gain, 1e-3).is_ok());
         assert!(Clik::new(7, PoseAxes::PLANAR, gain, 1e-3).is_err());

@@ -1,8 +1,8 @@
-//! Rotation vectors: the logarithm on SO(3) and how it changes with angular velocity.
+//! Rotation vectors: the logarithm on SO(3) and its derivative.
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
-/// log(R): the rotation vector of `rotation`, its angle in [0, π] \[rad\].
+/// Returns log(R), the rotation vector of `rotation` with an angle in [0, π] \[rad\].
 ///
 /// ```
 /// use ahqp_core::rotation_log;
@@ -17,15 +17,16 @@ pub fn rotation_log(rotation: &UnitQuaternion<f64>) -> Vector3<f64> {
     if sine == 0.0 {
         return Vector3::zeros();
     }
-    // q and −q are one rotation: take the shorter way.
+    // q and −q are the same rotation. This takes the smaller angle.
     let (sine_signed, cosine) = if cosine < 0.0 { (-sine, -cosine) } else { (sine, cosine) };
     vector * (2.0 * sine_signed.atan2(cosine) / sine)
 }
 
-/// J_l⁻¹(φ) with φ̇ = J_l⁻¹(φ) ω for R = exp(φ) turning at ω in the fixed frame \[rad, rad/s\].
+/// Returns J_l⁻¹(φ), the inverse left Jacobian of SO(3). φ̇ = J_l⁻¹(φ) ω for R = exp(φ) that turns
+/// at ω in the fixed frame \[rad, rad/s\].
 ///
-/// Finite for |φ| < 2π; the inverse left Jacobian of SO(3), e.g. Solà, Deray, Atchuthan,
-/// "A micro Lie theory for state estimation in robotics", eq. 146.
+/// It is finite for |φ| < 2π. See e.g. Solà, Deray, Atchuthan, "A micro Lie theory for state
+/// estimation in robotics", eq. 146.
 pub fn left_jacobian_inverse(rotation_vector: &Vector3<f64>) -> Matrix3<f64> {
     let cross = rotation_vector.cross_matrix();
     let angle = rotation_vector.norm();

@@ -1,8 +1,8 @@
 //! Braking to rest within an acceleration and a jerk limit.
 //!
-//! Time-optimal braking from v > 0 has up to three phases: the deceleration grows at the jerk
-//! limit, stays at the acceleration limit, and fades at the jerk limit along α² = 2jv, so that
-//! velocity and acceleration reach zero together.
+//! Time-optimal braking from v > 0 has up to three phases. The deceleration grows at the jerk
+//! limit, stays at the acceleration limit, and fades at the jerk limit along α² = 2jv. Velocity and
+//! acceleration then reach zero together.
 
 /// An acceleration limit a and a jerk limit j.
 #[derive(Debug, Clone, Copy)]
@@ -11,7 +11,7 @@ pub(super) struct Braking {
     pub(super) jerk: f64,
 }
 
-/// How far a motion still goes, and the derivatives of that.
+/// Distance that a motion still covers, and its derivatives.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Overrun {
     pub(super) distance: f64,
@@ -28,16 +28,16 @@ impl Braking {
         Self { acceleration, jerk }
     }
 
-    /// The acceleration α that takes `excess` velocity onto the curve α² = 2jv within a period,
-    /// αΔt + α²/(2j) = excess; odd in `excess`.
+    /// Returns the acceleration α that brings `excess` velocity onto the curve α² = 2jv within a
+    /// period. It solves αΔt + α²/(2j) = excess, and is odd in `excess`.
     pub(super) fn onset(&self, excess: f64, period: f64) -> f64 {
         let size = excess.abs();
         let root = (period * period + 2.0 * size / self.jerk).sqrt();
         (2.0 * size / (period + root)).copysign(excess)
     }
 
-    /// More than any [`overrun`](Self::overrun) of velocities up to `fastest` and accelerations up to
-    /// the limit: each of its terms at its largest.
+    /// Returns an upper bound of [`overrun`](Self::overrun) for velocities up to `fastest` and
+    /// accelerations up to the limit. Each term is at its largest.
     pub(super) fn longest(&self, fastest: f64) -> f64 {
         let Self { acceleration, jerk } = *self;
         let square = acceleration * acceleration / (2.0 * jerk);
@@ -46,11 +46,11 @@ impl Braking {
         top * (2.0 * acceleration / jerk + held) + square * acceleration / (3.0 * jerk)
     }
 
-    /// How far a motion at `velocity` and `acceleration` goes on in the positive direction
-    /// before it rests, or turns back.
+    /// Returns the distance that a motion at `velocity` and `acceleration` covers in the positive
+    /// direction before it rests or turns back.
     ///
-    /// Where the deceleration is beyond the curve, so that the motion turns back, the distance
-    /// is the one along the curve.
+    /// If the deceleration is beyond the curve, the motion turns back. The distance is then the one
+    /// along the curve.
     pub(super) fn overrun(&self, velocity: f64, acceleration: f64) -> Overrun {
         let Self { acceleration: strongest, jerk } = *self;
         let square = acceleration * acceleration / (2.0 * jerk);

@@ -1,19 +1,19 @@
-//! The velocity interval when the jerk is limited too.
+//! Velocity interval with a jerk limit.
 
 use super::braking::Braking;
 use super::{Limits, MotionState, VelocityInterval, is_positive};
 use crate::error::Error;
 
-/// What rounding may add to a state, relative to the limits.
+/// Rounding of a state, relative to the limits.
 const ROUNDING: f64 = 1e-9;
-/// Rounds of the search for an end of the interval; three or four are needed.
+/// Largest number of rounds of the search for an end of the interval. Three or four are needed.
 const ROUNDS: usize = 30;
 
-/// Limits of one coordinate with a jerk limit: between two ticks the acceleration, which is the
-/// change of velocity over the period, changes by no more than jerk times period.
+/// Limits of one coordinate with a jerk limit, made by [`Limits::with_jerk`].
 ///
-/// Made by [`Limits::with_jerk`]. A position limit is approached so that the coordinate can
-/// still be brought to rest in front of it within acceleration and jerk, without bouncing back.
+/// The acceleration is the change of velocity over the period. Between two ticks it changes by at
+/// most jerk times period. Near a position limit the coordinate can still be brought to rest in
+/// front of the limit within acceleration and jerk, without bouncing back.
 ///
 /// ```
 /// use ahqp_core::{AcceleratedState, Limits};
@@ -32,28 +32,28 @@ const ROUNDS: usize = 30;
 pub struct JerkLimits {
     limits: Limits,
     jerk: f64,
-    /// More than braking takes, from any velocity and acceleration within the limits.
+    /// Upper bound of the braking distance from any velocity and acceleration within the limits.
     longest: f64,
 }
 
 /// Position, velocity and acceleration of one coordinate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AcceleratedState {
-    /// Where it is.
+    /// The position.
     pub position: f64,
     /// The velocity commanded last.
     pub velocity: f64,
-    /// By how much that differed from the one before, over the period.
+    /// Change of the commanded velocity at the last command, divided by the period.
     pub acceleration: f64,
 }
 
 impl AcceleratedState {
-    /// Standing still.
+    /// Creates a state at rest.
     pub fn at_rest(position: f64) -> Self {
         Self { position, velocity: 0.0, acceleration: 0.0 }
     }
 
-    /// The state after `period` seconds at `velocity`.
+    /// Returns the state after `period` seconds at `velocity`.
     #[must_use]
     pub fn after(self, velocity: f64, period: f64) -> Self {
         Self {
@@ -75,30 +75,30 @@ impl JerkLimits {
         }
     }
 
-    /// The other limits.
+    /// The limits of position, velocity and acceleration.
     pub fn limits(&self) -> Limits {
         self.limits
     }
 
-    /// The jerk limit; infinite for none.
+    /// The jerk limit, infinite for none.
     pub fn jerk(&self) -> f64 {
         self.jerk
     }
 
-    /// The same limits for commands that may come late, see [`Limits::holding`].
+    /// Sets the longest time that a velocity may last, see [`Limits::holding`].
     #[must_use]
     pub fn holding(self, time: f64) -> Self {
         Self { limits: self.limits.holding(time), ..self }
     }
 
-    /// The same limits with the velocity limit times `scale`, clamped to [0, 1], NaN to 0: the
-    /// interval then shrinks as fast as acceleration and jerk allow, to braking for `scale` zero.
+    /// Multiplies the velocity limit by `scale`, clamped to [0, 1] with NaN as 0. The interval then
+    /// shrinks as fast as acceleration and jerk allow. A `scale` of zero means braking.
     #[must_use]
     pub fn slowed(self, scale: f64) -> Self {
         Self { limits: self.limits.slowed(scale), ..self }
     }
 
-    /// Returns true if `state` obeys the limits, up to rounding, and can go on obeying them.
+    /// Returns true if `state` obeys the limits, up to rounding, and can continue to obey them.
     pub fn admits(&self, state: AcceleratedState) -> bool {
         let AcceleratedState { position, velocity, acceleration } = state;
         let Limits { lower, upper, velocity: fastest, acceleration: strongest, .. } = self.limits;
@@ -108,7 +108,7 @@ impl JerkLimits {
         if self.jerk.is_infinite() {
             return self.limits.admits(MotionState { position, velocity });
         }
-        // What the velocity becomes while the acceleration is brought to zero.
+        // Velocity at the time at which the acceleration has been brought to zero.
         let coming = velocity + acceleration * acceleration.abs() / (2.0 * self.jerk);
         let braking = Braking::new(strongest, self.jerk);
         let fits = |velocity: f64, acceleration: f64, distance: f64, limit: f64| {
@@ -121,15 +121,17 @@ impl JerkLimits {
             && fits(-velocity, -acceleration, position - lower, lower)
     }
 
-    /// The velocities for the next `period` seconds; with [`holding`](Self::holding), those that may follow
-    /// `period` seconds after the last one.
+    /// Returns the velocities for the next `period` seconds. If [`holding`](Self::holding) is used,
+    /// `period` is the time since the last command.
     ///
-    /// Acceleration and jerk limits always hold; an acceleration beyond its limit is returned
-    /// from at the jerk limit. The velocity limit holds, or is returned to within those two.
-    /// From an admitted state every velocity of the interval leads to an admitted state, whatever
-    /// the periods. From outside the position limits the interval leads back as fast as the other
-    /// limits allow, and from within, but too fast to stop, it brakes. It is never empty; of a
-    /// state that holds NaN, or a period that is not positive, both ends are NaN.
+    /// Acceleration and jerk limits always hold. An acceleration beyond its limit returns to it at
+    /// the jerk limit. The velocity limit holds, or the velocity returns to it within these two
+    /// limits. From an admitted state every velocity of the interval leads to an admitted state,
+    /// whatever the periods.
+    ///
+    /// From outside the position limits, the interval leads back as fast as the other limits allow.
+    /// From inside, but too fast to stop, it brakes. The interval is never empty. Both ends are NaN
+    /// if the state contains NaN or the period is not positive.
     pub fn velocity_interval(&self, state: AcceleratedState, period: f64) -> VelocityInterval {
         let AcceleratedState { position, velocity, acceleration } = state;
         let any_nan = position.is_nan() || velocity.is_nan() || acceleration.is_nan();
@@ -145,7 +147,7 @@ impl JerkLimits {
         let mut least = (acceleration - change).max(-strongest);
         let mut greatest = (acceleration + change).min(strongest);
         if least > greatest {
-            // Beyond the acceleration limit: back towards it.
+            // Beyond the acceleration limit the acceleration returns towards it.
             least = acceleration - change.copysign(acceleration);
             greatest = least;
         }
@@ -156,10 +158,10 @@ impl JerkLimits {
             lower: velocity + down * period,
             upper: velocity + up * period,
         };
-        // Mostly the position limits are so far away that they do not count.
+        // Position limits are usually too far away to matter.
         let distance = (upper - position).min(position - lower);
         let free = interval(slowest, quickest);
-        // While the acceleration fades the velocity may exceed its limit by the second term.
+        // While the acceleration fades, the velocity may exceed its limit by the second term.
         let top = fastest + strongest * strongest / (2.0 * self.jerk);
         if distance >= self.longest + top * hold.max(period)
             && free.upper <= fastest
@@ -171,7 +173,7 @@ impl JerkLimits {
         }
         let to_upper = Approach::new(position, velocity, upper, [period, hold]);
         let to_lower = Approach::new(-position, -velocity, -lower, [period, hold]);
-        // Brings the velocity to rest, and is always allowed within the position limits.
+        // This brings the velocity to rest, and is always allowed within the position limits.
         let brake = reach(-braking.onset(velocity, period));
         let (down, up) = if to_upper.distance < 0.0 {
             let down = -to_lower.strongest(&braking, -brake, -slowest);
@@ -185,15 +187,15 @@ impl JerkLimits {
     }
 }
 
-/// The next tick's motion towards an upper limit; a lower one is its mirror image.
+/// Motion of the next tick towards an upper limit. A lower limit is its mirror image.
 struct Approach {
     velocity: f64,
-    /// To the limit; negative beyond it.
+    /// Distance to the limit, negative beyond it.
     distance: f64,
-    /// Of the distance.
+    /// Rounding of the distance.
     rounding: f64,
     period: f64,
-    /// The time that the velocity may last, if that may be longer than the period.
+    /// Longest time that the velocity may last, if it may exceed the period.
     hold: Option<f64>,
 }
 
@@ -204,10 +206,11 @@ impl Approach {
         Self { velocity, distance: limit - position, rounding, period, hold }
     }
 
-    /// How far the coordinate goes before the next command, and the derivative by the acceleration.
+    /// Returns the distance covered before the next command, and its derivative with respect to the
+    /// acceleration.
     ///
-    /// A hold takes it at least as far as the largest velocity would that comes while the acceleration fades:
-    /// braking then never makes this longer.
+    /// If a velocity may last, the distance is at least that of the largest velocity while the
+    /// acceleration fades. Braking then never makes it longer.
     fn travel(&self, braking: &Braking, velocity: f64, acceleration: f64) -> (f64, f64) {
         let along = (velocity * self.period, self.period * self.period);
         let Some(hold) = self.hold else { return along };
@@ -216,11 +219,11 @@ impl Approach {
         if top * hold > along.0 { (top * hold, hold * (self.period + rising)) } else { along }
     }
 
-    /// The strongest acceleration between `least` and `greatest` with which the coordinate
-    /// still comes to rest in front of the limit, or `least`.
+    /// Returns the strongest acceleration between `least` and `greatest` with which the coordinate
+    /// still comes to rest in front of the limit. Otherwise returns `least`.
     ///
-    /// What the tick and the braking after it take grows with the acceleration, and is convex:
-    /// Newton's method comes down to the root from above.
+    /// The distance of the tick and of the braking after it grows with the acceleration, and is
+    /// convex. Newton's method therefore converges to the root from above.
     fn strongest(&self, braking: &Braking, least: f64, greatest: f64) -> f64 {
         let mut acceleration = greatest;
         for _ in 0..ROUNDS {
@@ -230,7 +233,8 @@ impl Approach {
             let excess = travel + overrun.distance - self.distance;
             let slope = by_travel + self.period * overrun.by_velocity + overrun.by_acceleration;
             let correction = excess / slope;
-            // The second where the limit is so near zero that the sum's own rounding is larger.
+            // The second condition matters where the limit is so near zero that the rounding of the
+            // sum is larger.
             if excess <= self.rounding || correction <= 4.0 * f64::EPSILON * acceleration.abs() {
                 return acceleration;
             }

@@ -1,8 +1,8 @@
-//! Products and reflections of many rows at once, for the vector units that the machine has.
+//! Products and reflections of many rows at once, for the machine's vector units.
 //!
-//! Each kernel is written once, over four numbers at a time, and compiled twice: for every
-//! machine, and, on x86-64, for AVX2 with fused multiply-add, chosen at run time. The two differ
-//! in rounding, so results are the same to the bit on one machine, not from one to another.
+//! Each kernel is written once, over four numbers at a time, and compiled twice: for every machine,
+//! and on x86-64 for AVX2 with fused multiply-add. The choice is made at run time. The two differ
+//! in rounding. Results are identical to the bit on one machine, but not between machines.
 
 mod lanes;
 mod loops;
@@ -11,7 +11,7 @@ use crate::linalg::vector::dot;
 use lanes::Portable;
 use loops as with;
 
-/// Rows of a matrix: row i starts at `i * stride`.
+/// Rows of a matrix. Row i starts at `i * stride`.
 #[derive(Debug)]
 pub(crate) struct RowsMut<'a> {
     pub(crate) data: &'a mut [f64],
@@ -27,8 +27,8 @@ pub(crate) struct Rotation {
     pub(crate) sine: f64,
 }
 
-/// Four reflections as one, I − V T Vᵀ (compact WY form: Schreiber, Van Loan, SIAM Journal on Scientific and
-/// Statistical Computing 10, 1989).
+/// Four reflections in one, I − V T Vᵀ (compact WY form: Schreiber, Van Loan, SIAM Journal on
+/// Scientific and Statistical Computing 10, 1989).
 #[derive(Debug)]
 pub(crate) struct FourReflections<'a> {
     /// The columns of V, of one length.
@@ -40,7 +40,7 @@ pub(crate) struct FourReflections<'a> {
 pub(crate) type BlockFactor = [[f64; 4]; 4];
 
 impl<'a> FourReflections<'a> {
-    /// T of H₀ H₁ H₂ H₃, Hᵢ = I − τᵢvᵢvᵢᵀ.
+    /// Returns T of H₀ H₁ H₂ H₃ with Hᵢ = I − τᵢvᵢvᵢᵀ.
     pub(crate) fn factor(v: [&[f64]; 4], tau: &[f64]) -> BlockFactor {
         let mut t = [[0.0; 4]; 4];
         for (j, &tau) in tau.iter().enumerate().take(4) {
@@ -55,12 +55,12 @@ impl<'a> FourReflections<'a> {
         t
     }
 
-    /// H₀ H₁ H₂ H₃: a row meets H₀ first.
+    /// Creates H₀ H₁ H₂ H₃, which applies H₀ to a row first.
     pub(crate) fn forward(v: [&'a [f64]; 4], factor: &BlockFactor) -> Self {
         Self { v, t: *factor }
     }
 
-    /// H₃ H₂ H₁ H₀.
+    /// Creates H₃ H₂ H₁ H₀.
     pub(crate) fn backward(v: [&'a [f64]; 4], factor: &BlockFactor) -> Self {
         Self { v, t: std::array::from_fn(|i| std::array::from_fn(|j| factor[j][i])) }
     }
@@ -81,7 +81,8 @@ macro_rules! kernel {
                 if std::arch::is_x86_feature_detected!("avx2")
                     && std::arch::is_x86_feature_detected!("fma")
                 {
-                    // SAFETY: the machine has AVX2 and FMA, as just detected; no more is asked.
+                    // SAFETY: the machine has AVX2 and FMA, as just detected. Nothing else is
+                    // required.
                     unsafe { avx2($($argument),*) };
                     return;
                 }
@@ -107,14 +108,14 @@ kernel! {
 }
 
 kernel! {
-    /// Combines rows: row j ← row j − τ vⱼ Σᵢ vᵢ row i, for as many rows as `v` has entries, in the first
-    /// `width` entries of each.
+    /// Combines rows: row j ← row j − τ vⱼ Σᵢ vᵢ row i, for the first rows, one for each entry of
+    /// `v`. Only the first `width` entries of each row change.
     mix_rows(rows: &mut RowsMut<'_>, width: usize, v: &[f64], tau: f64)
 }
 
 kernel! {
-    /// The product of a matrix, whose rows start `stride` apart in `data`, with `x`; as many rows
-    /// as `out` has entries.
+    /// Multiplies the rows of a matrix, which start `stride` apart in `data`, by `x`. Computes one
+    /// product for each entry of `out`.
     multiply_rows(data: &[f64], stride: usize, x: &[f64], out: &mut [f64])
 }
 
@@ -124,7 +125,7 @@ kernel! {
 }
 
 kernel! {
-    /// Squares of the norms of rows that start `stride` apart; as many as `out` has entries.
+    /// Computes the squared norms of rows that start `stride` apart, one for each entry of `out`.
     square_rows(data: &[f64], stride: usize, out: &mut [f64])
 }
 
@@ -146,7 +147,8 @@ mod tests {
         RowsMut { data, stride }
     }
 
-    /// What both kernels are: multiplication by I − τvvᵀ, from the right or from the left.
+    /// Returns the product with I − τvvᵀ from the right or from the left, which both kernels must
+    /// equal.
     fn reflected(matrix: &[f64], columns: usize, v: &[f64], tau: f64, left: bool) -> Vec<f64> {
         let rows = matrix.len() / columns;
         let mut out = matrix.to_vec();
@@ -241,7 +243,7 @@ mod tests {
         }
 
         #[test]
-        fn a_chain_of_rotations_is_one_after_the_other(
+        fn a_chain_of_rotations_is_their_product(
             rows in 2_usize..9, columns in 1_usize..23,
             entries in prop::collection::vec(-1.0..1.0_f64, 9 * 23),
             chain in prop::collection::vec((0_usize..8, 0.0..6.3_f64), 1..12),

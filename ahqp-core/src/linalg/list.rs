@@ -1,9 +1,9 @@
-//! A vector whose clones can grow as far as it can.
+//! A vector that keeps its capacity when cloned.
 
 use std::ops::{Deref, DerefMut};
 
-/// A vector that takes its capacity along when it is cloned, so that what was sized once does
-/// not allocate in a clone either.
+/// A vector that keeps its capacity when it is cloned. A clone of a vector that was sized once does
+/// not allocate later either.
 #[derive(Debug, PartialEq)]
 pub(crate) struct List<T>(Vec<T>);
 

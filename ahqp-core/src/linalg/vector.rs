@@ -1,6 +1,6 @@
-//! Kernels over slices: the sums are split in four so that the compiler can use vector units.
+//! Kernels over slices. Sums are split in four so that the compiler can use vector units.
 
-/// aᵀb.
+/// Returns aᵀb.
 #[inline]
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut sum = [0.0; 4];
@@ -15,7 +15,7 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     (sum[0] + sum[2]) + (sum[1] + sum[3]) + tail
 }
 
-/// y ← y + αx.
+/// Computes y ← y + αx.
 #[inline]
 pub(crate) fn add_scaled(y: &mut [f64], alpha: f64, x: &[f64]) {
     for (to, from) in y.iter_mut().zip(x) {
@@ -23,28 +23,28 @@ pub(crate) fn add_scaled(y: &mut [f64], alpha: f64, x: &[f64]) {
     }
 }
 
-/// ‖a‖₂.
+/// Returns ‖a‖₂.
 #[inline]
 pub(crate) fn norm(a: &[f64]) -> f64 {
     dot(a, a).sqrt()
 }
 
-/// √(a² + b²), for numbers whose squares do not overflow.
+/// Returns √(a² + b²), for numbers whose squares do not overflow.
 #[inline]
 pub(crate) fn length(a: f64, b: f64) -> f64 {
     (a * a + b * b).sqrt()
 }
 
-/// max |aᵢ|.
+/// Returns max |aᵢ|.
 #[inline]
 pub(crate) fn norm_max(a: &[f64]) -> f64 {
     a.iter().fold(0.0, |largest, value| f64::max(largest, value.abs()))
 }
 
-/// A Householder reflection I − τvvᵀ that takes a vector to a multiple of the first axis.
+/// Computes a Householder reflection I − τvvᵀ that maps a vector to a multiple of the first axis.
 ///
-/// Overwrites `v`, which holds the vector, with the reflector, and returns τ and the image's
-/// first entry; τ is zero for a vector that is zero already.
+/// Overwrites `v`, which contains the vector, with the reflector. Returns τ and the first entry of
+/// the image. τ is zero for a zero vector.
 #[inline]
 pub(crate) fn reflector(v: &mut [f64]) -> (f64, f64) {
     let length = norm(v);

@@ -1,4 +1,4 @@
-//! The problem: levels of objectives and constraints in order of priority.
+//! Problems: levels of objectives and constraints in order of priority.
 
 use std::fmt;
 use std::sync::Arc;
@@ -11,11 +11,11 @@ use crate::problem::level::{Level, names_of, of_level};
 use crate::problem::rows::{Rows, Values, collect_names, expect_size, write};
 use crate::problem::source::{ConstraintSource, Names};
 
-/// A hierarchical quadratic programme over n variables.
+/// A hierarchical quadratic program over n variables.
 ///
-/// Lexicographically minimise the levels' objectives, highest priority first,
-/// subject to the bounds of the variables and, for each level, its own hard constraints and
-/// those of all levels above it. What no level determines takes the least norm.
+/// The levels' objectives are minimised lexicographically, highest priority first. The bounds of
+/// the variables hold. At each level its hard constraints and those of all levels above hold too.
+/// What no level determines takes the least norm.
 ///
 /// ```
 /// use ahqp_core::{Hierarchy, Level, Rows, Settings, Solver};
@@ -43,18 +43,18 @@ pub struct Hierarchy {
     lower: Vec<f64>,
     upper: Vec<f64>,
     levels: Vec<Level>,
-    /// Of all variables, or none.
+    /// Names of all variables, or empty.
     variable_names: Vec<Arc<str>>,
 }
 
-/// Begins the message about a hierarchy without variables.
+/// Beginning of the message about a hierarchy without variables.
 const NO_VARIABLES: &str = "the hierarchy has no variables: their number";
 
 impl Hierarchy {
-    /// An empty hierarchy over `variables` unbounded variables.
+    /// Creates a hierarchy over `variables` unbounded variables, without levels.
     ///
     /// # Errors
-    /// [`Error::Value`] for zero.
+    /// [`Error::Value`] if `variables` is zero.
     pub fn new(variables: usize) -> Result<Self, Error> {
         if variables == 0 {
             return Err(Error::value(NO_VARIABLES, 0.0, "at least 1"));
@@ -72,10 +72,10 @@ impl Hierarchy {
         self.lower.len()
     }
 
-    /// Gives every variable a name, for errors and conflicts.
+    /// Names every variable, for errors and conflicts.
     ///
     /// # Errors
-    /// [`Error::Size`] unless there are n.
+    /// [`Error::Size`] unless there are n names.
     pub fn name_variables<T: Into<Arc<str>>>(
         &mut self,
         names: impl IntoIterator<Item = T>,
@@ -84,15 +84,15 @@ impl Hierarchy {
         Ok(())
     }
 
-    /// The names of the variables; empty if they have none.
+    /// Names of the variables, empty if they have none.
     pub fn variable_names(&self) -> &[Arc<str>] {
         &self.variable_names
     }
 
-    /// Adds a level below all present ones and returns its id.
+    /// Adds a level below all others and returns its id.
     ///
     /// # Errors
-    /// [`Error::Size`] when its rows do not cover the variables.
+    /// [`Error::Size`] if its rows do not cover the variables.
     pub fn push(&mut self, level: Level) -> Result<LevelId, Error> {
         level.expect_columns(self.variables())?;
         self.levels.push(level);
@@ -104,7 +104,7 @@ impl Hierarchy {
         &self.levels
     }
 
-    /// Gives its levels for others, as many and of the same shapes.
+    /// Exchanges the levels for others of the same number and shapes.
     pub(crate) fn exchange_levels(&mut self, levels: &mut Vec<Level>) {
         std::mem::swap(&mut self.levels, levels);
     }
@@ -117,7 +117,7 @@ impl Hierarchy {
     /// Level `id`.
     ///
     /// # Errors
-    /// [`Error::NoSuchLevel`] for the id of another hierarchy with more levels.
+    /// [`Error::NoSuchLevel`] if the id is that of another hierarchy with more levels.
     pub fn level(&self, id: LevelId) -> Result<&Level, Error> {
         self.levels.get(id.index()).ok_or(Error::NoSuchLevel { level: id })
     }
@@ -125,7 +125,7 @@ impl Hierarchy {
     /// Level `id`, to rewrite its data in place.
     ///
     /// # Errors
-    /// As [`level`](Self::level).
+    /// Those of [`level`](Self::level).
     pub fn level_mut(&mut self, id: LevelId) -> Result<&mut Level, Error> {
         self.levels.get_mut(id.index()).ok_or(Error::NoSuchLevel { level: id })
     }
@@ -133,8 +133,8 @@ impl Hierarchy {
     /// The rows that level `id` minimises, to rewrite in place (not to resize).
     ///
     /// # Errors
-    /// [`Error::OtherObjective`] for a level that minimises a quadratic, or nothing;
-    /// [`Error::NoSuchLevel`].
+    /// [`Error::OtherObjective`] if the level minimises a quadratic, or nothing.
+    /// [`Error::NoSuchLevel`] as in [`level`](Self::level).
     pub fn rows_mut(&mut self, id: LevelId) -> Result<&mut Rows, Error> {
         of_level(id, self.level_mut(id)?.rows_mut())
     }
@@ -142,16 +142,16 @@ impl Hierarchy {
     /// The hard constraints of level `id`, to rewrite in place (not to resize).
     ///
     /// # Errors
-    /// [`Error::NoSuchLevel`].
+    /// Those of [`level`](Self::level).
     pub fn constraints_mut(&mut self, id: LevelId) -> Result<&mut Rows, Error> {
         Ok(self.level_mut(id)?.constraints_mut())
     }
 
-    /// Hessian and gradient that level `id` minimises, to rewrite in place (not to resize).
+    /// The Hessian and gradient that level `id` minimises, to rewrite in place (not to resize).
     ///
     /// # Errors
-    /// [`Error::OtherObjective`] for a level that minimises rows, or nothing;
-    /// [`Error::NoSuchLevel`].
+    /// [`Error::OtherObjective`] if the level minimises rows, or nothing. [`Error::NoSuchLevel`] as
+    /// in [`level`](Self::level).
     pub fn quadratic_mut(
         &mut self,
         id: LevelId,
@@ -159,7 +159,7 @@ impl Hierarchy {
         of_level(id, self.level_mut(id)?.quadratic_mut())
     }
 
-    /// A row in words, with the names that level, row and variable have.
+    /// Describes a row in words, with the names of its level, row or variable.
     ///
     /// ```
     /// use ahqp_core::{Error, Hierarchy, Level, Rows, Settings, Solver};
@@ -189,7 +189,7 @@ impl Hierarchy {
         names_of(row, level, &self.variable_names)
     }
 
-    /// An error with the names that this hierarchy has for what it speaks of.
+    /// Adds the names of this hierarchy to an error.
     pub(crate) fn named(&self, mut error: Error) -> Error {
         match error.spot_mut() {
             Some(Spot::Row(row, names)) => *names = self.names(*row),
@@ -202,12 +202,12 @@ impl Hierarchy {
         error
     }
 
-    /// The lower bounds of the variables; negative infinity where there is none.
+    /// Lower bounds of the variables. Negative infinity stands for none.
     pub fn lower(&self) -> &[f64] {
         &self.lower
     }
 
-    /// The upper bounds of the variables; infinity where there is none.
+    /// Upper bounds of the variables. Infinity stands for none.
     pub fn upper(&self) -> &[f64] {
         &self.upper
     }
@@ -217,7 +217,7 @@ impl Hierarchy {
         (&mut self.lower, &mut self.upper)
     }
 
-    /// Sets the bounds of all variables; they hold at every level.
+    /// Sets the bounds of all variables, which hold at every level.
     ///
     /// # Errors
     /// [`Error::Size`] unless both have n entries.

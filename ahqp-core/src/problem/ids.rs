@@ -1,14 +1,14 @@
-//! Handles of levels.
+//! Identifiers of levels.
 
 use std::fmt;
 
-/// A level of a [`Hierarchy`](crate::Hierarchy) or of a
-/// [`ContinuousStack`](crate::ContinuousStack), as [`Hierarchy::push`](crate::Hierarchy::push) and
-/// [`ContinuousStack::insert`](crate::ContinuousStack::insert) return it.
+/// Identifier of a level of a [`Hierarchy`](crate::Hierarchy) or a
+/// [`ContinuousStack`](crate::ContinuousStack).
 ///
-/// Levels are numbered from 0 in the order in which they came, and no number is used again. In a
-/// hierarchy this is the order of priority; a stack keeps the ids of the hierarchy that it was made
-/// of. Data, errors and conflicts name a level by its id.
+/// [`Hierarchy::push`](crate::Hierarchy::push) and
+/// [`ContinuousStack::insert`](crate::ContinuousStack::insert) return it. Levels are numbered from
+/// 0 in the order in which they were added, and no number is used twice. In a hierarchy this is the
+/// order of priority. A stack keeps the ids of the hierarchy that it was made from.
 ///
 /// ```
 /// use ahqp_core::{Hierarchy, Level, Rows};
@@ -29,7 +29,7 @@ impl LevelId {
         Self(index)
     }
 
-    /// How many levels came before it: in a hierarchy, its place in
+    /// Number of levels that were added before. In a hierarchy, this is the index in
     /// [`levels`](crate::Hierarchy::levels).
     pub fn index(self) -> usize {
         self.0

@@ -1,4 +1,4 @@
-//! One priority level: what it minimises, and what must hold.
+//! Priority levels: their objectives and hard constraints.
 
 use std::sync::Arc;
 
@@ -11,17 +11,17 @@ use crate::problem::matrix::CoefficientMatrix;
 use crate::problem::rows::{Rows, Values, expect_size};
 use crate::problem::source::{ConstraintSource, Names};
 
-/// What a level minimises.
+/// Objective of a level.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Objective {
-    /// Nothing: the level only adds constraints.
+    /// No objective. The level only adds constraints.
     None,
-    /// ½ Σ wᵢ (distance of row i of `A x` to its range)², wᵢ being the
-    /// [weights](Rows::set_weights), 1 unless they are set; with equal bounds ½‖A x − b‖²
-    /// (the paper's eq. 1).
+    /// ½ Σ wᵢ (distance of row i of `A x` to its range)² with the [weights](Rows::set_weights) wᵢ,
+    /// which are 1 unless they are set. If the bounds are equal, this is ½‖A x − b‖² (the paper's
+    /// eq. 1).
     LeastSquares(Rows),
-    /// ½ xᵀHx + gᵀx with H symmetric positive semidefinite (the form of the paper's Sec. III-B).
+    /// ½ xᵀHx + gᵀx with a symmetric positive semidefinite H (the form of the paper's Sec. III-B).
     Quadratic {
         /// H, n × n.
         hessian: DMatrix<f64>,
@@ -62,13 +62,13 @@ pub struct Level {
 }
 
 impl Level {
-    /// A level that minimises the violation of `rows` in the least-squares sense.
+    /// Creates a level that minimises the violation of `rows` in the least-squares sense.
     pub fn least_squares(rows: Rows) -> Self {
         let constraints = Rows::zeros(0, rows.columns());
         Self { objective: Objective::LeastSquares(rows), constraints, name: None }
     }
 
-    /// A level that minimises ½ xᵀHx + gᵀx, H of size n × n, g of size n.
+    /// Creates a level that minimises ½ xᵀHx + gᵀx, with H of size n × n and g of size n.
     ///
     /// ```
     /// use ahqp_core::{Level, Objective};
@@ -79,11 +79,11 @@ impl Level {
     /// # Ok::<(), ahqp_core::Error>(())
     /// ```
     ///
-    /// Whether H is symmetric and positive semidefinite is checked at each solve, since it may
-    /// be rewritten between two of them.
+    /// Each solve checks that H is symmetric and positive semidefinite, since it may be rewritten
+    /// between solves.
     ///
     /// # Errors
-    /// [`Error::Size`] when H is not square or g does not fit it.
+    /// [`Error::Size`] if H is not square or g does not fit it.
     pub fn quadratic<'a>(
         hessian: &impl CoefficientMatrix,
         gradient: impl Values<'a>,
@@ -97,26 +97,26 @@ impl Level {
         Ok(Self { objective: Objective::Quadratic { hessian, gradient }, constraints, name: None })
     }
 
-    /// A level that only adds hard constraints.
+    /// Creates a level that only adds hard constraints.
     pub fn constraints_only(rows: Rows) -> Self {
         Self { objective: Objective::None, constraints: rows, name: None }
     }
 
-    /// The same level with `rows` as its hard constraints.
+    /// Sets the hard constraints of the level.
     #[must_use]
     pub fn with_constraints(mut self, rows: Rows) -> Self {
         self.constraints = rows;
         self
     }
 
-    /// The same level with a name, for errors and conflicts.
+    /// Names the level, for errors and conflicts.
     #[must_use]
     pub fn named(mut self, name: impl Into<Arc<str>>) -> Self {
         self.name = Some(name.into());
         self
     }
 
-    /// Its name, if it has one.
+    /// Name of the level, if it has one.
     pub fn name(&self) -> Option<&str> {
         self.name.as_deref()
     }
@@ -125,25 +125,25 @@ impl Level {
         self.name.as_ref()
     }
 
-    /// What the level minimises.
+    /// Objective of the level.
     pub fn objective(&self) -> &Objective {
         &self.objective
     }
 
-    /// What must hold from this level down.
+    /// Hard constraints that hold from this level down.
     pub fn constraints(&self) -> &Rows {
         &self.constraints
     }
 
-    /// The hard constraints, to rewrite in place (not to resize).
+    /// Hard constraints, to rewrite in place (not to resize).
     pub fn constraints_mut(&mut self) -> &mut Rows {
         &mut self.constraints
     }
 
-    /// The rows of a least-squares objective, to rewrite in place (not to resize).
+    /// Rows of a least-squares objective, to rewrite in place (not to resize).
     ///
     /// # Errors
-    /// [`Error::OtherObjective`] for a level that minimises a quadratic, or nothing.
+    /// [`Error::OtherObjective`] if the level minimises a quadratic, or nothing.
     pub fn rows_mut(&mut self) -> Result<&mut Rows, Error> {
         let (found, name) = (self.objective.kind(), self.name.as_ref());
         match &mut self.objective {
@@ -155,7 +155,7 @@ impl Level {
     /// Hessian and gradient of a quadratic objective, to rewrite in place (not to resize).
     ///
     /// # Errors
-    /// [`Error::OtherObjective`] for a level that minimises rows, or nothing.
+    /// [`Error::OtherObjective`] if the level minimises rows, or nothing.
     pub fn quadratic_mut(&mut self) -> Result<(&mut DMatrix<f64>, &mut DVector<f64>), Error> {
         let (found, name) = (self.objective.kind(), self.name.as_ref());
         match &mut self.objective {
@@ -164,11 +164,11 @@ impl Level {
         }
     }
 
-    /// √(Σ wᵢ dᵢ²) of a least-squares objective at `x`, dᵢ being the distance of row i to its range
-    /// and wᵢ its weight; zero for other kinds of objective. Allocates nothing.
+    /// Returns √(Σ wᵢ dᵢ²) of a least-squares objective at `x`. dᵢ is the distance of row i to its
+    /// range and wᵢ its weight. Zero for other kinds of objective. Allocates nothing.
     ///
     /// # Errors
-    /// [`Error::Size`] when x does not fit the rows.
+    /// [`Error::Size`] if x does not fit the rows.
     pub fn violation(&self, x: &[f64]) -> Result<f64, Error> {
         let Objective::LeastSquares(rows) = &self.objective else { return Ok(0.0) };
         expect_size("x", x.len(), rows.columns())?;
@@ -199,7 +199,7 @@ fn other_objective(wanted: &'static str, got: &'static str, name: Option<&Arc<st
     Error::OtherObjective { level: None, got, wanted, names }
 }
 
-/// Says which level an error speaks of.
+/// Adds the level to an error about an objective.
 pub(crate) fn of_level<T>(level: LevelId, result: Result<T, Error>) -> Result<T, Error> {
     result.map_err(|error| match error {
         Error::OtherObjective { got, wanted, names, .. } => {
@@ -209,7 +209,7 @@ pub(crate) fn of_level<T>(level: LevelId, result: Result<T, Error>) -> Result<T,
     })
 }
 
-/// The names of a row of `level`, or of the bounds of one of the `variables`.
+/// Returns the names of a row of `level`, or of the bounds of one of the `variables`.
 pub(crate) fn names_of(
     source: ConstraintSource,
     level: Option<&Level>,

@@ -1,9 +1,9 @@
-//! Matrices that coefficients are copied from.
+//! Matrices from which coefficients are copied.
 
 use nalgebra::{Dim, Matrix, RawStorage};
 
-/// A matrix of coefficients, one row a constraint or target: nalgebra's matrices of any size and storage,
-/// and with the feature `faer` faer's and views of them.
+/// A matrix of coefficients, with one row for each constraint or target. It is implemented for
+/// nalgebra's matrices of any size and storage. The feature `faer` adds faer's matrices and views.
 ///
 #[cfg_attr(
     feature = "faer",
@@ -23,13 +23,13 @@ assert!(matches!(level.objective(), Objective::Quadratic { hessian, .. } if hess
 ```"
 )]
 pub trait CoefficientMatrix {
-    /// How many rows it has.
+    /// Number of rows.
     fn nrows(&self) -> usize;
 
-    /// How many columns it has.
+    /// Number of columns.
     fn ncols(&self) -> usize;
 
-    /// The coefficient in a row and a column of it.
+    /// Returns the coefficient in a row and a column.
     fn entry(&self, row: usize, column: usize) -> f64;
 }
 

@@ -7,19 +7,19 @@ use crate::error::Error;
 use crate::linalg::kernels::multiply_rows;
 use crate::problem::matrix::CoefficientMatrix;
 
-/// Weights that are not zero.
+/// Range of nonzero weights.
 const WEIGHTS: RangeInclusive<f64> = 1e-100..=1e100;
 
-/// Numbers one after another: `&DVector`, `&Vector6` or another nalgebra vector or view by
-/// reference, a slice, a reference to an array or `Vec`.
+/// A sequence of numbers: a slice, or a reference to an array, a `Vec`, an nalgebra vector or a
+/// view of one.
 pub trait Values<'a>: IntoIterator<Item = &'a f64, IntoIter: ExactSizeIterator> {}
 
 impl<'a, T: IntoIterator<Item = &'a f64, IntoIter: ExactSizeIterator>> Values<'a> for T {}
 
 /// A block of `m` rows over `n` variables, `lower ≤ A x ≤ upper`.
 ///
-/// Equal bounds make an equality, an infinite bound leaves its side free. As an objective the
-/// violation of the rows is minimised in the least-squares sense; as constraints they hold.
+/// Equal bounds make an equality, and an infinite bound leaves its side free. In an objective the
+/// violation of the rows is minimised in the least-squares sense. As constraints the rows hold.
 ///
 /// ```
 /// use ahqp_core::Rows;
@@ -47,16 +47,16 @@ pub struct Rows {
     matrix: Vec<f64>,
     lower: Vec<f64>,
     upper: Vec<f64>,
-    /// One a row, or none.
+    /// One weight for each row, or empty.
     weights: Vec<f64>,
-    /// Whether any of them is not 1.
+    /// True if any weight is not 1.
     is_weighted: bool,
-    /// One a row, or none.
+    /// One name for each row, or empty.
     names: Vec<Arc<str>>,
 }
 
 impl Rows {
-    /// `rows` zero rows over `columns` variables, every bound zero.
+    /// Creates `rows` zero rows over `columns` variables, with all bounds zero.
     pub fn zeros(rows: usize, columns: usize) -> Self {
         Self {
             columns,
@@ -69,20 +69,20 @@ impl Rows {
         }
     }
 
-    /// `A x = b`, with `A` of size m × n and `b` of size m.
+    /// Creates `A x = b`, with `A` of size m × n and `b` of size m.
     ///
     /// # Errors
-    /// [`Error::Size`] when `b` has not as many entries as `A` has rows.
+    /// [`Error::Size`] if `b` has not as many entries as `A` has rows.
     pub fn equalities<'a>(a: &impl CoefficientMatrix, b: impl Values<'a>) -> Result<Self, Error> {
         let mut rows = Self::free(a)?;
         rows.set_targets(b)?;
         Ok(rows)
     }
 
-    /// `lower ≤ A x ≤ upper`, with `A` of size m × n and the bounds of size m.
+    /// Creates `lower ≤ A x ≤ upper`, with `A` of size m × n and the bounds of size m.
     ///
     /// # Errors
-    /// [`Error::Size`] when a bound has not as many entries as `A` has rows.
+    /// [`Error::Size`] if a bound has not as many entries as `A` has rows.
     pub fn ranges<'a>(
         a: &impl CoefficientMatrix,
         lower: impl Values<'a>,
@@ -93,10 +93,10 @@ impl Rows {
         Ok(rows)
     }
 
-    /// `A x ≤ upper`, with `A` of size m × n and the bound of size m.
+    /// Creates `A x ≤ upper`, with `A` of size m × n and the bound of size m.
     ///
     /// # Errors
-    /// [`Error::Size`] when the bound has not as many entries as `A` has rows.
+    /// [`Error::Size`] if the bound has not as many entries as `A` has rows.
     pub fn at_most<'a>(a: &impl CoefficientMatrix, upper: impl Values<'a>) -> Result<Self, Error> {
         let (mut rows, upper) = (Self::free(a)?, upper.into_iter());
         expect_size("the upper bound", upper.len(), rows.len())?;
@@ -104,10 +104,10 @@ impl Rows {
         Ok(rows)
     }
 
-    /// `A x ≥ lower`, with `A` of size m × n and the bound of size m.
+    /// Creates `A x ≥ lower`, with `A` of size m × n and the bound of size m.
     ///
     /// # Errors
-    /// [`Error::Size`] when the bound has not as many entries as `A` has rows.
+    /// [`Error::Size`] if the bound has not as many entries as `A` has rows.
     pub fn at_least<'a>(a: &impl CoefficientMatrix, lower: impl Values<'a>) -> Result<Self, Error> {
         let (mut rows, lower) = (Self::free(a)?, lower.into_iter());
         expect_size("the lower bound", lower.len(), rows.len())?;
@@ -115,11 +115,11 @@ impl Rows {
         Ok(rows)
     }
 
-    /// `lower ≤ A x ≤ upper` from the coefficients of A, m × n = `rows` × `columns`, row after row,
-    /// and bounds of size m.
+    /// Creates `lower ≤ A x ≤ upper` from the coefficients of A, m × n = `rows` × `columns`, row by
+    /// row. The bounds have size m.
     ///
     /// # Errors
-    /// [`Error::Size`] for what has another size.
+    /// [`Error::Size`] if an argument has another size.
     pub fn from_row_slice<'a>(
         rows: usize,
         columns: usize,
@@ -134,7 +134,7 @@ impl Rows {
         Ok(block)
     }
 
-    /// A, bounded by nothing.
+    /// Creates the rows of A without bounds.
     fn free(a: &impl CoefficientMatrix) -> Result<Self, Error> {
         let mut rows = Self::zeros(a.nrows(), a.ncols());
         rows.set_matrix(a)?;
@@ -142,10 +142,10 @@ impl Rows {
         Ok(rows)
     }
 
-    /// The same rows with a name each, for errors and conflicts.
+    /// Names each row, for errors and conflicts.
     ///
     /// # Errors
-    /// [`Error::Size`] unless there is one a row.
+    /// [`Error::Size`] unless there is one name for each row.
     pub fn with_names<T: Into<Arc<str>>>(
         mut self,
         names: impl IntoIterator<Item = T>,
@@ -154,27 +154,27 @@ impl Rows {
         Ok(self)
     }
 
-    /// The names of the rows; empty if they have none.
+    /// Names of the rows, empty if they have none.
     pub fn names(&self) -> &[Arc<str>] {
         &self.names
     }
 
-    /// How many rows there are.
+    /// Number of rows.
     pub fn len(&self) -> usize {
         self.lower.len()
     }
 
-    /// Returns true if there are none.
+    /// Returns true if there are no rows.
     pub fn is_empty(&self) -> bool {
         self.lower.is_empty()
     }
 
-    /// How many variables a row covers.
+    /// Number of variables.
     pub fn columns(&self) -> usize {
         self.columns
     }
 
-    /// The coefficients of row `index`, one a variable.
+    /// Coefficients of row `index`, one for each variable.
     pub fn row(&self, index: usize) -> Option<&[f64]> {
         if index >= self.len() {
             return None;
@@ -182,10 +182,10 @@ impl Rows {
         self.matrix.get(index * self.columns..(index + 1) * self.columns)
     }
 
-    /// The coefficients of row `index`, to write in place.
+    /// Coefficients of row `index`, to write in place.
     ///
     /// # Errors
-    /// [`Error::Size`] past the last.
+    /// [`Error::Size`] if `index` is past the last row.
     pub fn row_mut(&mut self, index: usize) -> Result<&mut [f64], Error> {
         let rows = self.len();
         if index >= rows {
@@ -194,20 +194,21 @@ impl Rows {
         Ok(&mut self.matrix[index * self.columns..(index + 1) * self.columns])
     }
 
-    /// The coefficients of some rows, one row behind the other, to write in place.
+    /// Coefficients of a range of rows, row by row, to write in place.
     ///
     /// # Errors
-    /// [`Error::Size`] past the last.
+    /// [`Error::Size`] if the range ends past the last row.
     pub fn coefficients_mut(&mut self, rows: Range<usize>) -> Result<&mut [f64], Error> {
         let (last, count) = (rows.end, self.len());
         let own = rows.start * self.columns..rows.end * self.columns;
         self.matrix.get_mut(own).ok_or(too_few(count, last))
     }
 
-    /// Copies coefficients and bounds of row `index`.
+    /// Sets coefficients and bounds of row `index`.
     ///
     /// # Errors
-    /// [`Error::Size`] past the last row, and unless there is a coefficient a variable.
+    /// [`Error::Size`] if `index` is past the last row, or unless there is one coefficient for each
+    /// variable.
     pub fn set_row<'a>(
         &mut self,
         index: usize,
@@ -245,7 +246,7 @@ impl Rows {
     /// Copies the coefficients from an m × n matrix.
     ///
     /// # Errors
-    /// [`Error::Size`] when its size is not the block's.
+    /// [`Error::Size`] if its size is not that of the block.
     pub fn set_matrix(&mut self, a: &impl CoefficientMatrix) -> Result<(), Error> {
         expect_size("the rows of A", a.nrows(), self.len())?;
         expect_size("the columns of A", a.ncols(), self.columns)?;
@@ -262,7 +263,7 @@ impl Rows {
     /// Copies the bounds.
     ///
     /// # Errors
-    /// [`Error::Size`] when they have not one entry a row; nothing has changed then.
+    /// [`Error::Size`] unless there is one entry for each row. The rows are then unchanged.
     pub fn set_bounds<'a>(
         &mut self,
         lower: impl Values<'a>,
@@ -276,10 +277,10 @@ impl Rows {
         Ok(())
     }
 
-    /// Makes the rows equalities with these targets: both bounds at once.
+    /// Makes the rows equalities with these targets, by setting both bounds.
     ///
     /// # Errors
-    /// [`Error::Size`] when there is not one a row; nothing has changed then.
+    /// [`Error::Size`] unless there is one target for each row. The rows are then unchanged.
     pub fn set_targets<'a>(&mut self, targets: impl Values<'a>) -> Result<(), Error> {
         let targets = targets.into_iter();
         expect_size("the targets", targets.len(), self.len())?;
@@ -288,23 +289,23 @@ impl Rows {
         Ok(())
     }
 
-    /// Takes all bounds away.
+    /// Removes all bounds.
     pub fn set_free(&mut self) {
         self.lower.fill(f64::NEG_INFINITY);
         self.upper.fill(f64::INFINITY);
     }
 
-    /// Sets what the rows of an objective weigh against each other: ½ Σ wᵢ dᵢ² is minimised, dᵢ
-    /// being the distance of row i to its range.
+    /// Sets the weights wᵢ of the rows of an objective, which minimises ½ Σ wᵢ dᵢ². dᵢ is the
+    /// distance of row i to its range.
     ///
-    /// A weight of 100 counts as much as ten times the row and its bounds would. Zero leaves the
-    /// row out. Rows without weights have weight 1; setting weights again replaces them. Between
-    /// levels, and for hard constraints, weights have no influence. The first call allocates, later
-    /// ones do not.
+    /// A weight of 100 has the effect of multiplying the row and its bounds by ten. A weight of
+    /// zero leaves the row out. Rows without weights have weight 1. Setting weights again replaces
+    /// them. Weights have no influence between levels, and none on hard constraints. The first call
+    /// allocates, later calls do not.
     ///
     /// # Errors
-    /// [`Error::Size`] when there is not one a row; [`Error::Value`] unless they are zero or from
-    /// 1e-100 to 1e100. Nothing has changed then.
+    /// [`Error::Size`] unless there is one weight for each row. [`Error::Value`] unless each is
+    /// zero or from 1e-100 to 1e100. The rows are then unchanged.
     pub fn set_weights<'a, T: Values<'a, IntoIter: Clone>>(
         &mut self,
         weights: T,
@@ -327,21 +328,21 @@ impl Rows {
         Ok(())
     }
 
-    /// The weight of row `index`, 1 unless one was set.
+    /// Weight of row `index`, 1 unless one was set.
     pub fn weight(&self, index: usize) -> f64 {
         self.weights.get(index).copied().unwrap_or(1.0)
     }
 
-    /// The weights, unless all are 1.
+    /// Weights of the rows. None if all are 1.
     pub fn weights(&self) -> Option<&[f64]> {
         self.is_weighted.then_some(&self.weights)
     }
 
-    /// Copies coefficients, bounds and weights from rows of the same size; the names stay. Allocates
-    /// only where the weights are the first.
+    /// Copies coefficients, bounds and weights from rows of the same size. The names stay.
+    /// Allocates only if these are the first weights.
     ///
     /// # Errors
-    /// [`Error::Size`] when the sizes differ; nothing has changed then.
+    /// [`Error::Size`] if the sizes differ. The rows are then unchanged.
     pub fn copy_from(&mut self, other: &Self) -> Result<(), Error> {
         expect_size("the block to copy", other.len(), self.len())?;
         expect_size("a row to copy", other.columns, self.columns)?;
@@ -354,8 +355,8 @@ impl Rows {
         Ok(())
     }
 
-    /// Writes the products aᵢx of as many rows as `out` has entries, from row `first` on, with x the
-    /// first variables, the others being zero. By the vector unit that the machine has; allocates
+    /// Writes the products aᵢx of the rows from `first` on, one for each entry of `out`. x contains
+    /// the first variables, and the others are zero. Uses the machine's vector unit, and allocates
     /// nothing.
     ///
     /// ```
@@ -370,7 +371,7 @@ impl Rows {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Size`] where there are fewer rows, or fewer variables.
+    /// [`Error::Size`] if there are fewer rows or fewer variables.
     pub fn multiply_into(&self, first: usize, x: &[f64], out: &mut [f64]) -> Result<(), Error> {
         if first + out.len() > self.len() {
             let got = first + out.len();
@@ -385,12 +386,12 @@ impl Rows {
         Ok(())
     }
 
-    /// A, row after row.
+    /// Coefficients of A, row by row.
     pub fn coefficients(&self) -> &[f64] {
         &self.matrix
     }
 
-    /// Every row with its bounds, unweighted: `(coefficients, lower, upper)`.
+    /// Iterates over the rows with their bounds, without weights: `(coefficients, lower, upper)`.
     pub fn iter(&self) -> impl Iterator<Item = (&[f64], f64, f64)> + '_ {
         (0..self.len()).map(|i| {
             let row = &self.matrix[i * self.columns..(i + 1) * self.columns];
@@ -399,22 +400,22 @@ impl Rows {
     }
 }
 
-/// The error of a row past the last of a block.
+/// Creates the error for a row past the last.
 fn too_few(got: usize, wanted: usize) -> Error {
     Error::Size { what: "the block with the row asked for", got, wanted }
 }
 
-/// An error unless the size is the one wanted.
+/// Returns an error unless the size is the expected one.
 pub(crate) fn expect_size(what: &'static str, got: usize, wanted: usize) -> Result<(), Error> {
     if got == wanted { Ok(()) } else { Err(Error::Size { what, got, wanted }) }
 }
 
-/// Copies as many numbers as there are.
+/// Copies numbers until either side ends.
 pub(crate) fn write<'a>(to: &mut [f64], from: impl Iterator<Item = &'a f64>) {
     to.iter_mut().zip(from).for_each(|(to, from)| *to = *from);
 }
 
-/// As many names as `expected`.
+/// Collects names, of which there must be as many as `expected`.
 pub(crate) fn collect_names<T: Into<Arc<str>>>(
     what: &'static str,
     names: impl IntoIterator<Item = T>,

@@ -1,11 +1,11 @@
-//! Where a row of a problem comes from, and what it is called.
+//! Sources of rows in a problem, and their names.
 
 use std::fmt;
 use std::sync::Arc;
 
 use crate::problem::ids::LevelId;
 
-/// Where a row of the problem comes from.
+/// Source of a row of the problem.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum ConstraintSource {
@@ -18,20 +18,20 @@ pub enum ConstraintSource {
     Constraint {
         /// The level.
         level: LevelId,
-        /// The row of its constraints.
+        /// Index of the row in the level's constraints.
         row: usize,
     },
     /// A row of a level's objective.
     Objective {
         /// The level.
         level: LevelId,
-        /// The row of its objective.
+        /// Index of the row in the level's objective.
         row: usize,
     },
 }
 
 impl ConstraintSource {
-    /// The level, if it is not a bound.
+    /// Returns the level, unless it is a bound.
     pub fn level(self) -> Option<LevelId> {
         match self {
             Self::Bound { .. } => None,
@@ -39,7 +39,7 @@ impl ConstraintSource {
         }
     }
 
-    /// The same row where levels have other ids.
+    /// Replaces the ids of levels.
     pub(crate) fn renamed(self, rename: impl Fn(LevelId) -> LevelId) -> Self {
         match self {
             Self::Bound { .. } => self,
@@ -55,31 +55,30 @@ impl fmt::Display for ConstraintSource {
     }
 }
 
-/// The names that a level and a row of it, or a variable, were given.
+/// Names of a level and of one of its rows, or of a variable.
 ///
-/// Errors carry them, so that they can be read without the problem at hand. Cloning does not
-/// allocate.
+/// Errors contain them, so that they are readable without the problem. Cloning does not allocate.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Names {
-    /// Of the level.
+    /// Name of the level.
     pub level: Option<Arc<str>>,
-    /// Of the row, or of the variable whose bounds it is.
+    /// Name of the row, or of the variable whose bounds it is.
     pub row: Option<Arc<str>>,
 }
 
 impl Names {
-    /// "level 3", with its name behind; "the level" if its id is not known.
+    /// Describes a level as "level 3" with its name, or as "the level" if its id is not known.
     pub(crate) fn label_of_level(&self, level: impl Into<Option<LevelId>>) -> LevelLabel<'_> {
         LevelLabel { level: level.into(), name: Quoted(self.level.as_deref()) }
     }
 
-    /// "constraint row 2 of level 3", with their names.
+    /// Describes a row as "constraint row 2 of level 3", with the names.
     pub(crate) fn label(&self, source: ConstraintSource) -> Label {
         Label { source, names: self.clone() }
     }
 }
 
-/// A row in words.
+/// Description of a row.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Label {
     source: ConstraintSource,
@@ -101,7 +100,7 @@ impl fmt::Display for Label {
     }
 }
 
-/// A level in words.
+/// Description of a level.
 pub(crate) struct LevelLabel<'a> {
     level: Option<LevelId>,
     name: Quoted<'a>,
@@ -116,7 +115,7 @@ impl fmt::Display for LevelLabel<'_> {
     }
 }
 
-/// A name in quotes behind a space, or nothing.
+/// A space and a name in quotes, or nothing.
 struct Quoted<'a>(Option<&'a str>);
 
 impl fmt::Display for Quoted<'_> {

@@ -4,12 +4,12 @@ use super::program::Program;
 use super::{AT_BOUND, Cascade};
 use crate::error::Error;
 
-/// Inequalities that are active at every point that keeps all of them.
+/// Returns the inequalities that are active at every point that satisfies all of them.
 ///
-/// Among those at their bounds: maximise Σ tᵢ with gᵢ y + tᵢ ≤ 0 and −1 ≤ tᵢ ≤ 1. A row that
-/// can be slack reaches t = 1, since y may be scaled; of the others at least one does not
-/// (after Freund, Roundy and Todd, "Identifying the set of always-active constraints in a system
-/// of linear inequalities by a single linear program", 1985).
+/// Solves, among those at their bounds: maximise Σ tᵢ with gᵢ y + tᵢ ≤ 0 and −1 ≤ tᵢ ≤ 1. A row
+/// that can be slack reaches t = 1, since y may be scaled. At least one of the other rows does not.
+/// See Freund, Roundy and Todd, "Identifying the set of always-active constraints in a system of
+/// linear inequalities by a single linear program", 1985.
 pub(super) fn always_active(cascade: &Cascade) -> Result<Vec<usize>, Error> {
     let (g, h) = cascade.reduced_inequalities(&cascade.x);
     let k = g.ncols();

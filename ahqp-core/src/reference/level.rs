@@ -8,25 +8,26 @@ use super::task::Task;
 use super::{AT_BOUND, Cascade};
 use crate::error::Error;
 
-/// A multiplier counts when it exceeds this fraction of the level's forces \[-\].
+/// A multiplier counts if it exceeds this fraction of the level's forces \[-\].
 const NEEDED: f64 = 1e-6;
-/// The least violation that tolerances are relative to, in units of its rounding \[-\].
+/// Smallest violation that tolerances are relative to, in units of its rounding \[-\].
 const SMALLEST_UNIT: f64 = 1e6;
 
 /// An optimum of one level.
 #[derive(Clone)]
 pub(super) struct LevelOptimum {
     pub(super) x: DVector<f64>,
-    /// Which inequalities have a multiplier: they are active at every optimum.
+    /// Inequalities with a nonzero multiplier, which are active at every optimum.
     pub(super) needed: Vec<bool>,
-    /// Which inequalities lie at their bound.
+    /// Inequalities at their bound.
     pub(super) active: Vec<bool>,
 }
 
-/// Minimise ½‖w‖² + linearᵀy with lower ≤ B y − w ≤ upper and G y ≤ h; x = origin + Z y.
+/// The program: minimise ½‖w‖² + linearᵀy with lower ≤ B y − w ≤ upper and G y ≤ h, where x =
+/// origin + Z y.
 pub(super) struct LevelProgram<'a> {
     pub(super) origin: DVector<f64>,
-    /// Z.
+    /// The basis Z.
     pub(super) nullspace: &'a DMatrix<f64>,
     pub(super) b: DMatrix<f64>,
     pub(super) lower: DVector<f64>,
@@ -67,7 +68,7 @@ impl<'a> LevelProgram<'a> {
         }
     }
 
-    /// B y minus the nearest point of its range, row by row.
+    /// Returns B y minus the nearest point of its range, row by row.
     pub(super) fn violations(&self, y: &DVector<f64>) -> DVector<f64> {
         let values = &self.b * y;
         DVector::from_fn(values.nrows(), |i, _| {
@@ -83,22 +84,22 @@ impl<'a> LevelProgram<'a> {
         0.5 * self.violations(y).norm_squared() + self.linear.dot(y)
     }
 
-    /// ‖violation‖ at x.
+    /// Returns ‖violation‖ at x.
     pub(super) fn violation(&self, x: &DVector<f64>) -> f64 {
         self.violations(&self.coordinates(x)).norm()
     }
 
-    /// y of x.
+    /// Returns the y of x.
     pub(super) fn coordinates(&self, x: &DVector<f64>) -> DVector<f64> {
         self.nullspace.transpose() * (x - &self.origin)
     }
 
-    /// x of y.
+    /// Returns the x of y.
     pub(super) fn point(&self, y: &DVector<f64>) -> DVector<f64> {
         &self.origin + self.nullspace * y
     }
 
-    /// An optimum, to tolerances relative to the violation at the origin.
+    /// Returns an optimum, to tolerances relative to the violation at the origin.
     pub(super) fn solve(&self, level: usize) -> Result<LevelOptimum, Error> {
         let (m, k) = self.b.shape();
         let held = self.h.nrows();
@@ -108,7 +109,8 @@ impl<'a> LevelProgram<'a> {
             let x = self.origin.clone();
             return Ok(LevelOptimum { x, needed: none.clone(), active: none });
         }
-        // The level's largest row gets norm one, and the violation at the origin size one.
+        // The level's largest row is scaled to norm one, and the violation at the origin to size
+        // one.
         let scale = row_norms(&self.b).into_iter().fold(0.0, f64::max);
         let scale = if scale > 0.0 { 1.0 / scale } else { 1.0 };
         let unit = unit.max(SMALLEST_UNIT * self.rounding) * scale;

@@ -1,20 +1,20 @@
-//! The last digits of an interior-point solution: with its active rows held, the optimum is a
-//! linear least-squares problem.
+//! Refinement of an interior-point solution. If its active rows are held, the optimum is a linear
+//! least-squares problem.
 
 use nalgebra::DVector;
 
 use super::level::{LevelOptimum, LevelProgram};
 use super::row_space::{RowSpace, row_norms, select_rows};
 
-/// What may count as zero in an interior-point solution, relative \[-\]: tried in this order.
+/// Thresholds for zero in an interior-point solution, relative \[-\], tried in this order.
 const GUESSES: [f64; 4] = [0.0, 1e-9, 1e-7, 1e-5];
-/// How well the inequalities must hold at the polished point, relative \[-\].
+/// Accuracy to which the inequalities must hold at the polished point, relative \[-\].
 const HOLDS: f64 = 1e-11;
-/// What may be left of the gradient, and of a multiplier's wrong sign, at an optimum, relative to
+/// Largest remainder of the gradient, and of a multiplier's wrong sign, at an optimum, relative to
 /// the level's forces \[-\].
 const BALANCED: f64 = 1e-9;
 
-/// The optimum with more digits, and whether it is proved to be one.
+/// Returns the optimum with more digits, and whether it is proved to be one.
 pub(super) fn polish(program: &LevelProgram<'_>, rough: LevelOptimum) -> (LevelOptimum, bool) {
     let start = program.coordinates(&rough.x);
     let violations = program.violations(&start);
@@ -33,7 +33,7 @@ pub(super) fn polish(program: &LevelProgram<'_>, rough: LevelOptimum) -> (LevelO
             };
             let excess = &program.g * &y - &program.h;
             let limit = HOLDS * (1.0 + y.amax());
-            // Written so that NaN fails.
+            // This form is false for NaN.
             if !excess.iter().all(|&excess| excess <= limit) {
                 continue;
             }
@@ -49,7 +49,7 @@ pub(super) fn polish(program: &LevelProgram<'_>, rough: LevelOptimum) -> (LevelO
     (LevelOptimum { x: program.point(&best), ..rough }, false)
 }
 
-/// Returns true if multipliers of the right sign on the active rows balance the gradient at y.
+/// Returns true if multipliers of the right signs on the active rows balance the gradient at y.
 fn is_optimal(program: &LevelProgram<'_>, y: &DVector<f64>, active: &[usize]) -> bool {
     let violations = program.violations(y);
     let gradient = program.b.transpose() * &violations + &program.linear;
@@ -64,8 +64,8 @@ fn is_optimal(program: &LevelProgram<'_>, y: &DVector<f64>, active: &[usize]) ->
         && (&normals * multipliers + gradient).norm() <= least
 }
 
-/// From `start` onto the active rows, then to the minimum of the violated rows' violation inside
-/// them, by the shortest steps.
+/// Moves from `start` onto the active rows by the shortest step. From there moves, by the shortest
+/// step within the active rows, to the minimum of the violation of the violated rows.
 fn equality_constrained(
     program: &LevelProgram<'_>,
     start: &DVector<f64>,

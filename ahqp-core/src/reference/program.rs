@@ -1,4 +1,4 @@
-//! A convex program as Clarabel solves it.
+//! A convex program in the form that Clarabel solves.
 
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{
@@ -8,24 +8,24 @@ use clarabel::solver::{
 
 use crate::error::Error;
 
-/// Tolerance and regularisation of Clarabel, tried one after the other where it fails.
+/// Tolerance and regularisation of Clarabel. Each pair is tried if the one before fails.
 const ATTEMPTS: [(f64, f64); 5] =
     [(1e-12, 1e-9), (1e-12, 1e-8), (1e-12, 1e-11), (1e-10, 1e-7), (1e-8, 1e-7)];
-/// A point with residuals and duality gap below this counts as a solution, though Clarabel
-/// stopped short of the tolerance \[-\].
+/// Largest residuals and duality gap of a point that counts as a solution even if Clarabel stopped
+/// before its tolerance \[-\].
 const CLOSE: f64 = 1e-8;
 
-/// Minimise ½ Σ pᵢvᵢ² + qᵀv over rows a v = b and a v ≤ b.
+/// The program: minimise ½ Σ pᵢvᵢ² + qᵀv over rows a v = b and a v ≤ b.
 pub(super) struct Program {
-    /// p, the diagonal of the quadratic part.
+    /// Diagonal p of the quadratic part.
     curvature: Vec<f64>,
-    /// q.
+    /// Linear part q.
     linear: Vec<f64>,
     equalities: Vec<(Vec<f64>, f64)>,
     inequalities: Vec<(Vec<f64>, f64)>,
 }
 
-/// The solution v, with slack and multiplier of each inequality.
+/// Solution v, with slack and multiplier of each inequality.
 pub(super) struct Optimum {
     pub(super) v: Vec<f64>,
     pub(super) slacks: Vec<f64>,
@@ -57,7 +57,7 @@ impl Program {
         }
     }
 
-    /// The minimum; tried again with coarser tolerances where Clarabel fails.
+    /// Returns the minimum. Coarser tolerances are tried if Clarabel fails.
     pub(super) fn minimise(&self, level: usize) -> Result<Optimum, Error> {
         let mut status = String::new();
         for (tolerance, regularisation) in ATTEMPTS {

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::singular::RightSingular;
 
-/// A row depends on others when what they leave of it is below this fraction of it \[-\].
+/// A row depends on others if they leave less than this fraction of it \[-\].
 pub(super) const DEPENDENT: f64 = 1e-10;
 
 /// A matrix B with orthonormal bases of its row space and of its nullspace, as columns.
@@ -15,8 +15,8 @@ pub(super) struct RowSpace<'a> {
 }
 
 impl<'a> RowSpace<'a> {
-    /// Whether a row depends on others is judged relative to its entry in `sizes`. None, if the
-    /// singular values do not converge.
+    /// Computes the bases. The dependence of a row is judged relative to its entry in `sizes`. None
+    /// if the singular values do not converge.
     pub(super) fn new(matrix: &'a DMatrix<f64>, sizes: &[f64]) -> Option<Self> {
         let (m, n) = matrix.shape();
         let scaled = |i: usize, j: usize| {
@@ -29,13 +29,13 @@ impl<'a> RowSpace<'a> {
         Some(Self { matrix, range, nullspace })
     }
 
-    /// The point of least norm among those that minimise ½‖B y − c‖² + dᵀy, for d in the row
-    /// space.
+    /// Returns the point of least norm among those that minimise ½‖B y − c‖² + dᵀy, for d in the
+    /// row space.
     pub(super) fn minimise(&self, c: &DVector<f64>, d: &DVector<f64>) -> DVector<f64> {
         if self.range.ncols() == 0 {
             return DVector::zeros(self.matrix.ncols());
         }
-        // With B V = Q R, V the basis of the row space: y = V R⁻¹ (Qᵀc − R⁻ᵀ Vᵀd).
+        // y = V R⁻¹ (Qᵀc − R⁻ᵀ Vᵀd) for B V = Q R, where V is the basis of the row space.
         let factor = (self.matrix * &self.range).qr();
         let (q, r) = (factor.q(), factor.r());
         let pull = r.tr_solve_upper_triangular_unchecked(&(self.range.transpose() * d));
@@ -44,12 +44,12 @@ impl<'a> RowSpace<'a> {
     }
 }
 
-/// The norm of each row.
+/// Returns the norm of each row.
 pub(super) fn row_norms(matrix: &DMatrix<f64>) -> Vec<f64> {
     matrix.row_iter().map(|row| row.norm()).collect()
 }
 
-/// The rows at `indices`.
+/// Returns the rows at `indices`.
 pub(super) fn select_rows(matrix: &DMatrix<f64>, indices: &[usize]) -> DMatrix<f64> {
     DMatrix::from_fn(indices.len(), matrix.ncols(), |i, j| matrix[(indices[i], j)])
 }
@@ -69,7 +69,7 @@ mod tests {
 
     #[test]
     fn dependent_rows_are_fitted_by_the_shortest_point() {
-        // Rows 1 and 3 agree, row 2 is zero; the sum of the targets' misfits is least at y₀ = 1.5.
+        // Rows 1 and 3 agree and row 2 is zero. The sum of squared deviations is least at y₀ = 1.5.
         let b = DMatrix::from_fn(3, 2, |i, j| if i != 1 && j == 0 { 2.0 } else { 0.0 });
         let space = RowSpace::new(&b, &row_norms(&b)).unwrap();
         assert_eq!(space.nullspace.ncols(), 1);

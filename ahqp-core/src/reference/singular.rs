@@ -2,11 +2,11 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// Sweeps over all pairs of columns after which nothing converges any more; ten are usual.
+/// Largest number of sweeps over all pairs of columns. About ten are usual.
 const SWEEPS: usize = 60;
 
-/// The singular values of a matrix, falling, and all its right singular vectors as columns of an
-/// orthogonal matrix; those of the value zero are a basis of the nullspace.
+/// Singular values of a matrix, in falling order, and all its right singular vectors as columns of
+/// an orthogonal matrix. The vectors of the value zero are a basis of the nullspace.
 ///
 /// Rotations make the columns orthogonal (Hestenes, "Inversion of matrices by biorthogonalization
 /// and related results", 1958), so that small values keep their digits.
@@ -16,7 +16,7 @@ pub(super) struct RightSingular {
 }
 
 impl RightSingular {
-    /// None, if the columns do not become orthogonal.
+    /// Computes the decomposition. None if the columns do not become orthogonal.
     pub(super) fn new(mut columns: DMatrix<f64>) -> Option<Self> {
         let n = columns.ncols();
         let mut vectors = DMatrix::identity(n, n);
@@ -38,19 +38,20 @@ impl RightSingular {
     }
 }
 
-/// Makes each pair of columns orthogonal, but for columns below `zero`; whether any was not.
+/// Makes each pair of columns orthogonal, except columns below `zero`. Returns true if a pair was
+/// not orthogonal.
 fn sweep(columns: &mut DMatrix<f64>, vectors: &mut DMatrix<f64>, zero: f64) -> bool {
     let mut any = false;
     for p in 0..columns.ncols() {
         for q in p + 1..columns.ncols() {
             let (a, b) = (columns.column(p).norm(), columns.column(q).norm());
             let product = columns.column(p).dot(&columns.column(q));
-            // Written so that NaN ends it.
+            // This form ends the sweep for NaN.
             if !(a.min(b) > zero && product.abs() > 4.0 * f64::EPSILON * a * b) {
                 continue;
             }
             any = true;
-            // The smaller angle of the two that make them orthogonal.
+            // This is the smaller of the two angles that make them orthogonal.
             let ratio = (b - a) * (b + a) / (2.0 * product);
             let tangent = 1.0_f64.copysign(ratio) / (ratio.abs() + ratio.hypot(1.0));
             let cosine = 1.0 / tangent.hypot(1.0);
@@ -73,9 +74,9 @@ mod tests {
     use super::*;
 
     proptest! {
-        /// A = U Σ Vᵀ: VᵀAᵀA V is Σ², V is orthogonal, and columns that depend on others have the value 0.
+        /// A = U Σ Vᵀ, so VᵀAᵀA V is Σ², and V is orthogonal. Dependent columns have the value 0.
         #[test]
-        fn vectors_are_orthogonal_and_values_are_those_of_the_matrix(
+        fn singular_vectors_are_orthogonal_and_match_the_matrix(
             entries in prop::collection::vec(-3.0..3.0_f64, 30), rows in 1..6_usize, twice in any::<bool>(),
         ) {
             let mut matrix = DMatrix::from_fn(rows, 5, |i, j| entries[5 * i + j]);

@@ -1,4 +1,4 @@
-//! What a level of the cascade minimises, whatever kind of level it was.
+//! Objective of a level of the cascade, in one form for every kind of level.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -8,12 +8,12 @@ use crate::problem::rows::Rows;
 
 /// Singular values below this fraction of the largest count as zero \[-\].
 const SINGULAR: f64 = 1e-12;
-/// The part of a gradient in the nullspace of its Hessian is rounding below this fraction \[-\].
+/// Largest part of a gradient in the nullspace of its Hessian that is rounding \[-\].
 const TILTED: f64 = 1e-9;
 
-/// ½ Σ (distance of a row of A x to its range)² + linearᵀx.
+/// The objective ½ Σ (distance of a row of A x to its range)² + linearᵀx.
 pub(super) struct Task {
-    /// A.
+    /// The matrix A.
     pub(super) matrix: DMatrix<f64>,
     pub(super) lower: DVector<f64>,
     pub(super) upper: DVector<f64>,
@@ -21,7 +21,7 @@ pub(super) struct Task {
 }
 
 impl Task {
-    /// The violation of `rows` over n variables.
+    /// Creates the violation of `rows` over n variables.
     pub(super) fn of_rows(rows: &Rows, n: usize) -> Self {
         let coefficients: Vec<_> = rows.iter().map(|(a, ..)| a).collect();
         Self {
@@ -32,8 +32,8 @@ impl Task {
         }
     }
 
-    /// The violation of rows, with their bounds multiplied by the roots of their weights; rows that weigh
-    /// nothing are left out.
+    /// Creates the violation of rows that are multiplied, with their bounds, by the roots of their
+    /// weights. Rows of weight zero are left out.
     pub(super) fn of_weighted(rows: &Rows, n: usize) -> Self {
         let kept: Vec<_> = rows
             .iter()
@@ -49,7 +49,7 @@ impl Task {
         }
     }
 
-    /// The violation of the bounds of the variables.
+    /// Creates the violation of the bounds of the variables.
     pub(super) fn of_bounds(hierarchy: &Hierarchy) -> Self {
         let n = hierarchy.variables();
         Self {
@@ -60,15 +60,17 @@ impl Task {
         }
     }
 
-    /// ½‖x‖².
+    /// Creates ½‖x‖².
     pub(super) fn least_norm(n: usize) -> Self {
         let zero = DVector::zeros(n);
         let matrix = DMatrix::identity(n, n);
         Self { matrix, lower: zero.clone(), upper: zero.clone(), linear: zero }
     }
 
-    /// ½xᵀHx + gᵀx = ½‖Rx − b‖² + linearᵀx + constant with H = VΣVᵀ, R = Σ^½ Vᵀ and
-    /// b = −Σ^−½ Vᵀg, over the singular values that are not zero. None, if they do not converge.
+    /// Writes ½xᵀHx + gᵀx as ½‖Rx − b‖² + linearᵀx + constant.
+    ///
+    /// H is VΣVᵀ, R is Σ^½ Vᵀ and b is −Σ^−½ Vᵀg, over the nonzero singular values. None if they do
+    /// not converge.
     pub(super) fn of_quadratic(hessian: &DMatrix<f64>, gradient: &DVector<f64>) -> Option<Self> {
         let n = gradient.len();
         let RightSingular { values, vectors } = RightSingular::new(hessian.clone())?;

@@ -1,8 +1,8 @@
-//! The active set of the whole hierarchy, and the point that it gives.
+//! The active set of the whole hierarchy, and its point.
 //!
-//! Two ways lead to the right one, on one factorisation: [`repair`] corrects a predicted active set, a
-//! few rows at a time, as long as that goes well; [`level_search`] is the primal active-set method, level
-//! by level, which always ends.
+//! Two methods find the optimal active set, on one factorisation. [`repair`] corrects a predicted
+//! active set a few rows at a time, as long as that makes progress. [`level_search`] is the primal
+//! active-set method, level by level, which always ends.
 
 mod broken_rows;
 mod fix;
@@ -34,40 +34,42 @@ pub(crate) use level_search::End;
 pub(crate) struct ActiveSet {
     pub(crate) data: ProblemData,
     pub(crate) factorisation: Factorisation,
-    /// Of every row.
+    /// Activity of every row.
     pub(crate) activity: Vec<Activity>,
-    /// A guess at the active set, for where the search begins.
+    /// Predicted active set, from which a search starts.
     pub(crate) predicted: Vec<Activity>,
     pub(crate) x: Vec<f64>,
-    /// aᵢx.
+    /// Values aᵢx.
     pub(crate) value: Vec<f64>,
     pub(crate) iterations: usize,
     pub(crate) allowance: Allowance,
     multipliers: Multipliers,
 
-    /// Repair: the order of signs; rows that are violated; aᵢx at the point reached last.
+    /// Repair: the order of signs, the violated rows, and aᵢx at the last point.
     signs: Signs,
     violated: List<(usize, Activity)>,
     reached: Vec<f64>,
 
-    /// Search: active rows that a level has decided stay active for good.
+    /// Search: active rows that a level has fixed for all levels below.
     fixed: Vec<bool>,
-    /// Whether the goal had a gradient at the end of its search, other than rounding.
+    /// True if the goal had a gradient beyond rounding at the end of its search.
     has_gradient: bool,
-    /// Runs of rows whose inactive ones must stay within their ranges.
+    /// Ranges of rows whose inactive rows must stay within their bounds.
     in_play: List<Range<usize>>,
-    /// By how much inactive rows of the objective are still outside their ranges, on the way to zero.
+    /// Remaining violation of inactive rows of the objective, which falls to zero during the
+    /// search.
     residual: Vec<f64>,
     direction: Vec<f64>,
     slope: Vec<f64>,
     candidates: List<Candidate>,
-    /// Rows that came back at once when they were let go, since x moved last.
+    /// Rows that became active again immediately after they were dropped, since the last step of x.
     kept: List<usize>,
-    /// Rows of the level at hand that stay because an objective above would move x far without them.
+    /// Rows of the current level that stay because an objective above would move x far without
+    /// them.
     kept_for_objectives: List<usize>,
-    /// Rows of an objective that has ended, made inactive, and what they were.
+    /// Rows of a finished objective that were made inactive, with their former activity.
     released: List<(usize, Activity)>,
-    /// The largest ‖x‖ of this solve.
+    /// Largest ‖x‖ of this solve.
     pub(crate) farthest: f64,
     settings: Settings,
 }
@@ -110,7 +112,8 @@ impl ActiveSet {
         self.settings = settings;
     }
 
-    /// Makes an active set fit the data: equalities are active, sides without a bound are not.
+    /// Adapts an active set to the data. Equalities become active, and sides without a bound
+    /// inactive.
     #[expect(clippy::needless_bitwise_bool, reason = "no branches")]
     pub(crate) fn fit(&mut self) {
         let bounds = self.data.lower.iter().zip(&self.data.upper);
@@ -122,7 +125,7 @@ impl ActiveSet {
         }
     }
 
-    /// Begins a search near `start`, which is brought within its bounds; only these are in play.
+    /// Starts a search near `start`, which is clamped to its bounds. Only the bounds are in play.
     /// Predicted bounds are active from the start.
     pub(crate) fn begin_search(&mut self, start: &[f64]) {
         self.activity.fill(Activity::Inactive);
@@ -148,15 +151,16 @@ impl ActiveSet {
         self.factorisation.begin(&self.data, &self.activity);
     }
 
-    /// aᵢx − bound: positive above the upper bound, negative below the lower, else zero.
+    /// Returns aᵢx − bound: positive above the upper bound, negative below the lower, otherwise
+    /// zero.
     pub(crate) fn violation(&self, id: usize) -> f64 {
         let value = self.value[id];
         (value - self.data.upper[id]).max(0.0) + (value - self.data.lower[id]).min(0.0)
     }
 
-    /// By how much row `id` may be violated and still hold.
+    /// Returns the largest violation of row `id` with which it still holds.
     fn tolerance(&self, id: usize) -> f64 {
-        // Steps through larger x leave rounding of their size behind.
+        // Steps through larger x leave rounding of that size.
         let rounding = ROUNDING * self.data.norm(id) * self.farthest;
         self.settings.feasibility_tolerance * self.data.size(id, &self.x) + rounding
     }
@@ -166,13 +170,13 @@ impl ActiveSet {
         self.is_closed(id, self.violation(id))
     }
 
-    /// Returns true if a gap between row `id` and its bound is none.
+    /// Returns true if a gap between row `id` and its bound counts as zero.
     fn is_closed(&self, id: usize, gap: f64) -> bool {
         let tolerance = self.settings.feasibility_tolerance;
         self.data.is_closed(id, gap, &self.x, self.farthest, tolerance)
     }
 
-    /// How often the least violation of row `id` that is certainly there goes into its violation.
+    /// Violation divided by the smallest violation that counts. Above 1 row `id` is violated.
     pub(crate) fn excess(&self, id: usize) -> f64 {
         match self.violation(id).abs() {
             0.0 => 0.0,
@@ -185,8 +189,8 @@ impl ActiveSet {
         }
     }
 
-    /// Brings rows of an objective, or hard rows whose violation is minimised, into play as x finds
-    /// them, in a group of their own.
+    /// Brings soft rows into play, in a group of their own: rows of an objective, or hard rows
+    /// whose violation is minimised.
     pub(crate) fn place_soft(&mut self, level: usize, rows: Range<usize>) {
         self.data.multiply(rows.clone(), &self.x, &mut self.value);
         for id in rows.clone() {
@@ -209,7 +213,7 @@ impl ActiveSet {
         self.factorisation.eliminate_last();
     }
 
-    /// Sees which rows of an objective are violated, where no direction is left to change that.
+    /// Determines which rows of an objective are violated, if no direction is left to change that.
     pub(crate) fn take_as_they_are(&mut self, rows: Range<usize>) {
         self.data.multiply(rows.clone(), &self.x, &mut self.value);
         for id in rows {
@@ -226,21 +230,21 @@ impl ActiveSet {
         }
     }
 
-    /// Takes the last group out: rows whose violation was minimised.
+    /// Removes the last group, whose violation was minimised.
     pub(crate) fn remove_soft(&mut self, rows: Range<usize>) {
         self.factorisation.pop_group();
         self.activity[rows].fill(Activity::Inactive);
     }
 
-    /// Returns true if rows of one objective pull by so different forces that the rounding of one may hide
-    /// another.
+    /// Returns true if forces of rows of one objective differ so much that the rounding of one may
+    /// hide another.
     pub(crate) fn has_spread(&self) -> bool {
         let (data, x_norm) = (&self.data, norm(&self.x));
         data.levels.iter().any(|level| data.have_spread(level.used_objective(), x_norm))
     }
 
-    /// Computes aᵢx of these rows from the data: what a search has summed up on its way carries the rounding of
-    /// all its steps.
+    /// Computes aᵢx of these rows from the data. The values that a search sums up contain the
+    /// rounding of all its steps.
     pub(crate) fn compute_values(&mut self, rows: Range<usize>) {
         self.data.multiply(rows, &self.x, &mut self.value);
     }
@@ -256,8 +260,8 @@ impl ActiveSet {
         self.factorisation.push_group(level, Purpose::Held, None);
     }
 
-    /// Brings hard rows into play that hold at x. Equalities are active from the start, and rows at their
-    /// predicted bounds that do not depend on others.
+    /// Brings hard rows into play that hold at x. Equalities are active from the start. So are
+    /// independent rows at their predicted bounds.
     pub(crate) fn place_hard(&mut self, level: usize, rows: Range<usize>) {
         if rows.is_empty() {
             return;
@@ -293,8 +297,8 @@ impl ActiveSet {
         }
     }
 
-    /// Adds the rows that push against violated ones, which the last group holds, by more than
-    /// `threshold`: multipliers times the norms of their rows.
+    /// Adds rows to the conflict that push against the violated rows, which the last group
+    /// contains. Their force, the multiplier times the norm of the row, must exceed `threshold`.
     pub(crate) fn extend_by_pushing(
         &mut self,
         threshold: f64,
@@ -303,7 +307,7 @@ impl ActiveSet {
         let Self { data, factorisation, multipliers, value, activity, x, .. } = self;
         let group = factorisation.groups.len() - 1;
         value[..data.n].copy_from_slice(x);
-        // What levels above have decided for good may push too.
+        // Rows that levels above have fixed may push too.
         factorisation.eliminate_again(data, activity);
         let of = (group, Residuals::AtPoint);
         if multipliers.balance_level(data, factorisation, value, activity, of) {
@@ -314,13 +318,13 @@ impl ActiveSet {
         }
     }
 
-    /// Factors the present active set, with its point.
+    /// Factors the current active set and computes its point.
     pub(crate) fn factorise(&mut self) {
         self.factorisation.factorise(&self.data, &self.activity);
     }
 
-    /// The multipliers that are not rounding of one level, or of the least norm behind the last, in the
-    /// present factorisation of all levels, at `x`.
+    /// Returns the multipliers beyond rounding at `x` of one level, or of the least norm after the
+    /// last. The present factorisation must be that of all levels.
     pub(crate) fn multipliers_of(&mut self, level: Option<usize>, x: &[f64]) -> Vec<(usize, f64)> {
         let Self { data, factorisation, multipliers, value, activity, .. } = self;
         value[..data.n].copy_from_slice(x);
@@ -350,15 +354,15 @@ impl ActiveSet {
             .collect()
     }
 
-    /// Returns true if the levels have left no direction to x.
+    /// Returns true if the levels have decided all directions of x.
     pub(crate) fn is_decided(&self) -> bool {
         let Factorisation { free, stacked, bounded, .. } = &self.factorisation;
         let mut active = stacked.iter().chain(bounded);
         self.factorisation.rank() == free.len() && active.all(|&id| self.fixed[id])
     }
 
-    /// Returns true if another active set may be the optimum too, as the rank tolerance takes small parts
-    /// of rows for none.
+    /// Returns true if another active set may be optimal too, since the rank tolerance neglects
+    /// small parts of rows.
     pub(crate) fn is_rank_in_doubt(&self) -> bool {
         self.factorisation.has_faint_rows() || self.multipliers.has_faint_pulls
     }

@@ -1,15 +1,16 @@
-//! What an active set says of a row.
+//! Activity of rows.
 
 /// Whether a row is active, and at which bound.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Activity {
     /// The row may take any value within its range.
     Inactive,
-    /// A hard row is held at its lower bound; a row of an objective is pulled towards it.
+    /// The row is at its lower bound. A hard row is held there, and a row of an objective is pulled
+    /// towards it.
     Lower,
-    /// The same with the upper bound.
+    /// The row is at its upper bound, in the same sense.
     Upper,
-    /// The same for an equality, whose bounds are one.
+    /// The row is an equality, whose bounds are equal.
     Equal,
 }
 
@@ -18,8 +19,8 @@ impl Activity {
         self != Self::Inactive
     }
 
-    /// Returns true if a row that is active in this way should not be, given its multiplier and the
-    /// rounding in it.
+    /// Returns true if a row with this activity should be inactive, given its multiplier and the
+    /// multiplier's rounding.
     pub(crate) fn has_wrong_sign(self, multiplier: f64, rounding: f64) -> bool {
         match self {
             Self::Upper => -multiplier > rounding,

@@ -1,15 +1,15 @@
-//! How much a solve may cost.
+//! Budgets of a solve.
 
 use std::time::{Duration, Instant};
 
 use crate::problem::ids::LevelId;
 use crate::solver::status::Status;
 
-/// Iterations between two looks at the clock.
+/// Number of iterations between two checks of the clock.
 const LOOK_EVERY: usize = 8;
 
-/// What one solve may cost, beside [`Settings::max_iterations`](crate::Settings::max_iterations).
-/// The default has no limits of its own.
+/// Budget of one solve, in addition to
+/// [`Settings::max_iterations`](crate::Settings::max_iterations). The default has no limits.
 ///
 /// ```
 /// use ahqp_core::Budget;
@@ -22,10 +22,11 @@ const LOOK_EVERY: usize = 8;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct Budget {
-    /// Iterations; the settings' count where that is less.
+    /// Largest number of iterations. The settings' number counts if it is smaller.
     pub iterations: Option<usize>,
-    /// Wall-clock time, looked at every eighth iteration: every solve makes that many, and exceeds
-    /// its time by at most as many and what loading the data and fixing a level take.
+    /// Largest wall-clock time, checked every eighth iteration. Every solve makes at least that
+    /// many iterations. It exceeds its time by at most as many, plus loading the data and fixing a
+    /// level.
     #[cfg_attr(
         feature = "serde",
         serde(default, with = "crate::solver::seconds"),
@@ -35,18 +36,18 @@ pub struct Budget {
 }
 
 impl Budget {
-    /// So many iterations, in any time.
+    /// Creates a budget of iterations without a time limit.
     pub fn iterations(iterations: usize) -> Self {
         Self { iterations: Some(iterations), time: None }
     }
 
-    /// So much time.
+    /// Creates a budget of time without a limit of iterations.
     pub fn time(time: Duration) -> Self {
         Self { iterations: None, time: Some(time) }
     }
 }
 
-/// What is left of a budget.
+/// Remaining part of a budget.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Allowance {
     iterations: usize,
@@ -55,7 +56,7 @@ pub(crate) struct Allowance {
 }
 
 impl Allowance {
-    /// The budget of a solve that begins now.
+    /// Starts the budget of a solve that begins now.
     pub(crate) fn new(budget: Budget, max_iterations: usize) -> Self {
         let iterations = budget.iterations.map_or(max_iterations, |most| most.min(max_iterations));
         let deadline = budget.time.and_then(|time| Instant::now().checked_add(time));
@@ -67,7 +68,7 @@ impl Allowance {
         self.iterations.saturating_sub(spent)
     }
 
-    /// Returns true if nothing is left after so many iterations.
+    /// Returns true if nothing is left after this number of iterations.
     pub(crate) fn is_spent(&mut self, iterations: usize) -> bool {
         if let Some(deadline) = self.deadline
             && iterations > 0
@@ -78,7 +79,7 @@ impl Allowance {
         self.is_late || iterations >= self.iterations
     }
 
-    /// How a solve ended that nothing was left for.
+    /// Returns the status of a solve whose budget ran out.
     pub(crate) fn status(&self, level: Option<LevelId>) -> Status {
         if self.is_late { Status::TimeLimit { level } } else { Status::IterationLimit { level } }
     }

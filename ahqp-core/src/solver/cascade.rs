@@ -1,4 +1,4 @@
-//! The cascade: level by level, from the first.
+//! The cascade of levels, from the first to the last.
 
 use std::ops::Range;
 
@@ -9,7 +9,7 @@ use crate::error::Error;
 use crate::problem::ids::LevelId;
 use crate::problem::source::Names;
 
-/// How a level ended, if it did not fail.
+/// How a level ended, unless it failed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum LevelEnd {
     Solved,
@@ -17,7 +17,7 @@ enum LevelEnd {
 }
 
 impl Solver {
-    /// The cascade: for each level make feasible, minimise, fix.
+    /// Runs the cascade. Each level is made feasible, minimised and fixed.
     pub(super) fn search_levels(&mut self, levels: usize) -> Result<Status, Error> {
         self.set.begin_search(&self.solution.x);
         for level in 0..levels {
@@ -57,11 +57,12 @@ impl Solver {
         Ok(LevelEnd::Solved)
     }
 
-    /// Brings x to where the new hard constraints of `level` hold, at no cost to the levels
-    /// above, by minimising their violation.
+    /// Moves x to a point at which the new hard constraints of `level` hold, at no cost to the
+    /// levels above. It minimises their violation.
     ///
-    /// What a search sums up on its way carries the rounding of all its steps: rows that it leaves violated
-    /// contradict each other only if they are so once more in a search that begins there, from the data.
+    /// The values that a search sums up contain the rounding of all its steps. Rows that it leaves
+    /// violated contradict each other only if a second search, which starts there from the data,
+    /// leaves them violated too.
     fn make_feasible(&mut self, level: usize, rows: Range<usize>) -> Result<LevelEnd, Error> {
         if self.set.all_hold(rows.clone()) {
             return Ok(LevelEnd::Solved);
@@ -90,7 +91,8 @@ impl Solver {
         Ok(LevelEnd::Solved)
     }
 
-    /// The error of hard rows that cannot hold together, `worst` among them; lists the conflict.
+    /// Creates the error for hard rows that cannot hold together, with `worst` among them. Lists
+    /// the conflict.
     fn infeasible(&mut self, level: usize, rows: Range<usize>, worst: usize) -> Error {
         let violated = rows.clone().filter(|&id| self.set.excess(id) > 1.0);
         self.conflict.extend(violated.map(|id| self.set.data.sources[id]));
@@ -108,7 +110,7 @@ impl Solver {
         }
     }
 
-    /// Among the optima of all levels, the one of least norm.
+    /// Chooses the point of least norm among the optima of all levels.
     fn choose_least_norm(&mut self, levels: usize) -> LevelEnd {
         if !self.set.is_decided() {
             self.set.open_held(levels);

@@ -1,4 +1,4 @@
-//! The rows of a hierarchy in one flat table, checked and copied once a solve.
+//! Rows of a hierarchy in one flat table, checked and copied once for each solve.
 
 mod rounding;
 mod unchanged;
@@ -17,14 +17,14 @@ use crate::solver::activity::Activity;
 use crate::solver::quadratic_factor::QuadraticFactor;
 use crate::solver::tolerances::{MODERATE, MODERATE_SQUARE, NEAR_ONE, ROUNDING};
 
-/// A row seen by the algebra: a unit vector for a bound, coefficients otherwise.
+/// A row as seen by linear algebra: a unit vector for a bound, otherwise coefficients.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct RowView<'a> {
     coefficients: Coefficients<'a>,
     norm: f64,
 }
 
-/// What stands in a row.
+/// Coefficients of a row.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Coefficients<'a> {
     /// One in this column, zero elsewhere.
@@ -60,7 +60,7 @@ impl<'a> RowView<'a> {
         self.norm
     }
 
-    /// y ← y + αa.
+    /// Computes y ← y + αa.
     pub(crate) fn add_to(self, y: &mut [f64], alpha: f64) {
         match self.coefficients {
             Coefficients::Unit(variable) => y[variable] += alpha,
@@ -71,25 +71,27 @@ impl<'a> RowView<'a> {
     }
 }
 
-/// Where a level's rows stand in the table.
+/// Ranges of a level's rows in the table.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct LevelRows {
     pub(crate) constraints: Range<usize>,
     pub(crate) objective: Range<usize>,
-    /// The rows of the objective in use: for a quadratic, the rank of its Hessian, else those up to the last
-    /// that bounds something. The others are zero and bound nothing.
+    /// Number of rows of the objective in use. This is the rank of the Hessian if the objective is
+    /// quadratic. Otherwise the rows up to the last one that bounds something are in use. The
+    /// remaining rows are zero and bound nothing.
     pub(crate) used: usize,
-    /// Whether any row of the objective was multiplied.
+    /// True if any row of the objective was multiplied by a weight.
     weighted: bool,
     pub(crate) quadratic: bool,
-    /// Whether a part of the gradient lies outside the range of the Hessian.
+    /// True if a part of the gradient lies outside the range of the Hessian.
     pub(crate) has_linear: bool,
-    /// That part.
+    /// The part of the gradient outside the range of the Hessian.
     pub(crate) linear: Vec<f64>,
 }
 
 impl LevelRows {
-    /// Those of the level's rows that hold these, which are all hard ones or all of the objective.
+    /// Returns the rows of the level that contain `ids`, which are all constraints or all rows of
+    /// the objective.
     pub(crate) fn rows_of(&self, ids: &[usize]) -> Range<usize> {
         match ids.first() {
             Some(id) if self.constraints.contains(id) => self.constraints.clone(),
@@ -102,7 +104,7 @@ impl LevelRows {
     }
 }
 
-/// All rows: the bounds of the n variables first, then each level's constraints and objective.
+/// All rows: first the bounds of the n variables, then each level's constraints and objective.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ProblemData {
     pub(crate) n: usize,
@@ -110,15 +112,17 @@ pub(crate) struct ProblemData {
     pub(crate) lower: Vec<f64>,
     pub(crate) upper: Vec<f64>,
     norms: Vec<f64>,
-    /// The rounding in rows: relative to them, and in their bounds. More than that of one operation in
-    /// the rows of a quadratic's factor.
+    /// Relative rounding of rows, and rounding of their bounds. It exceeds the rounding of one
+    /// operation for the rows of a quadratic's factor.
     relative_rounding: Vec<f64>,
     bound_rounding: Vec<f64>,
-    /// What rows were multiplied by. Hard constraints by a power of two: their units have no meaning,
-    /// but where some must be made to hold together, those of large ones would hide small ones. Rows
-    /// of objectives by the roots of their weights.
+    /// Factors that rows were multiplied by.
+    ///
+    /// Those of hard constraints are powers of two. The units of constraints have no meaning, but
+    /// large ones would hide small ones when several are made to hold together. Those of objectives
+    /// are the roots of the weights.
     scales: Vec<f64>,
-    /// Whether any constraint was multiplied.
+    /// True if any constraint was multiplied.
     scaled: bool,
     pub(crate) sources: Vec<ConstraintSource>,
     pub(crate) levels: Vec<LevelRows>,
@@ -187,19 +191,19 @@ impl ProblemData {
         self.norms[id]
     }
 
-    /// The coefficients of row `id`, which is no bound.
+    /// Returns the coefficients of row `id`, which is no bound.
     pub(crate) fn coefficients(&self, id: usize) -> &[f64] {
         let start = (id - self.n) * self.n;
         &self.coefficients[start..start + self.n]
     }
 
-    /// aᵢx of the rows in `ids`, none of them a bound, into the same places of `out`.
+    /// Computes aᵢx for the rows in `ids`, none of them a bound, into the same places of `out`.
     pub(crate) fn multiply(&self, ids: Range<usize>, x: &[f64], out: &mut [f64]) {
         let data = &self.coefficients[(ids.start - self.n) * self.n..];
         multiply_rows(data, self.n, x, &mut out[ids]);
     }
 
-    /// The same of all rows in use.
+    /// Computes aᵢx for all rows in use.
     pub(crate) fn multiply_all(&self, x: &[f64], out: &mut [f64]) {
         let mut start = self.n;
         for LevelRows { objective, used, .. } in &self.levels {
@@ -211,7 +215,7 @@ impl ProblemData {
         self.multiply(start..self.len(), x, out);
     }
 
-    /// y ← y + Σ weight · row over the rows in `ids`, none of them a bound.
+    /// Computes y ← y + Σ weight · row over the rows in `ids`, none of them a bound.
     pub(crate) fn add_rows(&self, ids: Range<usize>, weights: &[f64], y: &mut [f64]) {
         let data = &self.coefficients[(ids.start - self.n) * self.n..];
         add_rows(data, self.n, &weights[..ids.len()], &mut y[..self.n]);
@@ -249,7 +253,8 @@ impl ProblemData {
         Ok(())
     }
 
-    /// Multipliers of a quadratic level's rows in the table as multipliers of its Hessian's rows.
+    /// Converts multipliers of a quadratic level's rows in the table to multipliers of its
+    /// Hessian's rows.
     pub(crate) fn hessian_multipliers(
         &mut self,
         level: usize,
@@ -281,7 +286,7 @@ impl ProblemData {
         Ok(())
     }
 
-    /// Leaves out all rows of an objective but the first `used`: they become zero.
+    /// Leaves out all rows of an objective except the first `used`, by setting them to zero.
     fn leave_out_behind(&mut self, level: usize, used: usize) {
         let (n, entry) = (self.n, &mut self.levels[level]);
         let before = std::mem::replace(&mut entry.used, used);
@@ -292,7 +297,7 @@ impl ProblemData {
         }
     }
 
-    /// Copies the first `used` rows and all bounds, and checks all.
+    /// Copies the first `used` rows and all bounds, and checks them.
     fn load_rows(&mut self, start: usize, rows: &Rows, used: usize) -> Result<(), Error> {
         let (all, ids) = (start..start + rows.len(), start..start + used);
         let first = (start - self.n) * self.n;
@@ -332,7 +337,7 @@ impl ProblemData {
             if scale == 0.0 {
                 (self.lower[id], self.upper[id]) = (f64::NEG_INFINITY, f64::INFINITY);
             }
-            // What is as it was loaded has been checked.
+            // Rows that are not scaled were checked when they were loaded.
             if scale != 1.0 {
                 self.check_row(id, self.coefficients(id))?;
                 self.check_range(id)?;
@@ -355,7 +360,7 @@ impl ProblemData {
         }
     }
 
-    /// Brings rows whose norms are far from 1 near it, without rounding.
+    /// Scales rows whose norms are far from 1 to near 1, without rounding.
     fn scale_rows(&mut self, ids: Range<usize>) -> Result<(), Error> {
         let norms = self.norms[ids.clone()].iter();
         let fine = norms.fold(true, |fine, &norm| fine & NEAR_ONE.contains(&norm));
@@ -370,12 +375,12 @@ impl ProblemData {
         Ok(())
     }
 
-    /// What row `id` was multiplied by.
+    /// Returns the factor that row `id` was multiplied by.
     pub(crate) fn scale(&self, id: usize) -> f64 {
         self.scales[id]
     }
 
-    /// An error if an entry of a row is not finite or very large.
+    /// Returns an error if an entry of a row is not finite or very large.
     fn check_row(&self, id: usize, row: &[f64]) -> Result<(), Error> {
         if let Some(entry) = row.iter().position(|value| !value.is_finite()) {
             let source_of_row = self.sources[id];
@@ -392,7 +397,7 @@ impl ProblemData {
         }
     }
 
-    /// Looks at the bound nearer to zero; a far one only says that its side is free.
+    /// Checks the bound nearer to zero. A distant bound only means that its side is free.
     fn expect_moderate_bounds(&self, id: usize) -> Result<(), Error> {
         let (lower, upper) = (self.lower[id], self.upper[id]);
         self.expect_moderate(id, if lower > 0.0 { lower } else { upper.min(0.0) })
@@ -400,7 +405,7 @@ impl ProblemData {
 
     #[expect(clippy::needless_bitwise_bool, reason = "no branches")]
     fn check_ranges(&self, ids: Range<usize>) -> Result<(), Error> {
-        // Written without branches, for the usual case that all are in order.
+        // The loop has no branches, for the usual case that all bounds are valid.
         let bounds = self.lower[ids.clone()].iter().zip(&self.upper[ids.clone()]);
         let fine = bounds.fold(true, |fine, (&lower, &upper)| {
             fine & (lower <= upper) & (lower <= MODERATE) & (upper >= -MODERATE)
@@ -410,7 +415,7 @@ impl ProblemData {
 
     fn check_range(&self, id: usize) -> Result<(), Error> {
         let (lower, upper) = (self.lower[id], self.upper[id]);
-        // Written so that NaN fails; an infinite equality is no bound at all.
+        // This form is false for NaN. An equality with an infinite bound is invalid.
         if lower <= upper && lower < f64::INFINITY && upper > f64::NEG_INFINITY {
             self.expect_moderate_bounds(id)
         } else {
@@ -425,7 +430,7 @@ impl ProblemData {
         }
     }
 
-    /// ½xᵀHx + gᵀx = ½‖Rx − b‖² + linearᵀx + constant, from the factorisation just made.
+    /// Writes ½xᵀHx + gᵀx as ½‖Rx − b‖² + linearᵀx + constant, from the current factorisation.
     fn take_factor(&mut self, level: usize) {
         let n = self.n;
         let rank = self.factor.rank();
@@ -450,7 +455,7 @@ impl ProblemData {
     }
 }
 
-/// The bound at which an active row is held, or towards which it is pulled.
+/// Returns the bound at which an active row is held, or towards which it is pulled.
 pub(crate) fn active_bound(data: &ProblemData, activity: &[Activity], id: usize) -> f64 {
     match activity[id] {
         Activity::Lower => data.lower[id],
@@ -458,7 +463,8 @@ pub(crate) fn active_bound(data: &ProblemData, activity: &[Activity], id: usize)
     }
 }
 
-/// The power of two that brings a number to between 1 and 2; 1 for zero, and for numbers near one.
+/// Returns the power of two that brings a number to between 1 and 2. It is 1 for zero, and for
+/// numbers near one.
 fn to_near_one(number: f64) -> f64 {
     const FRACTION: u32 = f64::MANTISSA_DIGITS - 1;
     const BIAS: u64 = 1023;
@@ -475,7 +481,7 @@ fn shape_changed(level: usize) -> Error {
     Error::ShapeChanged { level: LevelId::new(level), names: Names::default() }
 }
 
-/// How many rows of an objective there are up to the last that bounds something.
+/// Returns the number of rows of an objective up to the last one that bounds something.
 fn used_rows(rows: &Rows) -> usize {
     let bounds = rows.lower().iter().zip(rows.upper()).enumerate();
     let is_used = |(index, (&lower, &upper)): (usize, (&f64, &f64))| {

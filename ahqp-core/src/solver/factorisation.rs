@@ -1,10 +1,10 @@
-//! One orthogonal factorisation of the active rows of all levels.
+//! Orthogonal factorisation of the active rows of all levels.
 //!
-//! Active bounds leave as columns. The active rows that remain are stacked in groups by priority,
-//! [H₀ O₀ H₁ O₁ …]: hard rows that are held, then the rows of an objective. They are factored from the
-//! right, A = [L 0] Qᵀ, with row pivoting inside each group, so that the coordinates y = Qᵀx which a
-//! group decides are those that no group before it has used. Coordinates that no group decides are
-//! free.
+//! Active bounds are removed as columns. The remaining active rows are stacked in groups by
+//! priority, [H₀ O₀ H₁ O₁ …]: hard rows that are held, then the rows of an objective. They are
+//! factored from the right, A = [L 0] Qᵀ, with row pivoting inside each group. A group thereby
+//! decides coordinates of y = Qᵀx that no earlier group has used. Coordinates that no group decides
+//! are free.
 
 mod least_squares;
 mod orthogonal;
@@ -28,15 +28,15 @@ use orthogonal::Orthogonal;
 pub(crate) use point::FreeCoordinates;
 pub(crate) use rank_tolerances::RankTolerances;
 
-/// Numbers that the kernels take at a time.
+/// Number of values that a kernel processes at a time.
 const LANES: usize = 4;
 
-/// Where the lanes begin in which `index` lies.
+/// Returns the start of the lanes that contain `index`.
 fn first_lane(index: usize) -> usize {
     index - index % LANES
 }
 
-/// What a group of stacked rows is for.
+/// Purpose of a group of stacked rows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Purpose {
     /// Rows that hold with equality.
@@ -45,71 +45,73 @@ pub(crate) enum Purpose {
     Minimised,
 }
 
-/// A run of stacked rows.
+/// A range of stacked rows.
 #[derive(Debug, Clone)]
 pub(crate) struct Group {
     pub(crate) level: usize,
     pub(crate) purpose: Purpose,
-    /// Stacked rows `start..end`, and of them the pivots `start..start + rank`.
+    /// Stacked rows `start..end`, of which the first `rank` are pivots.
     pub(crate) start: usize,
     pub(crate) end: usize,
     pub(crate) rank: usize,
-    /// Coordinates decided before this group.
+    /// Number of coordinates decided before this group.
     pub(crate) first_pivot: usize,
-    /// The level whose linear term belongs to the group, if it has one.
+    /// The level whose linear term belongs to the group, if there is one.
     pub(crate) linear_of: Option<usize>,
 }
 
-/// The factors and the point that they give; sized once.
+/// The factors and their point. All memory is allocated once.
 #[derive(Debug, Clone)]
 pub(crate) struct Factorisation {
     n: usize,
-    /// Entries from row to row: n, and zeros up to whole lanes.
+    /// Distance between rows: n, padded with zeros to whole lanes.
     stride: usize,
     /// Variables that are not at a bound, in the order of the columns.
     pub(crate) free: List<usize>,
-    /// Variables at a bound that left as columns.
+    /// Variables at a bound that were removed as columns.
     pub(crate) bounded: List<usize>,
-    /// Rows of the problem, stacked; pivots of a group stand first in it.
+    /// Rows of the problem in stacked order. The pivots of a group are its first rows.
     pub(crate) stacked: List<usize>,
     pub(crate) groups: List<Group>,
-    /// L, a stacked row in `stride` entries.
+    /// L, with `stride` entries for each stacked row.
     rows: Vec<f64>,
     target: Vec<f64>,
-    /// What the variables at a bound add to each row of the problem.
+    /// Contribution of the variables at a bound to each row of the problem.
     known: Vec<f64>,
-    /// Of stacked rows, the square of what no pivot has taken, and what it was when computed last.
+    /// Squared remainder of each stacked row after the pivots so far, and its value when it was
+    /// last computed exactly.
     rest: Vec<f64>,
     measured: Vec<f64>,
-    /// Of stacked rows, the square of the norm.
+    /// Squared norm of each stacked row.
     square: Vec<f64>,
     /// Stacked row of each pivot.
     pub(crate) pivots: List<usize>,
     orthogonal: Orthogonal,
-    /// What the change at hand turns the coordinates by.
+    /// Rotations of the coordinates by the current change.
     rotations: List<Rotation>,
-    /// Variables that do not stand at their own places, and where.
+    /// Variables that are not at their own places, with their places.
     moved: List<(usize, usize)>,
-    /// How many groups have their coordinates decided, and in how many the point of a search has them.
+    /// Number of groups whose coordinates are decided, and number of groups whose coordinates the
+    /// point of a search has.
     decided: usize,
     attained: usize,
     /// The first group that the last step of a search moves.
     moving: usize,
-    /// How far that step would take the coordinates of an objective before the last group.
+    /// Length of the last step in the coordinates of an objective before the last group.
     objectives_step: f64,
-    /// Coordinates that are decided for good: rows of later groups have no entries along them.
+    /// Number of coordinates that are fixed. Rows of later groups have no entries along them.
     closed: usize,
     has_faint_rows: bool,
-    /// Whether the rank leaves out parts of rows that are more than rounding: an update would lose them.
+    /// True if the rank neglects parts of rows that exceed rounding. An update would lose them.
     leaves_parts_out: bool,
-    /// The coordinates: those decided, then those of free directions.
+    /// Coordinates: first the decided ones, then those of free directions.
     y: Vec<f64>,
     turned: Vec<f64>,
     gathered: Vec<f64>,
-    /// What pivots leave of a row.
+    /// Remainder of a row after the pivots.
     left: Vec<f64>,
     least_squares: LeastSquares,
-    /// Linear terms in the coordinates y, a level in `n` entries.
+    /// Linear terms in the coordinates y, with `n` entries for each level.
     linear: Vec<f64>,
     pub(crate) tolerances: RankTolerances,
     pub(crate) x: Vec<f64>,
@@ -127,7 +129,7 @@ impl Factorisation {
             bounded: List::with_capacity(n),
             stacked: List::with_capacity(count),
             groups: List::with_capacity(3 * levels + 2),
-            // One more, so that every row is a whole one from any entry on.
+            // One extra row, so that a whole row can be read from every entry.
             rows: vec![0.0; (count + 1) * stride],
             target: vec![0.0; count],
             known: vec![0.0; count],
@@ -156,8 +158,8 @@ impl Factorisation {
         }
     }
 
-    /// Factors the active rows of all levels and computes x. Returns false if a linear term falls for
-    /// ever along what they leave open.
+    /// Factors the active rows of all levels and computes x. Returns false if a linear term
+    /// decreases without bound along a free direction.
     pub(crate) fn factorise(&mut self, data: &ProblemData, activity: &[Activity]) -> bool {
         self.begin(data, activity);
         for (level, rows) in data.levels.iter().enumerate() {
@@ -177,7 +179,7 @@ impl Factorisation {
         self.set_point(data)
     }
 
-    /// Begins with no rows: active bounds leave as columns.
+    /// Starts without rows. Active bounds are removed as columns.
     pub(crate) fn begin(&mut self, data: &ProblemData, activity: &[Activity]) {
         self.bounded.clear();
         self.bounded.extend((0..self.n).filter(|&i| activity[i].is_active()));
@@ -192,13 +194,14 @@ impl Factorisation {
         self.orthogonal.begin(self.free.len());
     }
 
-    /// Puts the free variables in order.
+    /// Sets the order of the free variables.
     fn order_variables(&mut self, data: &ProblemData, activity: &[Activity]) {
         self.x.fill(0.0);
         for &i in &self.bounded {
             self.x[i] = active_bound(data, activity, i);
         }
-        // Free variables keep their places, but for the last, which fill the places of the others.
+        // Free variables keep their places, except the last ones, which fill the places of the
+        // bounded variables.
         let k = self.n - self.bounded.len();
         self.free.clear();
         self.free.extend(0..k);
@@ -208,7 +211,7 @@ impl Factorisation {
         for &(place, variable) in &self.moved {
             self.free[place] = variable;
         }
-        // x is zero but for the variables at a bound.
+        // x is zero except for the variables at a bound.
         if self.bounded.is_empty() {
             self.known.fill(0.0);
         } else {
@@ -216,8 +219,8 @@ impl Factorisation {
         }
     }
 
-    /// Makes hard rows of those in the last group, of an objective, if all of them are pivots: they are
-    /// met then. Returns true if it did.
+    /// Turns the last group, that of an objective, into hard rows if all its rows are pivots and
+    /// hence satisfied. Returns true if it did.
     pub(crate) fn hold_met_group(&mut self) -> bool {
         let Some(group) = self.groups.last_mut() else { return false };
         let is_met = group.rank == group.end - group.start && group.linear_of.is_none();
@@ -227,14 +230,14 @@ impl Factorisation {
         is_met
     }
 
-    /// Opens an empty group behind the others.
+    /// Appends an empty group.
     pub(crate) fn push_group(&mut self, level: usize, purpose: Purpose, linear_of: Option<usize>) {
         let (start, first_pivot) = (self.stacked.len(), self.pivots.len());
         let end = start;
         self.groups.push(Group { level, purpose, start, end, rank: 0, first_pivot, linear_of });
     }
 
-    /// Adds the active ones of these rows to the last group.
+    /// Adds the active rows among `ids` to the last group.
     pub(crate) fn push_active(
         &mut self,
         data: &ProblemData,
@@ -249,7 +252,7 @@ impl Factorisation {
         self.groups.last_mut().into_iter().for_each(|group| group.end = end);
     }
 
-    /// Removes the last group; the directions that it decided become free.
+    /// Removes the last group. The directions that it decided become free.
     pub(crate) fn pop_group(&mut self) {
         if let Some(group) = self.groups.pop() {
             self.stacked.truncate(group.start);
@@ -282,13 +285,13 @@ impl Factorisation {
         self.square[at] = data.norm(id).powi(2);
     }
 
-    /// Factors the last group, with pivoting, for a search that changes it.
+    /// Factors the last group with pivoting, for a search that changes it.
     pub(crate) fn eliminate_last(&mut self) {
         self.eliminate_from(self.groups.len().saturating_sub(1));
         self.orthogonal.multiply_out();
     }
 
-    /// Factors the groups from this one on, with pivoting.
+    /// Factors the groups from this one on with pivoting.
     fn eliminate_from(&mut self, group: usize) {
         let first = self.groups.get(group).map_or(self.stacked.len(), |group| group.start);
         let rows = first * self.stride..self.stacked.len() * self.stride;
@@ -298,7 +301,7 @@ impl Factorisation {
         }
     }
 
-    /// Factors all groups anew, with pivoting.
+    /// Factors all groups again, with pivoting.
     pub(crate) fn eliminate_again(&mut self, data: &ProblemData, activity: &[Activity]) {
         self.bounded.sort_unstable();
         self.order_variables(data, activity);
@@ -313,7 +316,7 @@ impl Factorisation {
         self.eliminate_from(0);
     }
 
-    /// Turns the group's rows onto coordinates of their own by reflections, and the rows behind it with them.
+    /// Reflects the group's rows onto coordinates of their own. The later rows are reflected too.
     fn eliminate(&mut self, group: usize) {
         let (n, k) = (self.stride, self.free.len());
         let Group { start, end, purpose, .. } = self.groups[group];
@@ -350,7 +353,7 @@ impl Factorisation {
         (group.first_pivot, group.rank) = (first_pivot, self.pivots.len() - first_pivot);
     }
 
-    /// Squares of what remains of rows from column `step` on.
+    /// Computes the squared remainders of rows from column `step` on.
     fn measure(&mut self, rows: Range<usize>, step: usize) {
         for at in rows {
             let row = &self.rows[at * self.stride + step..at * self.stride + self.free.len()];
@@ -359,10 +362,10 @@ impl Factorisation {
         }
     }
 
-    /// The row with the largest remainder, of those where it is more than `tolerance` of the norm: heavy
-    /// rows first, light ones in what these leave.
+    /// Returns the row with the largest remainder among those whose remainder exceeds `tolerance`
+    /// of their norm. Heavy rows come first, and light rows in what these leave.
     fn heaviest_row(&mut self, rows: Range<usize>, step: usize, tolerance: f64) -> Option<usize> {
-        // Of a remainder that has shrunk much, little is left but rounding.
+        // A remainder that has shrunk much consists mostly of rounding.
         let shrunk = |(rest, measured): (&f64, &f64)| *rest < SHRUNK * *measured;
         let first = rows.start;
         if self.rest[rows.clone()].iter().zip(&self.measured[rows.clone()]).any(shrunk) {
@@ -384,14 +387,14 @@ impl Factorisation {
         best
     }
 
-    /// Returns true if of any of these rows more remains than this part of it.
+    /// Returns true if the remainder of any of these rows exceeds this part of the row.
     fn exceeds(&self, rows: Range<usize>, part: f64) -> bool {
         let mut squares = self.rest[rows.clone()].iter().zip(&self.square[rows]);
         squares.any(|(rest, square)| *rest > part.powi(2) * square)
     }
 
-    /// Returns true if the rank has taken rows of objectives for dependent that are so only by the rank
-    /// tolerance, and not by rounding: which ones depends on the order of rows and bounds.
+    /// Returns true if rows of objectives count as dependent only by the rank tolerance, and not by
+    /// rounding. Which rows these are depends on the order of rows and bounds.
     pub(crate) fn has_faint_rows(&self) -> bool {
         self.has_faint_rows
     }
@@ -409,14 +412,14 @@ impl Factorisation {
         }
     }
 
-    /// Coordinates of this group and those behind it are no longer known.
+    /// Marks the coordinates of this group and of later groups as unknown.
     fn expect_change(&mut self, group: usize) {
         self.decided = self.decided.min(group);
         self.attained = self.attained.min(group);
     }
 
-    /// Closes the groups before the first that has a row in `may_drop`: all are decided for good. Bounds
-    /// that left as columns must be so too.
+    /// Closes the groups before the first that has a row in `may_drop`. All of them are fixed.
+    /// Nothing is closed if a bound that was removed as a column may be dropped.
     pub(crate) fn close_groups(&mut self, may_drop: impl Fn(usize) -> bool) {
         if !self.bounded.iter().any(|&id| may_drop(id)) {
             let first = self.stacked.iter().position(|&id| may_drop(id));
@@ -425,47 +428,50 @@ impl Factorisation {
         }
     }
 
-    /// Coordinates, the first ones, that are decided for good.
+    /// Number of leading coordinates that are fixed.
     pub(crate) fn closed(&self) -> usize {
         self.closed
     }
 
-    /// Bounds that became active after the factorisation was made: rows of the first group.
+    /// Bounds that became active after the factorisation was made. They are rows of the first
+    /// group.
     pub(crate) fn bounds_in_stack(&self) -> impl Iterator<Item = usize> {
         let first = self.groups.first().map_or(0, |group| group.end);
         self.stacked[..first].iter().copied().filter(|&id| id < self.n)
     }
 
-    /// A part of a row below this is rounding, relative to the row.
+    /// Part of a row, relative to the row, below which it is rounding.
     pub(crate) fn least_part(&self) -> f64 {
         self.tolerances.nothing
     }
 
-    /// The group of an active row; the first for a bound that left as a column.
+    /// Returns the group of an active row. A bound that was removed as a column counts as one of
+    /// the first group.
     pub(crate) fn group_with(&self, id: usize) -> usize {
         let at = self.stacked.iter().position(|&row| row == id);
         let group = at.and_then(|at| self.groups.iter().position(|group| at < group.end));
         group.unwrap_or(0)
     }
 
-    /// Objectives in groups before the last.
+    /// Iterates over the objectives in groups before the last.
     fn objectives_above(&self) -> impl Iterator<Item = &Group> {
         let above = self.groups.iter().rev().skip(1);
         above.filter(|group| group.purpose == Purpose::Minimised)
     }
 
-    /// Coordinates that these decide.
+    /// Number of coordinates that the objectives before the last group decide.
     pub(crate) fn rank_of_objectives_above(&self) -> usize {
         self.objectives_above().map(|group| group.rank).sum()
     }
 
-    /// Returns true if the last step would move their coordinates by more than `length`.
+    /// Returns true if the last step would move the coordinates of these objectives by more than
+    /// `length`.
     pub(crate) fn moves_objectives_above(&self, length: f64) -> bool {
         self.objectives_step > length
     }
 
-    /// A bound on the norm of what row `id` has at free variables; the norm itself where rows pull by very
-    /// different forces.
+    /// Returns an upper bound of the norm of row `id`'s coefficients at free variables. If the
+    /// forces of rows differ much, it is the norm itself.
     pub(crate) fn norm_of_entries(&self, data: &ProblemData, id: usize, has_spread: bool) -> f64 {
         match data.row(id).coefficients() {
             Coefficients::Dense(row) if has_spread && !self.bounded.is_empty() => {
@@ -475,7 +481,7 @@ impl Factorisation {
         }
     }
 
-    /// Coordinates that the groups decide.
+    /// Number of coordinates that the groups decide.
     pub(crate) fn rank(&self) -> usize {
         self.pivots.len()
     }

@@ -1,5 +1,5 @@
-//! Multipliers of the active rows for one level, or for the least norm behind the last, with the
-//! rounding in each: that of its own sum, term by term.
+//! Multipliers of the active rows for one level, or for the least norm after the last. Each has a
+//! bound of its rounding, that of its own sum, term by term.
 
 use std::ops::Range;
 
@@ -9,43 +9,44 @@ use super::factorisation::{Factorisation, Group};
 use super::tolerances::{CLEARLY_THERE, NEGLIGIBLE, ROUNDING};
 use crate::linalg::vector::{add_scaled, norm};
 
-/// Which residuals a level's gradient is made of.
+/// Residuals that form a level's gradient.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Residuals {
-    /// Those of the rows at x.
+    /// Residuals of the rows at x.
     AtPoint,
-    /// Those that balance each other, where these are known better than those at x: of heavy rows they
-    /// may be far below the rounding of a x.
+    /// Residuals that balance each other, where these are more accurate than those at x. The
+    /// residuals of heavy rows may be far below the rounding of a x.
     Balanced,
 }
 
-/// The gradient of a level, and the multipliers that balance it; sized once.
+/// The gradient of a level and the multipliers that balance it. All memory is allocated once.
 #[derive(Debug, Clone)]
 pub(crate) struct Multipliers {
-    /// Of the pivots before those of the level, and the rounding in them.
+    /// Multipliers of the pivots before those of the level, and their rounding.
     of_pivots: Vec<f64>,
     rounding_of_pivots: Vec<f64>,
     rounding_of_bounds: Vec<f64>,
-    /// The pivots that balance the gradient: those decided for good do not matter any more.
+    /// Pivots that balance the gradient. Fixed pivots are not needed.
     pivots: Range<usize>,
     /// The level's group, if it has one.
     group: Option<usize>,
-    /// Residuals of the rows of the level, in the order of the stack, and the rounding in them.
+    /// Residuals of the rows of the level, in the order of the stack, and their rounding.
     residual: Vec<f64>,
     residual_rounding: Vec<f64>,
-    /// What the multipliers of the pivots leave of the gradient at the variables at a bound.
+    /// Remainder of the gradient at the variables at a bound, after the multipliers of the pivots.
     gradient: Vec<f64>,
     /// Weights of the rows of the problem in a sum.
     weights: Vec<f64>,
-    /// The size of the forces that balance each other, and the rounding in each coordinate that does not
-    /// come from rows.
+    /// Size of the forces that balance each other, and the rounding in each coordinate that does
+    /// not come from rows.
     size: f64,
     rounding: f64,
-    /// Whether rows of the level pull by so different forces that the rounding of one may hide another.
+    /// True if forces of rows of the level differ so much that the rounding of one may hide
+    /// another.
     has_spread: bool,
-    /// Whether small multipliers come from parts of rows that the rank tolerance may take for none.
+    /// True if small multipliers come from parts of rows that the rank tolerance may neglect.
     pub(crate) has_faint_pulls: bool,
-    /// The cap on what counts as rounding, relative to the forces.
+    /// Upper bound of what counts as rounding, relative to the forces.
     pub(crate) tolerance: f64,
 }
 
@@ -69,8 +70,8 @@ impl Multipliers {
         }
     }
 
-    /// Balances the gradient of the level whose rows are `group`. `value` is aᵢx. Returns false if there
-    /// is no gradient but rounding.
+    /// Balances the gradient of the level whose rows are `group`. `value` is aᵢx. Returns false if
+    /// the gradient is rounding only.
     pub(crate) fn balance_level(
         &mut self,
         data: &ProblemData,
@@ -82,7 +83,7 @@ impl Multipliers {
         let Group { level, start, end, rank, first_pivot, linear_of, .. } =
             factorisation.groups[group];
         (self.group, self.pivots) = (Some(group), factorisation.closed()..first_pivot);
-        // Without others the pivots are met.
+        // If there are only pivots, they are all satisfied.
         if residuals == Residuals::Balanced && linear_of.is_none() && end - start == rank {
             return false;
         }
@@ -100,7 +101,8 @@ impl Multipliers {
                 residual[i] = data.row(id).dot(x) - bound;
                 rounding[i] = data.rounding_beside_bounds(id, x, x_norm, activity);
             }
-            // Only where that may be all there is: it costs more than the rest.
+            // The rounding is only computed where it may explain the residual, since it costs more
+            // than the rest.
             let is_small = residual[i].abs() < CLEARLY_THERE * data.magnitude(id, x_norm);
             if end - start > rank && is_small && residual[i].abs() > rounding[i] {
                 rounding[i] += factorisation.rounding_of_point(data, group, start + i, x_norm);
@@ -144,7 +146,7 @@ impl Multipliers {
         true
     }
 
-    /// Balances the gradient of the least norm, x itself.
+    /// Balances the gradient of the least norm, which is x itself.
     pub(crate) fn balance_norm(
         &mut self,
         data: &ProblemData,
@@ -160,8 +162,8 @@ impl Multipliers {
         self.balance(data, factorisation);
     }
 
-    /// The multipliers of the pivots for the gradient whose coordinates stand in their place;
-    /// `gradient` keeps what they leave at the variables at a bound.
+    /// Computes the multipliers of the pivots for the gradient whose coordinates are in their
+    /// place. `gradient` keeps the remainder at the variables at a bound.
     fn balance(&mut self, data: &ProblemData, factorisation: &Factorisation) {
         let pivots = self.pivots.clone();
         factorisation.balance(&mut self.of_pivots[..pivots.end]);
@@ -176,7 +178,7 @@ impl Multipliers {
                 self.weights[id] = multiplier;
                 end = end.max(id + 1);
             }
-            // A bound in the stack is one of a variable that counts as free.
+            // A bound in the stack belongs to a variable that counts as free.
             let rows = data.n..end;
             data.add_rows(rows.clone(), &self.weights[rows], &mut self.gradient);
         }
@@ -185,7 +187,7 @@ impl Multipliers {
         self.size += forces.sum::<f64>();
     }
 
-    /// The rounding in each coordinate of the gradient.
+    /// Returns the rounding in each coordinate of the gradient.
     fn rounding_of_coordinates(&self, data: &ProblemData, factorisation: &Factorisation) -> f64 {
         let rows = self.residuals(factorisation).map(|(id, residual, rounding)| {
             factorisation.norm_of_entries(data, id, self.has_spread)
@@ -194,12 +196,12 @@ impl Multipliers {
         self.rounding + rows.sum::<f64>()
     }
 
-    /// A force above this is certainly no rounding.
+    /// Returns a force that certainly exceeds rounding.
     pub(crate) fn clear_force(&self, factorisation: &Factorisation) -> f64 {
         CLEARLY_THERE.max(factorisation.tolerances.faint) * self.size
     }
 
-    /// The rows of the level and their residuals, with the rounding in these.
+    /// Iterates over the rows of the level with their residuals and the rounding of these.
     pub(crate) fn residuals<'a>(
         &'a self,
         factorisation: &'a Factorisation,
@@ -213,7 +215,8 @@ impl Multipliers {
         rows.map(|(&id, (&residual, &rounding))| (id, residual, rounding))
     }
 
-    /// The rows that balance the gradient, and their multipliers: pivots first, in order.
+    /// Iterates over the rows that balance the gradient, with their multipliers: pivots first, in
+    /// order.
     pub(crate) fn pairs<'a>(
         &'a self,
         factorisation: &'a Factorisation,
@@ -224,7 +227,7 @@ impl Multipliers {
         of_pivots.chain(factorisation.bounded.iter().map(|&id| (id, -self.gradient[id])))
     }
 
-    /// Computes the rounding in the multipliers: that of the sums they come from.
+    /// Computes the rounding in the multipliers, which is that of their sums.
     pub(crate) fn set_rounding(&mut self, data: &ProblemData, factorisation: &mut Factorisation) {
         let end = self.pivots.end;
         let in_coordinates = self.rounding_of_coordinates(data, factorisation);
@@ -233,8 +236,8 @@ impl Multipliers {
         let norm = |id| factorisation.norm_of_entries(data, id, has_spread);
         let (multipliers, rounding) = (&self.of_pivots[..end], &mut self.rounding_of_pivots[..end]);
         factorisation.balance_rounding(multipliers, norm, rounding);
-        // Where rows nearly depend on each other, these bounds grow far beyond the real rounding. Where all
-        // forces are rounding, a part of them says nothing.
+        // If rows nearly depend on each other, these bounds far exceed the actual rounding. If all
+        // forces are rounding, a part of them means nothing.
         let pivots = &factorisation.pivots[self.pivots.clone()];
         let ids = pivots.iter().map(|&pivot| factorisation.stacked[pivot]);
         let most = in_coordinates.max(self.tolerance * self.size);
@@ -251,8 +254,8 @@ impl Multipliers {
         }
     }
 
-    /// The rows of [`pairs`](Self::pairs) with their multipliers and the rounding in these, once it has
-    /// been [computed](Self::set_rounding).
+    /// Iterates over the rows of [`pairs`](Self::pairs) with their multipliers and rounding, after
+    /// [`set_rounding`](Self::set_rounding).
     pub(crate) fn with_rounding<'a>(
         &'a self,
         factorisation: &'a Factorisation,
@@ -263,7 +266,8 @@ impl Multipliers {
             .map(|((id, multiplier), &rounding)| (id, multiplier, rounding))
     }
 
-    /// The rounding in the entry of the gradient at a variable at a bound, balanced by the pivots.
+    /// Returns the rounding in the gradient's entry at a variable at a bound, after the pivots
+    /// balance it.
     fn entry_rounding(
         &self,
         data: &ProblemData,
@@ -293,7 +297,8 @@ impl Multipliers {
         of_level + balanced.sum::<f64>()
     }
 
-    /// Multipliers below this, times the norms of their rows, say nothing: for certificates.
+    /// Returns the force below which multipliers mean nothing for certificates. A force is a
+    /// multiplier times the norm of its row.
     pub(crate) fn negligible(&self, data: &ProblemData, factorisation: &Factorisation) -> f64 {
         NEGLIGIBLE * self.rounding_of_coordinates(data, factorisation)
     }

@@ -1,23 +1,23 @@
-//! The prediction of the next active set.
+//! Prediction of the next active set.
 //!
-//! Along a smooth motion it is the last one. Where the data are noisy, rows near their bounds come
-//! and go, and what a row does most of the time says more. As in branch prediction (`McFarling`,
-//! Combining Branch Predictors, 1993) both guesses are kept, and the one is taken that has been
-//! wrong in fewer rows of late.
+//! The prediction for a smooth motion is the last active set. If the data are noisy, rows near
+//! their bounds come and go, and the usual activity of a row is a better guess. As in branch
+//! prediction (`McFarling`, Combining Branch Predictors, 1993) both guesses are kept. The one that
+//! was wrong in fewer recent rows is used.
 
 use super::activity::Activity;
 use super::tolerances::{JUMP, NEWEST, NEWEST_SCORE};
 
-/// What the rows of a problem did in the last solves.
+/// Activity of the rows of a problem in the last solves.
 #[derive(Debug, Clone)]
 pub(crate) struct Prediction {
-    /// Of every row where it was last: −1 at its lower bound, 1 at its upper, else 0.
+    /// Last side of every row: −1 at its lower bound, 1 at its upper bound, otherwise 0.
     last: Vec<f32>,
-    /// The mean of the same.
+    /// Mean side of every row.
     mean: Vec<f32>,
-    /// Solves that the means are of.
+    /// Number of solves in the means.
     solves: u16,
-    /// In how many rows the guesses were wrong, on average.
+    /// Average number of rows in which each guess was wrong.
     last_wrong: f64,
     mean_wrong: f64,
     variables: usize,
@@ -35,12 +35,12 @@ impl Prediction {
         }
     }
 
-    /// The next solve has nothing to do with those before.
+    /// Forgets earlier solves, since the next one is unrelated to them.
     pub(crate) fn forget(&mut self) {
         (self.solves, self.last_wrong, self.mean_wrong) = (0, 0.0, 0.0);
     }
 
-    /// Overwrites the last active set with what each row does most of the time, if that has been the
+    /// Overwrites the last active set with the usual activity of each row, if that has been the
     /// better guess.
     pub(crate) fn predict(&self, activity: &mut [Activity]) {
         if self.mean_wrong < self.last_wrong {
@@ -54,7 +54,7 @@ impl Prediction {
         }
     }
 
-    /// Takes the active set that a solve ended with.
+    /// Takes the active set at the end of a solve.
     pub(crate) fn learn(&mut self, activity: &[Activity]) {
         self.solves = self.solves.saturating_add(1);
         let newest = f32::max(1.0 / f32::from(self.solves), NEWEST);
@@ -76,7 +76,7 @@ impl Prediction {
     }
 }
 
-/// Where a row is most of the time.
+/// Returns the side at which a row is most of the time.
 fn side(mean: f32) -> f32 {
     one_if(mean > 0.5) - one_if(mean < -0.5)
 }
@@ -96,7 +96,8 @@ mod tests {
         guess.iter().zip(right).filter(|(guess, right)| guess != right).count()
     }
 
-    /// How often the guesses at a sequence of active sets are wrong, and how often the last set.
+    /// Returns how often the guesses for a sequence of active sets are wrong, and how often
+    /// repeating the last set is.
     fn follow(sets: &[Vec<Activity>]) -> (usize, usize) {
         let mut prediction = Prediction::new(ROWS, ROWS);
         let (mut guessed, mut repeated) = (0, 0);
@@ -116,11 +117,12 @@ mod tests {
 
     proptest! {
         #[test]
-        fn rows_that_change_for_good_are_taken_as_they_were_last(
+        fn lasting_changes_are_predicted_by_the_last_set(
             first in prop::collection::vec(states(), ROWS),
             changes in prop::collection::vec((0..2 * ROWS, states()), 60),
         ) {
-            // Every row changes seldom enough for its mean to have followed; half the times none.
+            // Changes of a row are rare enough for its mean to follow. Half of the time there is
+            // none.
             let mut sets = vec![first];
             for (i, &(row, state)) in changes.iter().enumerate() {
                 let mut next = sets[i].clone();
@@ -138,7 +140,7 @@ mod tests {
         }
 
         #[test]
-        fn rows_that_come_and_go_are_taken_as_they_usually_are(
+        fn alternating_rows_are_predicted_by_their_mean(
             usual in prop::collection::vec(states(), ROWS),
             noise in prop::collection::vec(
                 prop::collection::vec((prop::bool::weighted(0.1), states()), ROWS), 80,

@@ -10,27 +10,27 @@ use crate::problem::ids::LevelId;
 use crate::problem::source::{ConstraintSource, Names};
 use crate::solver::tolerances::{LINEAR, MODERATE, MODERATE_SQUARE, NO_CURVATURE, ROUNDING, SHAPE};
 
-/// What stands in the diagonal for a variable that is factored.
+/// Diagonal value of a variable that is factored.
 const IS_PIVOT: f64 = f64::NEG_INFINITY;
 
-/// ½xᵀHx + gᵀx = ½‖Rx − b‖² + linearᵀx + constant.
+/// The form ½xᵀHx + gᵀx = ½‖Rx − b‖² + linearᵀx + constant.
 ///
-/// R has as many rows as H has rank. The linear part is what of the gradient lies outside the
-/// range of H; it vanishes for objectives that are bounded below everywhere.
+/// R has as many rows as H has rank. The linear part is the part of the gradient outside the range
+/// of H. It is zero for objectives that are bounded below everywhere.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct QuadraticFactor {
     n: usize,
     rank: usize,
-    /// R, row after row.
+    /// R, row by row.
     factor: Vec<f64>,
     target: Vec<f64>,
-    /// The rounding in the target, and of what size that in a row is relative to the row.
+    /// Rounding of the target, and the factor by which the relative rounding of a row is amplified.
     target_rounding: Vec<f64>,
     amplification: Vec<f64>,
     pivots: List<usize>,
-    /// The variables with curvature: most Hessians of a stack of tasks see few.
+    /// Variables with curvature. Most Hessians of a stack of tasks have few.
     curved: List<usize>,
-    /// What of the diagonal is not factored yet; [`IS_PIVOT`] for pivots.
+    /// Part of the diagonal that is not factored yet, or [`IS_PIVOT`] for pivots.
     diagonal: Vec<f64>,
     linear: Vec<f64>,
 }
@@ -59,28 +59,29 @@ impl QuadraticFactor {
         (&self.factor[index * self.n..(index + 1) * self.n], self.target[index])
     }
 
-    /// The variable whose row of H made a row of R.
+    /// Returns the variable whose row of H produced a row of R.
     pub(crate) fn pivot(&self, index: usize) -> Option<usize> {
         self.pivots.get(index).copied()
     }
 
-    /// The rounding of a row's entries, relative to the row, in units of ordinary rounding, and that
-    /// of its target: what a small pivot leaves of large terms.
+    /// Returns the rounding of a row's entries, relative to the row, in units of ordinary rounding.
+    /// The second value is the rounding of its target. A small pivot of large terms increases both.
     pub(crate) fn rounding(&self, index: usize) -> (f64, f64) {
         (self.amplification[index], self.target_rounding[index])
     }
 
-    /// Copies the linear part; whether there is one.
+    /// Copies the linear part. Returns true if it is not zero.
     pub(crate) fn linear(&self, out: &mut [f64]) -> bool {
         out.copy_from_slice(&self.linear);
         self.linear.iter().any(|entry| *entry != 0.0)
     }
 
-    /// Multipliers of rows of R as multipliers of rows of H: `(row of H, multiplier)`.
+    /// Converts multipliers of rows of R to multipliers of rows of H: `(row of H, multiplier)`.
     pub(crate) fn to_hessian_rows(&self, multipliers: &[f64]) -> Vec<(usize, f64)> {
         let n = self.n;
         let mut z = multipliers.to_vec();
-        // H at the pivots is (R at the pivots)ᵀ R, so μᵀR = (R at the pivots)⁻¹μ times it.
+        // H at the pivots is (R at the pivots)ᵀ R, so μᵀR = ((R at the pivots)⁻¹μ)ᵀ (H at the
+        // pivots).
         for i in (0..self.rank.min(z.len())).rev() {
             let known: f64 =
                 (i + 1..self.rank).map(|j| self.factor[i * n + self.pivots[j]] * z[j]).sum();
@@ -136,7 +137,7 @@ impl QuadraticFactor {
     fn is_block_of_curved(&self, hessian: &DMatrix<f64>) -> bool {
         let n = self.n;
         let flat = |&i: &usize| self.diagonal[i] <= 0.0;
-        // A sum of squares that rounds to zero does not say that all are zero; bits do.
+        // A sum of squares may round to zero although not all entries are zero. The bits do not.
         let bits = |bits: u64, entry: &f64| bits | (entry.to_bits() << 1);
         let columns = hessian.as_slice().chunks_exact(n.max(1)).enumerate();
         let all = columns.fold(0, |all, (column, entries)| {
@@ -150,7 +151,7 @@ impl QuadraticFactor {
         all == 0
     }
 
-    /// Returns true if the entries of variables with curvature are their own mirror image.
+    /// Returns true if the entries of variables with curvature are exactly symmetric.
     fn is_exactly_symmetric(&self, hessian: &DMatrix<f64>) -> bool {
         let mut curved = self.curved.iter().enumerate();
         curved.all(|(count, &i)| {
@@ -158,7 +159,7 @@ impl QuadraticFactor {
         })
     }
 
-    /// The variable with the largest share of its curvature left, whatever its unit.
+    /// Returns the variable with the largest remaining share of its curvature, whatever its unit.
     fn best_pivot(&self, hessian: &DMatrix<f64>) -> Option<usize> {
         let share = |i: usize| self.diagonal[i] / hessian[(i, i)];
         let curved = self.curved.iter().copied();
@@ -190,7 +191,7 @@ impl QuadraticFactor {
         self.rank += 1;
     }
 
-    /// Where a PSD matrix has no curvature, all is zero.
+    /// Checks that rows without curvature are zero, as in every positive semidefinite matrix.
     fn check_flat(&self, level: usize, hessian: &DMatrix<f64>) -> Result<(), Error> {
         let n = self.n;
         for i in (0..n).filter(|i| !self.curved.contains(i)) {
@@ -202,7 +203,8 @@ impl QuadraticFactor {
         Ok(())
     }
 
-    /// What is left of a PSD matrix after its last positive pivot is zero.
+    /// Checks that the remainder after the last positive pivot is zero, as in every positive
+    /// semidefinite matrix.
     fn check_remainder(&self, level: usize, hessian: &DMatrix<f64>) -> Result<(), Error> {
         let n = self.n;
         let rest = || self.curved.iter().copied().filter(|&i| self.diagonal[i] != IS_PIVOT);
@@ -219,7 +221,7 @@ impl QuadraticFactor {
         Ok(())
     }
 
-    /// b with (Rᵀb)ᵢ = −gᵢ at the pivots; the rest of g is linear.
+    /// Computes b with (Rᵀb)ᵢ = −gᵢ at the pivots. The rest of g is linear.
     fn split_gradient(&mut self, hessian: &DMatrix<f64>, gradient: &DVector<f64>) {
         for i in 0..self.rank {
             let pivot = self.pivots[i];
@@ -236,7 +238,7 @@ impl QuadraticFactor {
         }
     }
 
-    /// gⱼ and what the first rows of R and their targets add to it.
+    /// Returns gⱼ plus the contribution of the first rows of R and their targets.
     fn left_of_gradient(
         &self,
         hessian: &DMatrix<f64>,
@@ -259,7 +261,7 @@ impl QuadraticFactor {
     }
 }
 
-/// What is left of an entry of the gradient, the size of its terms, and the rounding in it.
+/// Remainder of an entry of the gradient, the size of its terms, and its rounding.
 struct Left {
     value: f64,
     size: f64,
@@ -303,9 +305,9 @@ fn check_moderate(level: usize, value: f64) -> Result<(), Error> {
     Err(Error::too_large(source_of_row, value))
 }
 
-/// The largest that entry (i, j) of a positive semidefinite matrix with this diagonal can be.
+/// Returns the largest possible entry (i, j) of a positive semidefinite matrix with this diagonal.
 fn largest_entry(hessian: &DMatrix<f64>, i: usize, j: usize) -> f64 {
-    // Root by root: the product of two entries may leave the range of doubles.
+    // The roots are multiplied, since the product of two entries may leave the range of doubles.
     hessian[(i, i)].max(0.0).sqrt() * hessian[(j, j)].max(0.0).sqrt()
 }
 
@@ -363,7 +365,7 @@ mod tests {
         QuadraticFactor::new(n).factorise(3, hessian, &DVector::zeros(n))
     }
 
-    /// A large or small diagonal block beside one of size 2.
+    /// Returns a large or small diagonal block beside one of size 2.
     fn beside(entry: f64, block: [f64; 4]) -> DMatrix<f64> {
         let mut hessian = DMatrix::zeros(3, 3);
         hessian[(0, 0)] = entry;
@@ -391,7 +393,7 @@ mod tests {
         }
     }
 
-    /// What the check says, without the place and the size.
+    /// Returns the verdict of the check, without place and size.
     fn kind(hessian: &DMatrix<f64>) -> &'static str {
         match verdict(hessian) {
             Ok(()) => "convex",
@@ -412,7 +414,8 @@ mod tests {
             let half = DMatrix::from_row_slice(3, 5, &entries);
             let mut hessian = half.transpose() * &half;
             let sizes: Vec<f64> = hessian.diagonal().iter().map(|entry| entry.sqrt()).collect();
-            // Rank 3: less on the diagonal is no convex matrix, another entry elsewhere no symmetric one.
+            // The rank is 3. A smaller diagonal entry makes the matrix indefinite, and another
+            // entry elsewhere asymmetric.
             let change = if at.0 == at.1 { -change.abs() } else { change };
             hessian[at] += change * sizes[at.0] * sizes[at.1];
             let expected = match (change == 0.0, at.0 == at.1) {
@@ -424,21 +427,22 @@ mod tests {
             let scaled = DMatrix::from_fn(5, 5, |i, j| unit(i) * hessian[(i, j)] * unit(j));
             prop_assert_eq!(kind(&hessian), expected);
             prop_assert_eq!(kind(&scaled), expected);
-            // The same change in both entries leaves the curvature to tell.
+            // The same change in both entries leaves only the curvature to judge.
             let symmetric = (&hessian + hessian.transpose()) * 0.5;
             let scaled = DMatrix::from_fn(5, 5, |i, j| unit(i) * symmetric[(i, j)] * unit(j));
             prop_assert_eq!(kind(&symmetric), kind(&scaled));
         }
     }
 
-    /// Two alike variables, and a gradient of zero at both: there each term is rounding of the factor.
+    /// Two variables are alike, and the gradient is zero at both. Each term there is rounding of
+    /// the factor.
     #[test]
     fn rounding_of_the_factor_is_no_linear_part() {
         let hessian = DMatrix::from_row_slice(3, 3, &[1.0, 1.0, 1.0, 1.0, 2.0, 2.0, 1.0, 2.0, 2.0]);
         let mut factor = QuadraticFactor::new(3);
         factor.factorise(0, &hessian, &DVector::from_row_slice(&[1.0, 0.0, 0.0])).unwrap();
         assert!(!factor.linear(&mut [0.0; 3]));
-        // What is there is seen, however small.
+        // A real part is seen, however small.
         factor.factorise(0, &hessian, &DVector::from_row_slice(&[1.0, 1e-6, 0.0])).unwrap();
         assert!(factor.linear(&mut [0.0; 3]));
     }

@@ -1,4 +1,4 @@
-//! Times as numbers of seconds, in files of settings.
+//! Times as numbers of seconds in settings files.
 
 use std::time::Duration;
 

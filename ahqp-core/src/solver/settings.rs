@@ -1,10 +1,12 @@
-//! The solver's few parameters.
+//! Settings of the solver.
 
 use crate::error::Error;
 
-/// How hard the solver tries and what it calls zero. All tolerances are relative to the sizes
-/// of the rows, bounds and gradients at hand, so that they do not depend on units, and at most 1e-4.
-/// Only rows without coefficients are judged in their own unit.
+/// Effort and tolerances of the solver.
+///
+/// All tolerances are relative to the sizes of the rows, bounds and gradients involved, so that
+/// they do not depend on units. They are at most 1e-4. Only rows without coefficients are judged in
+/// their own unit.
 ///
 /// ```
 /// use ahqp_core::Settings;
@@ -14,33 +16,36 @@ use crate::error::Error;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
-    /// Iterations of one solve, at least 1 \[-\]: rounds of repairing the prediction, and steps
-    /// of searches over all levels. Default 1000.
+    /// Largest number of iterations of one solve, at least 1 \[-\]. Iterations are rounds of
+    /// repairing the prediction, and steps of searches over all levels. Default 1000.
     pub max_iterations: usize,
-    /// A constraint holds when it is violated by less than this, relative to the size of its terms
-    /// and of its nearer bound at the solution \[-\]. Default 1e-10. A row without coefficients has the
-    /// size one beside its bound. What the rounding of x explains, 1e-14 of ‖a‖‖x‖, counts as none.
+    /// Largest violation with which a constraint holds \[-\]. It is relative to the size of the
+    /// constraint's terms and of its nearer bound at the solution. Default 1e-10. A row without
+    /// coefficients has the size one beside its bound. The rounding of x, 1e-14 of ‖a‖‖x‖, does not
+    /// count as a violation.
     pub feasibility_tolerance: f64,
-    /// A row depends on others when what they leave of it is below this fraction of its norm
-    /// \[-\]. Default 1e-10.
+    /// A row depends on others if they leave less than this fraction of its norm \[-\]. Default
+    /// 1e-10.
     pub rank_tolerance: f64,
-    /// A multiplier of the wrong sign frees its row when it exceeds the rounding of the sum that it
-    /// comes from. Where rows nearly depend on each other that bound says little: rounding then counts
-    /// as at most this part of the level's forces \[-\]. In the choice of least norm it is relative
-    /// to ‖x‖. Default 1e-10.
+    /// Upper bound of what counts as rounding of a multiplier, relative to the level's forces
+    /// \[-\].
+    ///
+    /// A row is freed if its multiplier has the wrong sign and exceeds the rounding of its sum. If
+    /// rows nearly depend on each other, the computed rounding is much too large, and this bound
+    /// counts. In the choice of least norm it is relative to ‖x‖. Default 1e-10.
     pub optimality_tolerance: f64,
-    /// Where a solve starts. Default: from the active set of the one before.
+    /// Start of a solve. Default: the active set of the solve before.
     pub warm_start: WarmStart,
 }
 
-/// Where a solve starts.
+/// Start of a solve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum WarmStart {
-    /// From the active set at which the previous solve ended, or, where rows come and go, from what
-    /// each has done most of the time.
+    /// The active set at the end of the previous solve. If rows come and go, the usual activity of
+    /// each row.
     #[default]
     PreviousActiveSet,
-    /// From nothing.
+    /// An empty active set.
     Cold,
 }
 
@@ -56,7 +61,7 @@ impl Default for Settings {
     }
 }
 
-/// With larger tolerances the answer depends on where a solve starts.
+/// Larger tolerances would make the solution depend on the start of a solve.
 const LARGEST_TOLERANCE: f64 = 1e-4;
 
 impl Settings {
@@ -69,7 +74,7 @@ impl Settings {
     /// Checks the ranges.
     ///
     /// # Errors
-    /// [`Error::Value`] names the first that is out of its range.
+    /// [`Error::Value`] names the first setting that is out of its range.
     pub fn validate(&self) -> Result<(), Error> {
         if self.max_iterations == 0 {
             return Err(Error::value("max_iterations", 0.0, "at least 1"));

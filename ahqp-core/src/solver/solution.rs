@@ -1,10 +1,10 @@
-//! What a solve returns.
+//! Result of a solve.
 
 use crate::error::Error;
 use crate::solver::status::Status;
 
-/// The answer of [`Solver::solve`](crate::Solver::solve) and
-/// [`ContinuousStack::solve`](crate::ContinuousStack::solve); it lives in them.
+/// Result of [`Solver::solve`](crate::Solver::solve) and
+/// [`ContinuousStack::solve`](crate::ContinuousStack::solve), which own it.
 ///
 /// ```
 /// use ahqp_core::{Budget, Error, Hierarchy, Level, Rows, Settings, Solver};
@@ -32,7 +32,7 @@ pub struct Solution {
 }
 
 impl Solution {
-    /// The variables at the optimum, of size n.
+    /// Returns the variables at the optimum, of size n.
     ///
     /// # Errors
     /// [`Error::Unfinished`] unless the solve ended with [`Status::Solved`].
@@ -43,17 +43,18 @@ impl Solution {
         }
     }
 
-    /// The variables as far as the solve came, of size n: the optimum, or what [`Status`] says.
+    /// Returns the variables that the solve reached, of size n: the optimum, or the point that
+    /// [`Status`] describes.
     pub fn best(&self) -> &[f64] {
         &self.x
     }
 
-    /// How the solve ended.
+    /// Returns how the solve ended.
     pub fn status(&self) -> Status {
         self.status
     }
 
-    /// Iterations spent: rounds of repair and steps of searches, over all levels.
+    /// Number of iterations: rounds of repair and steps of searches, over all levels.
     pub fn iterations(&self) -> usize {
         self.iterations
     }

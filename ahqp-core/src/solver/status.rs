@@ -1,4 +1,4 @@
-//! How a solve ended.
+//! Endings of a solve.
 
 use std::fmt;
 
@@ -6,9 +6,10 @@ use crate::problem::ids::LevelId;
 
 /// How a solve ended.
 ///
-/// Where a budget ran out, all levels above the one named are at their optimum, all their
-/// constraints hold, and the levels from it down are as good as they got. The next warm solve goes
-/// on from there. No level stands for the choice of least norm behind the last.
+/// If a budget ran out, all levels above the named one are at their optimum, and all their
+/// constraints hold. The levels from the named one on are as good as the solve made them. The next
+/// warm solve continues from there. A level of `None` stands for the choice of least norm after the
+/// last level.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Status {
@@ -16,18 +17,18 @@ pub enum Status {
     Solved,
     /// The iterations ran out.
     IterationLimit {
-        /// The level in which they did.
+        /// The level at which the iterations ran out.
         level: Option<LevelId>,
     },
     /// The time ran out.
     TimeLimit {
-        /// The level in which it did.
+        /// The level at which the time ran out.
         level: Option<LevelId>,
     },
 }
 
 impl Status {
-    /// The same ending where levels have other ids.
+    /// Replaces the ids of levels.
     pub(crate) fn renamed(self, rename: impl Fn(LevelId) -> LevelId) -> Self {
         match self {
             Self::Solved => self,
@@ -36,7 +37,7 @@ impl Status {
         }
     }
 
-    /// The same ending behind all levels.
+    /// Replaces the level by the choice of least norm after all levels.
     pub(crate) fn behind_all_levels(self) -> Self {
         match self {
             Self::Solved => self,

@@ -1,4 +1,4 @@
-//! The stacks with and without each of the changes under way, and their weights.
+//! Stacks with and without each of the changes in progress, and their weights.
 
 use super::Place;
 use super::change::{Change, Difference};
@@ -12,13 +12,13 @@ use crate::solver::settings::Settings;
 #[derive(Debug, Clone)]
 pub(super) struct Blend {
     pub(super) changes: List<Change>,
-    /// One for each set of changes made: bit i of the index is change i.
+    /// One plan for each set of completed changes. Bit i of the index is change i.
     pub(super) plans: Vec<Plan>,
     settings: Settings,
 }
 
 impl Blend {
-    /// The most changes at a time.
+    /// Largest number of changes at a time.
     pub(super) const MAX_CHANGES: usize = 4;
 
     pub(super) fn new(data: &Data, settings: Settings) -> Result<Self, Error> {
@@ -35,8 +35,9 @@ impl Blend {
         self.plans.iter_mut().try_for_each(|plan| plan.set_settings(settings))
     }
 
-    /// Gives each set of changes the length of the thresholds at which it is made: sorted by
-    /// their shares, the changes come one after the other.
+    /// Sets the weight of each set of changes to the length of the range of thresholds at which
+    /// exactly these are made. In the order of their shares, the changes are made one after the
+    /// other.
     pub(super) fn weigh(&mut self) {
         self.plans.iter_mut().for_each(|plan| plan.weight = 0.0);
         let mut made = 0;
@@ -56,7 +57,7 @@ impl Blend {
         }
     }
 
-    /// All levels in the order in which they will stand, whether active or not.
+    /// Returns all levels in their order after all changes, active or not.
     pub(super) fn final_order(&self) -> &[Entry] {
         let made = self.changes.iter().enumerate();
         let made = made.filter(|(_, change)| change.share.target() > 0.0);
@@ -74,7 +75,7 @@ impl Blend {
         Some(if entry.active { 1.0 } else { 0.0 })
     }
 
-    /// Makes place for a level, not active yet.
+    /// Inserts an inactive level.
     pub(super) fn insert(&mut self, id: LevelId, place: Place) {
         for Plan { order, .. } in &mut self.plans {
             let of = |id| order.iter().position(|entry| entry.id == id).unwrap_or(0);
@@ -88,8 +89,8 @@ impl Blend {
         }
     }
 
-    /// Doubles the plans: without the change, and with it. Those that there are stay as they are,
-    /// with what their solvers know.
+    /// Doubles the plans: without the change, and with it. Existing plans keep the state of their
+    /// solvers.
     pub(super) fn begin(&mut self, change: Change, data: &Data) -> Result<(), Error> {
         let apply = |made: bool, order: &[Entry]| {
             let mut order = order.to_vec();
@@ -111,8 +112,8 @@ impl Blend {
         Ok(())
     }
 
-    /// Lets go of changes that are over, of the plans that they decided against, and of the
-    /// levels that they removed, which `removed` hears of.
+    /// Removes completed changes, the plans that these exclude, and the levels that they removed.
+    /// Calls `removed` for each such level.
     pub(super) fn settle(&mut self, mut removed: impl FnMut(LevelId)) {
         for i in (0..self.changes.len()).rev() {
             let Some(made) = self.changes[i].outcome() else { continue };

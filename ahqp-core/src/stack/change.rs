@@ -1,10 +1,10 @@
-//! A change of the stack under way: how much of it has been made.
+//! A change of the stack in progress, and the share of it that has been made.
 
 use super::plan::Entry;
 use super::ramp::Ramp;
 use crate::problem::ids::LevelId;
 
-/// A difference between stacks, and how much of the thresholds has it.
+/// A difference between stacks, and the share of the thresholds at which it is made.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Change {
     pub(super) difference: Difference,
@@ -12,29 +12,29 @@ pub(super) struct Change {
     pub(super) end: End,
 }
 
-/// What tells the stacks with and without the change apart.
+/// Difference between the stacks with and without the change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Difference {
-    /// The level is active or not.
+    /// The level is active.
     Activation(LevelId),
-    /// The two levels stand in each other's place or in their own.
+    /// The two levels are exchanged.
     Exchange(LevelId, LevelId),
 }
 
-/// What becomes of a change whose share has reached 0 or 1.
+/// What happens when the share of a change has reached 0 or 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum End {
-    /// It is over.
+    /// The change ends.
     Settles,
-    /// It is over, and its level gone.
+    /// The change ends, and its level is removed.
     Removes,
-    /// It waits to be directed elsewhere.
+    /// The change waits for a new target.
     Waits,
 }
 
 impl Change {
-    /// Whether one of the two stacks has the whole weight from now on; if so, whether it is the
-    /// one with the difference.
+    /// Returns whether the difference stays, if one of the two stacks has the whole weight from now
+    /// on. None otherwise.
     pub(super) fn outcome(&self) -> Option<bool> {
         let over = self.share.is_over() && self.end != End::Waits;
         match self.share.target() {
@@ -54,7 +54,7 @@ impl Difference {
         self == Self::Exchange(a, b) || self == Self::Exchange(b, a)
     }
 
-    /// Makes or unmakes the difference in an order without it.
+    /// Applies or reverts the difference in an order that does not include it.
     pub(super) fn apply(self, made: bool, order: &mut [Entry]) {
         match self {
             Self::Activation(id) => {

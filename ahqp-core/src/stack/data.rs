@@ -1,4 +1,4 @@
-//! The problem's data, shared by all the stacks that are blended.
+//! Data of the problem, shared by all blended stacks.
 
 use std::sync::Arc;
 
@@ -7,7 +7,7 @@ use crate::problem::hierarchy::Hierarchy;
 use crate::problem::ids::LevelId;
 use crate::problem::level::Level;
 
-/// `lower ≤ x ≤ upper`.
+/// The bounds `lower ≤ x ≤ upper`.
 #[derive(Debug, Clone)]
 pub(super) struct Bounds {
     pub(super) lower: Vec<f64>,
@@ -29,10 +29,10 @@ impl Bounds {
 #[derive(Debug, Clone)]
 pub(super) struct Data {
     pub(super) bounds: Bounds,
-    /// What the blend must obey, but not the solutions that are blended.
+    /// Bounds of the blend, which the blended solutions need not obey.
     pub(super) output: Bounds,
     pub(super) ids: Vec<LevelId>,
-    /// One for each id.
+    /// One level for each id.
     pub(super) levels: Vec<Level>,
     pub(super) variable_names: Vec<Arc<str>>,
 }
@@ -47,7 +47,7 @@ impl Data {
         self.levels.get_mut(place)
     }
 
-    /// All levels with their ids.
+    /// Iterates over all levels with their ids.
     pub(super) fn entries(&self) -> impl Iterator<Item = (LevelId, &Level)> + Clone {
         self.ids.iter().copied().zip(&self.levels)
     }
@@ -68,7 +68,7 @@ impl Data {
         self.ids.iter().position(|other| *other == id)
     }
 
-    /// A problem over the same variables, without levels.
+    /// Creates a problem over the same variables, without levels.
     pub(super) fn frame(&self) -> Result<Hierarchy, Error> {
         let mut frame = Hierarchy::new(self.bounds.lower.len())?;
         if !self.variable_names.is_empty() {
@@ -77,8 +77,9 @@ impl Data {
         Ok(frame)
     }
 
-    /// Writes the bounds of the variables; with `narrow` within the bounds of the output, which
-    /// win where the two have nothing in common. NaN stays, for the solver to refuse.
+    /// Writes the bounds of the variables. If `narrow` is true, they are limited to the bounds of
+    /// the output, which hold if the two exclude each other. NaN is kept, so that the solver
+    /// refuses it.
     pub(super) fn write_bounds(&self, narrow: bool, hierarchy: &mut Hierarchy) {
         let (lower, upper) = hierarchy.bounds_mut();
         for (to, from) in [(lower, &self.bounds.lower), (upper, &self.bounds.upper)] {

@@ -1,4 +1,4 @@
-//! The point nearest to the blend that obeys the bounds of the output.
+//! The point nearest to the blend within the bounds of the output.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -15,7 +15,7 @@ use crate::solver::settings::Settings;
 use crate::solver::solution::Solution;
 use crate::solver::status::Status;
 
-/// min ‖x − blend‖² within the bounds of variables and output and the hard constraints.
+/// The problem min ‖x − blend‖² within the bounds of variables and output and the hard constraints.
 #[derive(Debug, Clone)]
 pub(super) struct Output {
     problem: Hierarchy,
@@ -24,7 +24,7 @@ pub(super) struct Output {
 }
 
 impl Output {
-    /// For the levels of `data`, or fewer.
+    /// Creates the problem for the levels of `data`, or fewer.
     pub(super) fn new(data: &Data, settings: Settings) -> Result<Self, Error> {
         let variables = data.bounds.lower.len();
         let constraints = data.levels.iter().map(|level| level.constraints().len()).sum();
@@ -43,8 +43,8 @@ impl Output {
         self.solver.set_settings(settings)
     }
 
-    /// Moves the solution to the nearest point; the constraints of the levels that `binds` names
-    /// hold.
+    /// Moves the solution to the nearest point at which the constraints of the levels that `binds`
+    /// accepts hold.
     pub(super) fn project(
         &mut self,
         data: &Data,
@@ -73,7 +73,7 @@ impl Output {
     }
 }
 
-/// Names the level whose constraint cannot hold.
+/// Replaces the level of an error by the one whose constraint cannot hold.
 fn in_stack<'a>(error: Error, binding: impl Iterator<Item = (LevelId, &'a Level)>) -> Error {
     let Error::Infeasible {
         worst: ConstraintSource::Constraint { row, .. },

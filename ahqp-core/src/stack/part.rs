@@ -1,4 +1,4 @@
-//! What the solution of a continuous stack is blended of.
+//! Plain hierarchies whose solutions a continuous stack blends.
 
 use super::data::Data;
 use super::plan::Plan;
@@ -20,7 +20,7 @@ impl<'a> Part<'a> {
         Self { plan }
     }
 
-    /// Its share of the solution, above 0; all shares sum to 1.
+    /// Weight of its solution, above 0. All weights sum to 1.
     pub fn weight(&self) -> f64 {
         self.plan.weight
     }
@@ -35,8 +35,9 @@ impl<'a> Part<'a> {
         self.plan.solution()
     }
 
-    /// What cannot hold together, after [`Error::Infeasible`]; nothing otherwise.
-    /// [`ContinuousStack::describe`](super::ContinuousStack::describe) puts it in words.
+    /// Iterates over the rows that cannot hold together after [`Error::Infeasible`], and nothing
+    /// otherwise. [`ContinuousStack::describe`](super::ContinuousStack::describe) describes a row
+    /// in words.
     pub fn conflict(&self) -> impl Iterator<Item = ConstraintSource> + 'a {
         self.plan.conflict()
     }
@@ -57,7 +58,7 @@ impl<'a> Part<'a> {
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct CertifiedPart {
-    /// Its share of the solution.
+    /// Weight of its solution.
     pub weight: f64,
     /// The problem.
     pub hierarchy: Hierarchy,

@@ -1,4 +1,4 @@
-//! One of the stacks that are blended: which levels, in which order, and their solution.
+//! One of the blended stacks: its levels, their order, and their solution.
 
 use std::mem;
 
@@ -16,19 +16,19 @@ use crate::solver::settings::Settings;
 use crate::solver::solution::Solution;
 use crate::solver::status::Status;
 
-/// A level's place in an order; one that is not active only keeps its place.
+/// A level's place in an order. An inactive level only keeps its place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Entry {
     pub(super) id: LevelId,
     pub(super) active: bool,
 }
 
-/// All levels in one order, some of them active, with a solver of their own.
+/// All levels in one order, some of them active, with a solver.
 #[derive(Debug, Clone)]
 pub(super) struct Plan {
     pub(super) order: Vec<Entry>,
-    /// The problem without its levels: those are lent by the data for each solve, in exchange
-    /// for empty ones.
+    /// The problem without its levels. Each solve borrows them from the data, in exchange for empty
+    /// ones.
     frame: Hierarchy,
     solver: Solver,
     solution: Solution,
@@ -52,7 +52,7 @@ impl Plan {
         Ok(Self { order, frame, solver, solution, weight: 0.0 })
     }
 
-    /// The active levels, highest priority first.
+    /// Iterates over the active levels, highest priority first.
     pub(super) fn levels(&self) -> impl Iterator<Item = LevelId> + '_ {
         self.order.iter().filter(|entry| entry.active).map(|entry| entry.id)
     }
@@ -69,7 +69,7 @@ impl Plan {
         self.solver.set_settings(settings)
     }
 
-    /// Solves within the bounds, or with `narrow` also within those of the output.
+    /// Solves within the bounds, and if `narrow` is true also within those of the output.
     pub(super) fn solve(
         &mut self,
         data: &mut Data,
@@ -89,14 +89,14 @@ impl Plan {
         Ok(&self.solution)
     }
 
-    /// The problem as a plain hierarchy, and the proof of its solution.
+    /// Returns the problem as a plain hierarchy, and the proof of its solution.
     pub(super) fn certify(&mut self, data: &mut Data) -> Result<(Hierarchy, Certificate), Error> {
         self.with_levels(data, |solver, hierarchy, _| {
             Ok((hierarchy.clone(), solver.certificate(hierarchy)?))
         })
     }
 
-    /// Does `work` while the levels are in their places.
+    /// Calls `work` while the levels are in their places.
     fn with_levels<T>(
         &mut self,
         data: &mut Data,
@@ -110,7 +110,7 @@ impl Plan {
 
     fn exchange_levels(&mut self, data: &mut Data) {
         if self.levels().eq(data.ids.iter().copied()) {
-            // All of them in this order: nothing need be moved.
+            // All levels are active and in the data's order, so nothing needs to be moved.
             return self.frame.exchange_levels(&mut data.levels);
         }
         let active = self.order.iter().filter(|entry| entry.active);
@@ -122,7 +122,7 @@ impl Plan {
     }
 }
 
-/// The id in the stack of a level of the plain hierarchy.
+/// Returns the id in the stack of a level of the plain hierarchy.
 fn in_stack(order: &[Entry], id: LevelId) -> LevelId {
     let active = order.iter().filter(|entry| entry.active);
     active.map(|entry| entry.id).nth(id.index()).unwrap_or(id)

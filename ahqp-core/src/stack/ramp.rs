@@ -1,12 +1,12 @@
-//! A number that moves smoothly from where it is to where it shall be.
+//! Smooth transitions of a number.
 
 use crate::error::Error;
 
-/// The largest slope of the minimum-jerk polynomial, at its middle.
+/// Largest slope of the minimum-jerk polynomial, at its middle.
 const PEAK_SLOPE: f64 = 15.0 / 8.0;
 
-/// From one value to another along the minimum-jerk polynomial 10s³ − 15s⁴ + 6s⁵, with zero
-/// velocity and acceleration at both ends (Flash and Hogan, J. Neurosci. 5(7), 1985).
+/// A transition along the minimum-jerk polynomial 10s³ − 15s⁴ + 6s⁵, with zero velocity and
+/// acceleration at both ends (Flash and Hogan, J. Neurosci. 5(7), 1985).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Ramp {
     from: f64,
@@ -17,7 +17,7 @@ pub(super) struct Ramp {
 
 impl Ramp {
     /// # Errors
-    /// [`Error::Value`] for a duration that is negative or not finite.
+    /// [`Error::Value`] if the duration is negative or not finite.
     pub(super) fn new(from: f64, to: f64, duration: f64) -> Result<Self, Error> {
         if duration >= 0.0 && duration.is_finite() {
             Ok(Self { from, to, duration, elapsed: 0.0 })
@@ -48,7 +48,7 @@ impl Ramp {
         self.from + share * (self.to - self.from)
     }
 
-    /// A bound of the rate of change from here on \[1/s\].
+    /// Returns an upper bound of the remaining rate of change \[1/s\].
     pub(super) fn rate(&self) -> f64 {
         if self.is_over() { 0.0 } else { PEAK_SLOPE * (self.to - self.from).abs() / self.duration }
     }

@@ -1,4 +1,4 @@
-//! From a plan, which proptest can shrink, to a hierarchy.
+//! Construction of a hierarchy from a plan, which proptest can shrink.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -8,7 +8,7 @@ use crate::problem::hierarchy::Hierarchy;
 use crate::problem::level::Level;
 use crate::problem::rows::Rows;
 
-/// What a level minimises.
+/// Objective of a level.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     None,
@@ -21,11 +21,11 @@ pub(super) enum Kind {
 pub(super) struct LevelPlan {
     pub(super) kind: Kind,
     pub(super) rows: usize,
-    /// Rows of its constraints; left out where they could not be met.
+    /// Number of rows of its constraints. They are left out if they could not be satisfied.
     pub(super) constraints: usize,
-    /// Whether some rows are combinations of others.
+    /// True if some rows are combinations of others.
     pub(super) deficient: bool,
-    /// Whether some rows repeat earlier ones, and some are zero.
+    /// True if some rows repeat earlier ones, and some are zero.
     pub(super) repeats: bool,
     pub(super) seed: u64,
 }
@@ -34,14 +34,14 @@ pub(super) struct LevelPlan {
 pub(super) struct HierarchyPlan {
     pub(super) variables: usize,
     pub(super) bounded: bool,
-    /// The first levels, this many, have their optimum at one common point.
+    /// Number of first levels whose optimum is at a common point.
     pub(super) consistent: usize,
     pub(super) levels: Vec<LevelPlan>,
     pub(super) seed: u64,
 }
 
-/// How likely a range is an equality, and, if not, that its lower side is free; and whether the
-/// ends of the range may be the value itself.
+/// Probability that a range is an equality, and otherwise that its lower side is free. `exact`
+/// tells whether the ends of the range may be the value itself.
 #[derive(Clone, Copy)]
 struct Shares {
     equal: f64,
@@ -50,7 +50,7 @@ struct Shares {
 }
 
 impl HierarchyPlan {
-    /// The hierarchy; `variation` changes its bounds and targets only.
+    /// Builds the hierarchy. `variation` changes only its bounds and targets.
     pub(super) fn build(&self, variation: u64) -> Result<Hierarchy, Error> {
         let n = self.variables;
         let mut hierarchy = Hierarchy::new(n)?;
@@ -85,7 +85,7 @@ impl HierarchyPlan {
             let level = plan.objective(&objective, n, consistent, closed, &mut targets)?;
             hierarchy.push(if k <= self.consistent {
                 let around = |row: &[f64], _: &mut Random| dot(row, &point);
-                // The optimum of ½xᵀHx + gᵀx is known to cond(H) only: leave it some room.
+                // The optimum of ½xᵀHx + gᵀx is known only up to cond(H), so it needs some room.
                 let above = &self.levels[..k];
                 let shares = Shares { exact: above.iter().all(LevelPlan::is_exact), ..CONSTRAINT };
                 level.with_constraints(rows(&constraints, n, shares, &mut targets, around)?)
@@ -100,8 +100,8 @@ impl HierarchyPlan {
         Ok(hierarchy)
     }
 
-    /// The level whose constraints a x − s ≤ b can always be met by a variable s that no level
-    /// above touches, if there is one.
+    /// Returns the level whose constraints a x − s ≤ b can always hold, by a variable s that no
+    /// level above affects. None if there is no such level.
     fn slack_level(&self) -> Option<usize> {
         let mut later = self.levels.iter().enumerate().skip(self.consistent + 1);
         let found = later.find(|(_, plan)| plan.constraints > 0).map(|(k, _)| k);
@@ -116,7 +116,7 @@ impl LevelPlan {
         self.kind != Kind::Quadratic
     }
 
-    /// Rows of dyadic fractions, dependent ones among them as planned.
+    /// Returns rows of dyadic fractions, including dependent ones as planned.
     fn matrix(
         &self,
         rows: usize,
@@ -145,7 +145,7 @@ impl LevelPlan {
         matrix
     }
 
-    /// The level without constraints; its optimum is at `consistent`, if that is given.
+    /// Returns the level without constraints. Its optimum is at `consistent`, if that is given.
     fn objective(
         &self,
         matrix: &[Vec<f64>],
@@ -166,7 +166,7 @@ impl LevelPlan {
             Kind::Quadratic => {
                 let a = DMatrix::from_fn(matrix.len(), n, |i, j| matrix[i][j]);
                 let b = DVector::from_column_slice(objective.upper());
-                // Outside the range of H the objective is linear, and only bounds stop it.
+                // Outside the range of H the objective is linear, and only bounds limit it.
                 let tilt = if closed && consistent.is_none() { 1.0 } else { 0.0 };
                 let tilt = DVector::from_fn(n, |_, _| tilt * random.dyadic());
                 Level::quadratic(&a.tr_mul(&a), &(tilt - a.tr_mul(&b)))
@@ -175,7 +175,7 @@ impl LevelPlan {
     }
 }
 
-/// `matrix` with ranges that hold the value of `target`.
+/// Returns `matrix` with ranges that contain the value of `target`.
 fn rows(
     matrix: &[Vec<f64>],
     columns: usize,
@@ -191,7 +191,7 @@ fn rows(
     Ok(rows)
 }
 
-/// A range that holds `value`, now and then just.
+/// Returns a range that contains `value`, sometimes at its end.
 fn range_around(value: f64, shares: Shares, random: &mut Random) -> (f64, f64) {
     if shares.exact && random.chance(shares.equal) {
         return (value, value);

@@ -1,5 +1,5 @@
-//! Sequences of problems like those of robots, and unrelated random problems, the same for the same
-//! seed: what the benchmarks run.
+//! Problems for benchmarks: sequences of robot-like problems and unrelated random problems. The
+//! same seed gives the same problems.
 
 mod manipulator;
 mod random_comparison;
@@ -13,11 +13,11 @@ use crate::problem::rows::Rows;
 pub use manipulator::controller_sequence;
 pub use random_comparison::random_comparison;
 
-/// A humanoid's size: 38 bounded variables, 60 inequalities, then five levels of 6 to 12
-/// equalities, smooth in time.
+/// Returns problems of a humanoid's size: 38 bounded variables, 60 inequalities, then five levels
+/// of 6 to 12 equalities, smooth in time.
 ///
 /// # Errors
-/// None but those of [`Hierarchy`]'s constructors, which the sizes here do not provoke.
+/// Those of [`Hierarchy`]'s constructors, which the sizes here do not cause.
 pub fn humanoid_sequence(seed: u64, ticks: usize) -> Result<Vec<Hierarchy>, Error> {
     const N: usize = 38;
     const INEQUALITIES: usize = 60;
@@ -50,11 +50,12 @@ pub fn humanoid_sequence(seed: u64, ticks: usize) -> Result<Vec<Hierarchy>, Erro
     (0..ticks).map(at).collect()
 }
 
-/// Hierarchies that grow: `variables` of them, bounded, then one level for each entry of
-/// `rows`, a third of the rows inequalities; from tick to tick all data change a little.
+/// Returns hierarchies of variable size: `variables` bounded variables, and one level for each
+/// entry of `rows`. A third of the rows are inequalities. All data change a little from tick to
+/// tick.
 ///
 /// # Errors
-/// [`Error::Value`] for zero variables.
+/// [`Error::Value`] if there are no variables.
 pub fn growing_sequence(
     seed: u64,
     variables: usize,
@@ -118,7 +119,7 @@ enum RowKind {
     Equality,
 }
 
-/// A task of the humanoid: rows and targets that swing.
+/// A task of the humanoid, with rows and targets that oscillate.
 struct Task {
     rows: [Vec<Vec<f64>>; 2],
     targets: [Vec<f64>; 2],
@@ -128,7 +129,8 @@ impl Task {
     fn new(count: usize, columns: usize, random: &mut Random) -> Self {
         let scale = 1.0 / (columns as f64).sqrt();
         let mut rows = [0, 1].map(|_| normal_rows(count, columns, scale, random));
-        // Every task misses some limbs; the first six variables, the floating base, move all.
+        // Every task lacks some limbs. The first six variables, the floating base, affect all
+        // tasks.
         for j in 6..columns {
             if random.chance(0.35) {
                 rows.iter_mut().flatten().for_each(|row| row[j] = 0.0);

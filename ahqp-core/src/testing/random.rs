@@ -1,4 +1,4 @@
-//! A small random generator whose numbers never change with a dependency.
+//! A small random generator whose numbers do not depend on any dependency.
 
 use std::f64::consts::TAU;
 
@@ -21,13 +21,13 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    /// Evenly between `lower` and `upper`.
+    /// Returns a number uniformly distributed between `lower` and `upper`.
     pub(super) fn uniform(&mut self, lower: f64, upper: f64) -> f64 {
         let unit = (self.bits() >> 11) as f64 / (1_u64 << 53) as f64;
         lower + (upper - lower) * unit
     }
 
-    /// Evenly among 0 to `count` − 1.
+    /// Returns a number uniformly distributed among 0 to `count` − 1.
     pub(super) fn below(&mut self, count: usize) -> usize {
         usize::try_from(self.bits() % count.max(1) as u64).unwrap_or_default()
     }
@@ -36,13 +36,13 @@ impl Random {
         self.uniform(0.0, 1.0) < probability
     }
 
-    /// From the standard normal distribution.
+    /// Returns a number of the standard normal distribution.
     pub(super) fn normal(&mut self) -> f64 {
         let radius = (-2.0 * (1.0 - self.uniform(0.0, 1.0)).ln()).sqrt();
         radius * self.uniform(0.0, TAU).cos()
     }
 
-    /// From the normal distribution, rounded to sixteenths.
+    /// Returns a number of the standard normal distribution, rounded to sixteenths.
     pub(super) fn dyadic(&mut self) -> f64 {
         (16.0 * self.normal()).round() / 16.0
     }

@@ -1,4 +1,4 @@
-//! Nothing that runs in a control loop allocates.
+//! Functions that run in a control loop do not allocate.
 
 use ahqp_core::testing::{Sizes, hierarchy_sequences};
 use ahqp_core::{
@@ -9,11 +9,11 @@ use ahqp_core::{
 use nalgebra::{DMatrix, Isometry3, Vector3, Vector6, dmatrix, dvector};
 use proptest::prelude::*;
 
-/// How often `work` calls the allocator.
+/// Counts the calls of the allocator in `work`.
 fn allocations<T>(work: impl FnOnce() -> T) -> (u64, T) {
     let mut result = None;
     let calls = allocation_counter::measure(|| result = Some(work()));
-    // Freeing what was allocated before counts too.
+    // Freeing earlier allocations counts too.
     let count = calls.count_total + calls.count_current.unsigned_abs();
     (count, result.unwrap())
 }

@@ -1,4 +1,4 @@
-//! Every error is provoked, and its message names the place and the remedy.
+//! Every error is provoked. Its message names the place and the remedy.
 
 use ahqp_core::{
     AugmentedClik, AugmentedState, ContinuousStack, Error, Hierarchy, Level, Limits, PoseAxes,
@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, Vector6, dmatrix, dvector};
 
 use crate::support::{expect_words, id};
 
-/// The solution; the check of the data alone must refuse what the solve refuses for its data.
+/// Returns the solution. The check of the data alone must refuse the same data as the solve.
 fn solve(hierarchy: &Hierarchy) -> Result<Solution, Error> {
     let result = Solver::new(hierarchy, Settings::default())?.solve(hierarchy).cloned();
     let of_data = result.as_ref().err().filter(|error| {
@@ -21,7 +21,8 @@ fn solve(hierarchy: &Hierarchy) -> Result<Solution, Error> {
 
 type Setter = fn(&mut Settings, f64);
 
-/// One variable block `x + y = 1` over two variables, to spoil.
+/// Returns a valid hierarchy of `x + y = 1` and a range over two variables, for tests to make
+/// invalid.
 fn sound() -> Hierarchy {
     let mut hierarchy = Hierarchy::new(2).unwrap();
     hierarchy.push(Level::least_squares(equality())).unwrap();
@@ -126,7 +127,7 @@ fn numbers_whose_squares_overflow() {
         let mut target = sound();
         let rows = target.rows_mut(id(&target, 0)).unwrap();
         (rows.lower_mut()[0], rows.upper_mut()[0]) = (value, value);
-        // A bound far away is as good as none; one that keeps zero out is not.
+        // A distant bound does not limit anything. A bound that excludes zero does.
         let mut bound = sound();
         let bounds = bound.bounds_mut();
         (bounds.0[1], bounds.1[1]) =
@@ -142,7 +143,7 @@ fn numbers_whose_squares_overflow() {
 }
 
 #[test]
-fn a_hard_row_that_asks_for_a_solution_out_of_reach() {
+fn a_hard_row_demands_an_overflowing_solution() {
     for coefficient in [1e-120, -3.4e-161, 1e-200, 1e-300] {
         for (lower, upper) in [(1e-3, 1e-3), (1e-3, f64::INFINITY), (f64::NEG_INFINITY, -1e-3)] {
             let mut hierarchy = Hierarchy::new(1).unwrap();
@@ -159,7 +160,7 @@ fn a_hard_row_that_asks_for_a_solution_out_of_reach() {
 }
 
 #[test]
-fn a_bound_far_away_neither_counts_nor_loosens_the_near_one() {
+fn distant_bounds_do_not_loosen_the_near_one() {
     for far in [1e9, 1e30, f64::MAX] {
         let mut hierarchy = Hierarchy::new(1).unwrap();
         hierarchy.set_bounds(&dvector![1.5], &dvector![far]).unwrap();
@@ -228,7 +229,7 @@ fn bounds_that_are_not_numbers_or_leave_nothing() {
     }
 }
 
-/// NaN is called NaN, and bounds in the wrong order are called that.
+/// Expects that NaN and bounds in the wrong order are reported as such.
 fn expect_bounds(error: &Error, place: &str, lower: f64, upper: f64) {
     if lower.is_nan() || upper.is_nan() {
         assert!(matches!(error, Error::Datum { entry: None, .. }), "{error}");
@@ -280,7 +281,7 @@ fn an_indefinite_hessian() {
 }
 
 #[test]
-fn rounding_does_not_make_a_hessian_indefinite_or_asymmetric() {
+fn rounding_spoils_no_positive_semidefinite_hessian() {
     let third = 1.0 / 3.0;
     let hessian = dmatrix![third * third, third * 0.1; third * 0.1 + 1e-17, 0.01];
     assert!(solve(&quadratic(&hessian, &[0.0, 0.0])).is_ok());
@@ -294,7 +295,7 @@ fn a_quadratic_without_a_minimum() {
     let error = solve(&hierarchy).unwrap_err();
     assert!(matches!(error, Error::Unbounded { .. }), "{error}");
     expect_words(&error, &["level 0", "add constraints"]);
-    // A bound stops it, and so does a level above.
+    // A bound limits it, and so does a level above.
     hierarchy.bounds_mut().0[1] = -3.0;
     assert!((solve(&hierarchy).unwrap().optimum().unwrap()[1] + 3.0).abs() < 1e-12);
 }
@@ -322,7 +323,7 @@ fn a_hierarchy_of_another_shape() {
         assert!(matches!(error, Error::ShapeChanged { .. }), "{error}");
         expect_words(&error, &[&format!("level {level}"), "new solver"]);
     }
-    // A refused problem does no harm.
+    // A refused problem leaves the solver usable.
     assert!(solver.solve(&hierarchy).is_ok());
 }
 
@@ -387,7 +388,7 @@ fn a_level_that_is_not_there() {
 }
 
 #[test]
-fn a_level_with_another_objective_says_what_it_has() {
+fn the_error_names_the_other_kind_of_objective() {
     let mut hierarchy = Hierarchy::new(1).unwrap();
     let rows = hierarchy.push(Level::least_squares(Rows::zeros(1, 1)).named("reach")).unwrap();
     let quadratic = Level::quadratic(&DMatrix::identity(1, 1), &[0.0]).unwrap();
@@ -458,7 +459,7 @@ fn physical_parameters_out_of_range() {
 }
 
 #[test]
-fn an_empty_hierarchy_has_the_least_norm_within_its_bounds() {
+fn an_empty_hierarchy_takes_the_least_norm() {
     let mut hierarchy = Hierarchy::new(3).unwrap();
     hierarchy.set_bounds(&dvector![-1.0, 2.0, -5.0], &dvector![1.0, 3.0, -4.0]).unwrap();
     assert_eq!(solve(&hierarchy).unwrap().optimum().unwrap(), [0.0, 2.0, -4.0]);

@@ -1,4 +1,4 @@
-//! Budgets of a solve, and settings that change on the way.
+//! Budgets of a solve, and settings that change between solves.
 
 use std::time::Duration;
 
@@ -21,14 +21,14 @@ proptest! {
     #![proptest_config(ProptestConfig { rng_seed: prop::test_runner::RngSeed::Fixed(1), ..ProptestConfig::with_cases(200) })]
 
     #[test]
-    fn a_budget_of_iterations_is_that_of_the_settings(
+    fn a_budget_equals_max_iterations_of_the_settings(
         sequence in hierarchy_sequences(small(), 3), iterations in 1..20_usize,
     ) {
         let settings = Settings { max_iterations: iterations, ..Settings::default() };
         let mut by_settings = Solver::new(&sequence[0], settings)?;
         let mut by_budget = Solver::new(&sequence[0], Settings::default())?;
         for hierarchy in &sequence {
-            // A long time changes nothing, and a larger budget than the settings' nothing either.
+            // A long time has no effect, and neither has a budget above the settings' number.
             let time = Some(LONG);
             let one = by_settings.solve_within(hierarchy, Budget { iterations: Some(500), time })?;
             let other = by_budget.solve_within(hierarchy, Budget::iterations(iterations))?;
@@ -37,7 +37,8 @@ proptest! {
         }
     }
 
-    /// How far a solve comes grows with its budget, until it is solved and remains so, cold and warm.
+    /// The result never gets worse with a larger budget, and stays solved once it is, cold and
+    /// warm.
     #[test]
     fn more_iterations_never_end_worse(sequence in hierarchy_sequences(small(), 2)) {
         let levels = sequence[0].levels().len();
@@ -67,8 +68,8 @@ proptest! {
         }
     }
 
-    /// Each solve makes a few iterations; where these are two a level and one a variable, the next
-    /// ones come to the optimum.
+    /// Each solve makes a few iterations. If these are at least two for each level and one for each
+    /// variable, repeated solves reach the optimum.
     #[test]
     fn without_time_there_is_progress(
         hierarchy in prop_oneof![
@@ -85,7 +86,7 @@ proptest! {
                 Status::TimeLimit { .. } => {
                     let unfinished = Error::Unfinished { status: solution.status() };
                     prop_assert_eq!(solution.optimum(), Err(unfinished));
-                    // Looked at every eighth iteration.
+                    // The clock is checked every eighth iteration.
                     let iterations = solution.iterations();
                     prop_assert!(iterations >= 8 && iterations.is_multiple_of(8));
                     for (i, x) in solution.best().iter().enumerate() {
@@ -111,7 +112,7 @@ fn what_ran_out_is_said() {
         panic!()
     };
     let Status::TimeLimit { level: Some(_) } = end(Budget::time(Duration::ZERO)) else { panic!() };
-    // Fewer iterations than the clock is looked at: they run out first.
+    // The iterations run out before the clock is checked.
     let both = Budget { iterations: Some(3), time: Some(Duration::ZERO) };
     assert!(matches!(end(both), Status::IterationLimit { .. }));
     assert!(matches!(end(Budget::iterations(0)), Status::IterationLimit { .. }));
@@ -128,7 +129,7 @@ fn what_ran_out_is_said() {
 }
 
 #[test]
-fn a_budget_of_a_stack_is_kept_by_all_its_parts() {
+fn every_part_of_a_stack_keeps_its_budget() {
     let problem = humanoid_sequence(1, 1).unwrap().remove(0);
     let mut stack = ContinuousStack::new(&problem, Settings::default()).unwrap();
     let lowest = stack.ids().last().unwrap();
@@ -148,17 +149,17 @@ fn settings_change_on_a_solver_that_lives() {
     let hierarchy = humanoid_sequence(1, 1).unwrap().remove(0);
     let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
     let x = solver.solve(&hierarchy).unwrap().optimum().unwrap().to_vec();
-    // Bad ones are refused, and change nothing.
+    // Invalid settings are refused and change nothing.
     let bad = Settings { rank_tolerance: f64::NAN, ..Settings::default() };
     assert!(matches!(solver.set_settings(bad), Err(Error::Value { what: "rank_tolerance", .. })));
     assert_eq!(solver.settings(), &Settings::default());
-    // A budget leaves the warm start alone.
+    // A budget does not affect the warm start.
     solver.set_settings(Settings { max_iterations: 3, ..Settings::default() }).unwrap();
     let warm = solver.solve(&hierarchy).unwrap().optimum().unwrap();
     assert!(warm.iter().zip(&x).all(|(a, b)| (a - b).abs() < 1e-9));
     solver.forget();
     assert!(solver.solve(&hierarchy).unwrap().optimum().is_err());
-    // Other tolerances begin anew, and are those of a new solver.
+    // Other tolerances cause a cold start, and give the result of a new solver.
     for warm_start in [WarmStart::PreviousActiveSet, WarmStart::Cold] {
         let settings = Settings { rank_tolerance: 1e-6, warm_start, ..Settings::default() };
         solver.set_settings(settings).unwrap();
@@ -169,7 +170,7 @@ fn settings_change_on_a_solver_that_lives() {
 
 #[test]
 fn tolerances_that_change_decide_the_next_solve() {
-    // The second row differs from the first by 1e-8: one direction or two.
+    // The second row differs from the first by 1e-8, which makes one direction or two.
     let mut hierarchy = Hierarchy::new(2).unwrap();
     let first = Rows::equalities(&dmatrix![1.0, 0.0], &[1.0]).unwrap();
     let second = Rows::equalities(&dmatrix![1.0, 1e-8], &[2.0]).unwrap();
@@ -191,10 +192,10 @@ fn tolerances_that_change_decide_the_next_solve() {
     assert!(stack.set_settings(bad).is_err());
 }
 
-/// At a vertex that the objective alone reaches, too, a bound is met and left by rounding: a repair goes round
-/// there, and must leave iterations to the search.
+/// Also at a vertex that the objective alone reaches, rounding makes a bound active and inactive in
+/// turn. A repair cycles there, and must leave iterations for the search.
 #[test]
-fn a_bound_that_comes_and_goes_by_rounding_does_not_use_up_the_budget() {
+fn a_bound_flickering_by_rounding_leaves_some_budget() {
     let hessian = dmatrix![
         4.4296875, 0.13671875, 0.140625, -6.734375, 1.671875, -0.1484375;
         0.13671875, 7.45703125, 1.23828125, -2.22265625, -2.70703125, -0.59765625;

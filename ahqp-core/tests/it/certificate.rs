@@ -1,4 +1,5 @@
-//! What a certificate says, and what it refuses; that it proves every solution is a property.
+//! Contents of certificates and problems that they refuse. A property test shows that they prove
+//! every solution.
 
 use ahqp_core::testing::{Sizes, hierarchy_sequences};
 use ahqp_core::{ConstraintSource, Error, Hierarchy, Level, LevelId, Rows, Settings, Solver};
@@ -41,7 +42,7 @@ fn a_certificate_of_another_problem_is_refused() {
     let more = Rows::equalities(&dmatrix![1.0, 1.0], &dvector![0.0]).unwrap();
     longer.push(Level::least_squares(more)).unwrap();
     assert!(certificate.residuals(&longer, &x).is_err());
-    // Pulled the other way.
+    // The target pulls in the opposite direction.
     let mut other = clamped();
     let target = Rows::equalities(&DMatrix::identity(2, 2), &dvector![-3.0, 0.5]).unwrap();
     let level = id(&other, 0);
@@ -53,7 +54,7 @@ fn a_certificate_of_another_problem_is_refused() {
     assert_eq!(solver.certificate(&hierarchy).unwrap(), certificate);
 }
 
-/// The row that is said to have changed.
+/// Returns the row that is reported as changed.
 fn changed<T: std::fmt::Debug>(refused: Result<T, Error>) -> ConstraintSource {
     match refused {
         Err(error @ Error::DataChanged { source_of_row, .. }) => {
@@ -64,7 +65,7 @@ fn changed<T: std::fmt::Debug>(refused: Result<T, Error>) -> ConstraintSource {
     }
 }
 
-/// Bounds, hard rows, a least-squares objective and two quadratics.
+/// Returns a hierarchy with bounds, hard rows, a least-squares objective and two quadratics.
 fn of_every_kind() -> Hierarchy {
     let mut hierarchy = Hierarchy::new(3).unwrap();
     hierarchy.set_bounds(&dvector![-1.0, -2.0, -3.0], &dvector![1.0, 2.0, 3.0]).unwrap();
@@ -111,7 +112,7 @@ fn whatever_changes_after_the_solve_is_named() {
 }
 
 #[test]
-fn a_rank_tolerance_of_the_solver_decides_nothing_in_the_proof() {
+fn the_proof_ignores_the_solvers_rank_tolerance() {
     let mut hierarchy = Hierarchy::new(2).unwrap();
     for (row, target) in [([1.0, 0.0], 0.0), ([1.0, 1e-6], 1e-6)] {
         let rows = Rows::from_row_slice(1, 2, &row, &[target], &[target]).unwrap();
@@ -128,7 +129,7 @@ fn a_rank_tolerance_of_the_solver_decides_nothing_in_the_proof() {
     }
 }
 
-/// Every tick of a sequence has a certificate that holds.
+/// Expects a valid certificate for every tick of a sequence.
 pub(crate) fn expect_proofs(sequence: &[Hierarchy]) -> Result<(), TestCaseError> {
     let mut solver = Solver::new(&sequence[0], Settings::default())?;
     for hierarchy in sequence {
@@ -140,8 +141,8 @@ pub(crate) fn expect_proofs(sequence: &[Hierarchy]) -> Result<(), TestCaseError>
 }
 
 proptest! {
-    // Among the cases of this seed is one with rows of norm 300 that depend on each other: the rounding of
-    // their residuals, which are zero, must not decide which hard rows the least norm keeps.
+    // One case of this seed has dependent rows whose norm is 300 and whose residuals are zero.
+    // Their rounding must not decide which hard rows the least norm keeps.
     #![proptest_config(ProptestConfig { rng_seed: RngSeed::Fixed(14), ..ProptestConfig::with_cases(160) })]
 
     #[test]

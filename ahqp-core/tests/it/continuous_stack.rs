@@ -1,4 +1,4 @@
-//! What must be true of a stack whose levels come, go and change places.
+//! Properties of a stack whose levels are inserted, removed and exchanged.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -14,7 +14,7 @@ const PERIOD: f64 = 1e-3;
 const VARIABLES: usize = 8;
 const BOUND: f64 = 1.5;
 
-/// Rows and targets that swing.
+/// A task with rows and targets that oscillate.
 #[derive(Debug, Clone)]
 struct Task {
     rows: usize,
@@ -44,7 +44,7 @@ impl Task {
         Self { one_sided: true, ..self }
     }
 
-    /// A hard constraint that holds at zero, and no objective.
+    /// Turns the task into a hard constraint that holds at zero, without an objective.
     fn constraint(mut self) -> Self {
         self.targets[0].iter_mut().for_each(|target| *target = 0.4 + 0.2 * target.abs());
         Self { constraint: true, ..self.one_sided() }
@@ -74,7 +74,7 @@ fn random(seed: u64) -> TestRng {
     TestRng::from_seed(RngAlgorithm::XorShift, &[seed.to_le_bytes(), [1; 8]].concat())
 }
 
-/// The same cases on every run; `PROPTEST_RNG_SEED` and `AHQP_CASES` ask for others and for more.
+/// Uses the same cases on every run. `PROPTEST_RNG_SEED` and `AHQP_CASES` select others and more.
 fn config() -> ProptestConfig {
     let number = |name: &str| std::env::var(name).ok().and_then(|value| value.parse::<u64>().ok());
     ProptestConfig {
@@ -93,19 +93,19 @@ fn value(row: &[f64], x: &[f64]) -> f64 {
     row.iter().zip(x).map(|(a, x)| a * x).sum()
 }
 
-/// A stack, and beside it what it should be: the order of its levels, and plain hierarchies.
+/// A stack, with the expected order of its levels and plain hierarchies for comparison.
 struct Run {
     stack: ContinuousStack,
     tasks: BTreeMap<LevelId, Task>,
     order: Vec<LevelId>,
     time: f64,
     random: TestRng,
-    /// By how much each variable may change in a tick.
+    /// Largest change of each variable in a tick.
     reach: f64,
 }
 
 impl Run {
-    /// Bounds, hard constraints, a task above all changes, and three below.
+    /// Creates bounds, hard constraints, a task above all changes, and three tasks below.
     fn new(seed: u64) -> Self {
         let mut random = random(seed);
         let tasks = [
@@ -131,7 +131,7 @@ impl Run {
         solution.optimum().unwrap().to_vec()
     }
 
-    /// The mean over all thresholds, from the activations and the order expected.
+    /// Returns the mean over all thresholds, computed from the activations and the expected order.
     fn expected(&self) -> Vec<f64> {
         let activation = |id: &LevelId| self.stack.activation(*id).unwrap();
         let mut thresholds: Vec<_> = self.order.iter().map(activation).chain([0.0, 1.0]).collect();
@@ -147,12 +147,12 @@ impl Run {
         mean
     }
 
-    /// The levels that are meant to be entirely active, in order.
+    /// Returns the levels that are to become fully active, in order.
     fn aim(&self, activations: &BTreeMap<LevelId, f64>) -> Vec<LevelId> {
         self.order.iter().copied().filter(|id| activations.get(id) != Some(&0.0)).collect()
     }
 
-    /// A random change of the levels below the first two, unless too many are under way.
+    /// Starts a random change of the levels below the first two, unless too many are in progress.
     fn change(&mut self, aims: &mut BTreeMap<LevelId, f64>) {
         let free = self.order[2..].to_vec();
         let pick = |random: &mut TestRng| free[random.random_range(0..free.len())];
@@ -203,7 +203,7 @@ impl Run {
     fn tick(&mut self) -> Vec<f64> {
         self.time += PERIOD;
         for (id, task) in &self.tasks {
-            // A level that is gone needs no data.
+            // A removed level needs no data.
             if let Ok(level) = self.stack.level_mut(*id) {
                 let rows = if task.constraint {
                     level.constraints_mut()
@@ -221,7 +221,7 @@ impl Run {
         self.stack.solve(PERIOD).unwrap().best().to_vec()
     }
 
-    /// What no change may touch: the bounds, the hard constraints, and the first task.
+    /// Expects what no change may affect: the bounds, the hard constraints, and the first task.
     fn expect_untouched(&self, x: &[f64], first_task: bool) {
         assert!(x.iter().all(|x| (-BOUND..=BOUND).contains(x)));
         let above = [&self.tasks[&self.order[0]], &self.tasks[&self.order[1]]];
@@ -251,23 +251,23 @@ fn hierarchy<'a>(tasks: impl Iterator<Item = &'a Task>, time: f64) -> Hierarchy 
     hierarchy
 }
 
-/// What a run of 600 ticks with a change now and then shows.
+/// Measurements of a run of 600 ticks with occasional changes.
 #[derive(Debug, Default)]
 struct Record {
-    /// ‖χ(t + Δt) − χ(t)‖, the largest.
+    /// Largest ‖χ(t + Δt) − χ(t)‖.
     step: f64,
-    /// L: the largest rate of a plain hierarchy.
+    /// L, the largest rate of a plain hierarchy.
     plain_rate: f64,
-    /// D: the largest distance between two of them.
+    /// D, the largest distance between two plain hierarchies.
     spread: f64,
-    /// The largest rate of the activations.
+    /// Largest rate of the activations.
     rate: f64,
-    /// The largest step that the same changes make without a transition.
+    /// Largest step of the same changes without a transition.
     jump: f64,
 }
 
 impl Record {
-    /// The largest step that the documentation allows.
+    /// Returns the largest step that the documentation allows.
     fn bound(&self) -> f64 {
         (self.plain_rate + self.spread * self.rate) * PERIOD
     }
@@ -290,7 +290,7 @@ fn record(seed: u64) -> Record {
         record.rate = record.rate.max(run.stack.rate());
         let x = run.tick();
 
-        // It is the mean of the parts, whose weights sum to one.
+        // The solution is the mean of the parts, whose weights sum to one.
         let mut mean = vec![0.0; VARIABLES];
         let mut weights = 0.0;
         for part in run.stack.parts() {
@@ -315,7 +315,7 @@ fn record(seed: u64) -> Record {
             }
         }
 
-        // The rates and distances of the plain hierarchies of this tick and the last.
+        // Rates and distances of the plain hierarchies of this tick and the last one.
         let plans: BTreeSet<Vec<LevelId>> =
             run.stack.parts().map(|part| part.ids().collect()).collect();
         let all: Vec<_> = plans.union(&plans_before).collect();
@@ -344,7 +344,7 @@ proptest! {
     }
 
     #[test]
-    fn bounds_of_the_output_hold_whatever_the_hierarchies_do(seed in any::<u64>()) {
+    fn bounds_of_the_output_always_hold(seed in any::<u64>()) {
         const REACH: f64 = 0.01;
         let mut run = Run::new(seed);
         let mut aims = BTreeMap::new();
@@ -361,7 +361,7 @@ proptest! {
             run.expect_untouched(&x, false);
             before = x;
         }
-        // It has arrived, unless it is on its way after a jump of the hierarchy.
+        // The solution has arrived, unless it is still moving after a jump of the hierarchy.
         let (now, then) = (run.expected(), run.time);
         run.time -= 0.5;
         let settled = distance(&now, &run.expected()) < 0.5;
@@ -373,7 +373,7 @@ proptest! {
 #[test]
 fn without_a_transition_the_same_changes_jump() {
     let records = (0..12).map(record);
-    // Where a plain hierarchy jumps by itself, nothing is shown.
+    // If a plain hierarchy jumps by itself, the comparison shows nothing.
     let smooth = records.filter(|record| record.plain_rate * PERIOD < 0.02);
     let (farther, total) = smooth.fold((0, 0), |(farther, total), record| {
         (farther + usize::from(record.jump > 3.0 * record.bound()), total + 1)
@@ -382,8 +382,8 @@ fn without_a_transition_the_same_changes_jump() {
 }
 
 #[test]
-fn the_stack_of_a_mobile_manipulator_keeps_constraints_and_bounds_of_the_output() {
-    // Its solutions jump by up to 2 between two ticks: nothing limits the acceleration.
+fn a_mobile_manipulators_stack_keeps_constraints_and_bounds() {
+    // The solutions jump by up to 2 between two ticks, since nothing limits the acceleration.
     const REACH: f64 = 0.02;
     let problems = controller_sequence(1, 600).unwrap();
     let mut stack = ContinuousStack::new(&problems[0], Settings::default()).unwrap();

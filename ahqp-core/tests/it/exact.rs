@@ -1,11 +1,11 @@
 //! The exact optimum of a hierarchy, in rational arithmetic.
 //!
-//! Shares nothing with the solver: no code, no rounding, no tolerance. A guess at the optimum only
-//! says which active sets to try first; an active set is accepted when the conditions of Karush, Kuhn
-//! and Tucker hold exactly.
+//! It shares nothing with the solver: no code, no rounding, no tolerance. A guess at the optimum
+//! only decides which active sets are tried first. An active set is accepted if the conditions of
+//! Karush, Kuhn and Tucker hold exactly.
 #![allow(clippy::needless_range_loop)] // rows and columns of the same index
 
-// By paths, as the fuzz targets read this file too.
+// Paths are given, since the fuzz targets include this file too.
 #[path = "exact/elimination.rs"]
 mod elimination;
 #[path = "exact/level.rs"]
@@ -20,25 +20,26 @@ use level::{Linear, Minimum, enumerate, minimise};
 /// An exact number.
 pub(crate) type Exact = BigRational;
 
-/// The exact value of a double.
+/// Returns the exact value of a double.
 pub(crate) fn exact(value: f64) -> Exact {
     BigRational::from_float(value).unwrap()
 }
 
-/// The nearest double, near enough to compare with a tolerance.
+/// Returns a double close enough for comparison with a tolerance.
 pub(crate) fn double(value: &Exact) -> f64 {
     value.to_f64().unwrap()
 }
 
-/// The optimum of least norm, of n entries; none where the hard rows of a level cannot hold. `guess` is
-/// where it is searched for first.
+/// Returns the optimum of least norm, of n entries. None if the hard rows of a level cannot hold.
+/// The search starts at `guess`.
 pub(crate) fn solve_exactly(hierarchy: &Hierarchy, guess: &[f64]) -> Option<Vec<Exact>> {
     solve_by(hierarchy, guess, |minimum, held, start, guess| {
         Some(minimise(minimum, held, start, guess))
     })
 }
 
-/// The same by trying all active sets: for few variables and rows, all of them bounded.
+/// Returns the optimum by trying all active sets. This is for few variables and rows, with all
+/// variables bounded.
 pub(crate) fn enumerate_exactly(hierarchy: &Hierarchy, guess: &[f64]) -> Option<Vec<Exact>> {
     solve_by(hierarchy, guess, |minimum, held, _, guess| enumerate(minimum, held, guess))
 }
@@ -94,7 +95,7 @@ fn solve_by(
     minimise(&norm, &held, &x, &guess)
 }
 
-/// What x must keep: a x = b and a x ≤ b.
+/// Conditions that x must keep: a x = b and a x ≤ b.
 #[derive(Debug, Clone)]
 pub(crate) struct Held {
     equalities: Vec<Linear>,
@@ -115,7 +116,7 @@ impl Held {
         }
     }
 
-    /// Keeps what `x`, an optimum of `minimum`, has reached.
+    /// Keeps the values that `x`, an optimum of `minimum`, has reached.
     fn fix(&mut self, minimum: &Minimum, x: &[Exact]) {
         let mut fix = |row: &[Exact]| {
             let value = row.iter().zip(x).map(|(a, x)| a * x).sum();

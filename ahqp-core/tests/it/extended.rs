@@ -1,8 +1,9 @@
-//! The optimum of a hierarchy in double-double arithmetic (106 bits), or nothing where a doubt is left.
+//! The optimum of a hierarchy in double-double arithmetic (106 bits), or none in case of doubt.
 //!
-//! Shares nothing with the solver, and stands in for exact arithmetic where that would take too long: a
-//! guess at the optimum says which active sets to try first, and a level's optimum is accepted when the
-//! conditions of Karush, Kuhn and Tucker hold, every sign in them far above rounding or far below it.
+//! It shares nothing with the solver, and replaces exact arithmetic where that would take too long.
+//! A guess at the optimum decides which active sets are tried first. A level's optimum is accepted
+//! if the conditions of Karush, Kuhn and Tucker hold. Every sign in them must be far above or far
+//! below rounding.
 
 mod factors;
 mod level;
@@ -14,9 +15,10 @@ use qd::Quad;
 use factors::Basis;
 use row::{Kind, Row};
 
-/// The optimum of least norm, of n entries; none where rounding could decide, where `guess` is far from
-/// the optimum, where the hard rows contradict each other, for quadratic objectives and for rows with
-/// weights of their own.
+/// Returns the optimum of least norm, of n entries.
+///
+/// None if rounding could decide, if `guess` is far from the optimum, or if the hard rows
+/// contradict each other. Quadratic objectives and weighted rows are not supported, and give none.
 pub(crate) fn solve_extended(hierarchy: &Hierarchy, guess: &[f64]) -> Option<Vec<f64>> {
     let n = hierarchy.variables();
     let mut identity = Rows::zeros(n, n);
@@ -44,7 +46,7 @@ pub(crate) fn solve_extended(hierarchy: &Hierarchy, guess: &[f64]) -> Option<Vec
     Some(state.x.iter().map(|x| x.0).collect())
 }
 
-/// A point that is optimal for the levels so far, and what the next ones must keep.
+/// A point that is optimal for the levels so far, and the conditions that later levels must keep.
 struct State {
     x: Vec<Quad>,
     /// Directions in which x is determined.

@@ -1,4 +1,4 @@
-//! Hard rows that can hold together are never refused, and those that cannot always are.
+//! Consistent hard rows are never refused, and inconsistent ones always are.
 #![allow(clippy::print_stderr)] // how a long run goes
 
 mod oracle;
@@ -12,14 +12,14 @@ use sets::{Form, Random, Set};
 
 const FREE: f64 = f64::INFINITY;
 
-/// The optimum of a hierarchy of this set alone, in a solver of its own.
+/// Returns the optimum of a hierarchy of this set alone, with a new solver.
 fn solve(hierarchy: &Hierarchy) -> Result<Vec<f64>, Error> {
     let mut solver = Solver::new(hierarchy, Settings::default())?;
     solver.solve(hierarchy)?.optimum().map(<[f64]>::to_vec)
 }
 
-/// x ≥ 0, x₁ + x₂ = 2, 3x₀ + x₁ + 3x₂ ≤ 2 have one point in common, (0, 2, 0), which −3x₀ ≤ 0 does not exclude. Two
-/// variables are at bounds there, and the last row has no other.
+/// x ≥ 0, x₁ + x₂ = 2, 3x₀ + x₁ + 3x₂ ≤ 2 have one common point, (0, 2, 0). −3x₀ ≤ 0 does not
+/// exclude it. Two variables are at bounds there, and the last row has no other variable.
 #[test]
 fn rows_that_tie_with_active_bounds_hold() {
     let rows = [
@@ -40,9 +40,9 @@ fn rows_that_tie_with_active_bounds_hold() {
     }
 }
 
-/// Where a row has no coefficients, its bound has nothing to be compared with but the row's own unit.
+/// The bound of a row without coefficients can only be compared with the row's own unit.
 #[test]
-fn a_row_without_coefficients_holds_if_its_bound_is_rounding() {
+fn a_row_without_coefficients_holds_to_rounding() {
     let towards = || {
         let target = DVector::from_vec(vec![1.0, -2.0]);
         Level::least_squares(Rows::equalities(&DMatrix::identity(2, 2), &target).unwrap())
@@ -61,7 +61,7 @@ fn a_row_without_coefficients_holds_if_its_bound_is_rounding() {
     for rows in [vec![empty(-7e-18)], vec![empty(-7e-18), beside], vec![beside, empty(-7e-18)]] {
         let hierarchy = problem(&rows);
         let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
-        // Cold and warm.
+        // First a cold start, then a warm one.
         for _ in 0..2 {
             let solution = solver.solve(&hierarchy).unwrap();
             assert!(solution.iterations() < 4, "it stands in no search's way");
@@ -81,7 +81,7 @@ fn a_row_without_coefficients_holds_if_its_bound_is_rounding() {
     }
 }
 
-/// Solves so many sets that hold at a point, in each form. Returns those refused.
+/// Solves `count` sets that hold at a point, in each form. Returns those that are refused.
 fn refused(count: u64, progress: bool) -> Vec<String> {
     let mut refused = Vec::new();
     for seed in 0..count {
@@ -105,7 +105,7 @@ fn no_feasible_set_is_refused() {
     assert!(refused.is_empty(), "{refused:#?}");
 }
 
-/// `cargo test --release -p ahqp-core --test it million -- --ignored --nocapture`.
+/// Run it with `cargo test --release -p ahqp-core --test it million -- --ignored --nocapture`.
 #[test]
 #[ignore = "takes minutes"]
 fn none_of_a_million_feasible_sets_is_refused() {

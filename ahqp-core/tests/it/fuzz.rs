@@ -1,15 +1,17 @@
-//! Malformed and extreme problems: never a panic, and every answer is finite and within the hard rows.
-//! That answers are optimal is checked on sound data, by the properties and the certificate.
+//! Malformed and extreme problems never cause a panic. Every answer is finite and satisfies the
+//! hard rows.
 //!
-//! `cargo test -p ahqp-core --test it fuzz` throws a few thousand problems at the solver;
-//! `AHQP_CASES=100000 cargo test --release -p ahqp-core --test it fuzz` as many as one likes.
+//! The property tests and the certificate check on valid data that answers are optimal.
+//! `cargo test -p ahqp-core --test it fuzz` tries a few thousand problems.
+//! `AHQP_CASES=100000 cargo test --release -p ahqp-core --test it fuzz` tries as many as requested.
 
 use ahqp_core::{Error, Hierarchy, Level, Objective, Rows, Settings, Solution, Solver, Status};
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
-/// As many cases as `AHQP_CASES` says, the same on every run unless `PROPTEST_RNG_SEED` says otherwise.
+/// Runs the number of cases in `AHQP_CASES`, the same on every run unless `PROPTEST_RNG_SEED`
+/// selects others.
 fn config(cases: u32) -> ProptestConfig {
     let number = |name: &str| std::env::var(name).ok().and_then(|value| value.parse::<u64>().ok());
     ProptestConfig {
@@ -20,7 +22,7 @@ fn config(cases: u32) -> ProptestConfig {
     }
 }
 
-/// Numbers as they should not be, among some as they should.
+/// Generates invalid numbers among valid ones.
 fn number() -> impl Strategy<Value = f64> {
     prop_oneof![
         12 => -2.0..2.0_f64,
@@ -45,7 +47,7 @@ fn number() -> impl Strategy<Value = f64> {
     ]
 }
 
-/// The same without NaN and infinity.
+/// Generates these numbers without NaN and infinity.
 fn finite() -> impl Strategy<Value = f64> {
     number().prop_filter("finite", |value| value.is_finite())
 }
@@ -58,7 +60,7 @@ fn bound() -> impl Strategy<Value = f64> {
     ]
 }
 
-/// A pair of bounds, ordered as a rule.
+/// Generates a pair of bounds, usually ordered.
 fn range() -> impl Strategy<Value = (f64, f64)> {
     prop_oneof![
         1 => (bound(), bound()),
@@ -140,14 +142,14 @@ fn violation(a: &[f64], lower: f64, upper: f64, x: &[f64]) -> f64 {
     value - value.clamp(lower, upper)
 }
 
-/// The size of the numbers in a row at x, bounds included: what rounding is relative to.
+/// Returns the size of the numbers in a row at x, including bounds. Rounding is relative to it.
 fn size(a: &[f64], lower: f64, upper: f64, x: &[f64]) -> f64 {
     let largest = |values: &[f64]| values.iter().fold(0.0, |l, v| f64::max(l, v.abs()));
     let bound = |value: f64| if value.is_finite() { value.abs() } else { 0.0 };
     largest(a) * largest(x) * a.len() as f64 + bound(lower).max(bound(upper))
 }
 
-/// Whatever the data, an answer must be finite, within its bounds and its constraints.
+/// Expects an answer that is finite and within its bounds and constraints, whatever the data.
 fn expect_sound(hierarchy: &Hierarchy, solution: &Solution) -> Result<(), TestCaseError> {
     let x = solution.best();
     prop_assert!(x.iter().all(|value| value.is_finite()), "{x:?}");
@@ -161,7 +163,7 @@ fn expect_sound(hierarchy: &Hierarchy, solution: &Solution) -> Result<(), TestCa
     for (k, level) in hierarchy.levels()[..done].iter().enumerate() {
         for (a, lower, upper) in level.constraints().iter() {
             let off = violation(a, lower, upper, x).abs();
-            // Numbers below the least normal one have no digits that could be right.
+            // Numbers below the smallest normal one have no correct digits.
             let size = size(a, lower, upper, x).max(f64::MIN_POSITIVE);
             prop_assert!(off <= 1e-7 * size, "level {k}: {off:e} of {size:e}");
         }
@@ -195,7 +197,7 @@ proptest! {
     #![proptest_config(config(3000))]
 
     #[test]
-    fn whatever_the_data_the_answer_is_sound_or_refused(
+    fn arbitrary_data_are_solved_soundly_or_refused(
         hierarchies in prop::collection::vec(hierarchy(number().boxed(), range().boxed()), 1..3),
     ) {
         let mut solver = Solver::new(&hierarchies[0], Settings::default()).unwrap();
@@ -212,7 +214,7 @@ proptest! {
     }
 
     #[test]
-    fn sound_but_extreme_numbers_are_solved_or_refused_for_a_reason(
+    fn extreme_numbers_are_solved_or_refused_with_reason(
         hierarchy in hierarchy(
             finite().boxed(),
             (finite(), finite()).prop_map(|(a, b)| if a <= b { (a, b) } else { (b, a) }).boxed(),
@@ -229,7 +231,7 @@ proptest! {
                 | Error::Unbounded { .. }
                 | Error::Hessian { .. },
             ) => {}
-            // The square of a Hessian made above overflowed.
+            // The square of a Hessian constructed above overflowed.
             Err(Error::Datum { .. }) => prop_assert!(has_nan_or_disorder(&hierarchy)),
             Err(other) => return Err(TestCaseError::fail(other.to_string())),
         }

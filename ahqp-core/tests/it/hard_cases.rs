@@ -1,5 +1,5 @@
-//! Named problems on which solvers are known to fail, each with its outcome worked out by hand or
-//! by a property that pins it.
+//! Problems on which solvers are known to fail, each with its outcome computed by hand or fixed by
+//! a property.
 
 use ahqp_core::{
     ConstraintSource, Error, Hierarchy, Level, Rows, Settings, Solution, Solver, Status,
@@ -29,7 +29,7 @@ fn upper_limits(a: &DMatrix<f64>, upper: &DVector<f64>) -> Rows {
     Rows::ranges(a, &DVector::repeat(upper.len(), -FREE), upper).unwrap()
 }
 
-/// min ‖x − target‖².
+/// Returns the level min ‖x − target‖².
 fn towards(target: &DVector<f64>) -> Level {
     equalities(&DMatrix::identity(target.len(), target.len()), target)
 }
@@ -49,7 +49,7 @@ fn boxed(mut hierarchy: Hierarchy, size: f64) -> Hierarchy {
     hierarchy
 }
 
-/// Numbers without pattern, the same on every run.
+/// Returns numbers without a pattern, the same on every run.
 fn entries(rows: usize, columns: usize, seed: u32) -> DMatrix<f64> {
     DMatrix::from_fn(rows, columns, |i, j| {
         let t = f64::from(seed) + 12.9898 * i as f64 + 78.233 * j as f64;
@@ -70,7 +70,7 @@ fn vector(solution: &Solution) -> DVector<f64> {
 
 #[test]
 fn soft_inequalities_that_contradict_settle_at_least_violation() {
-    // x ≥ 1, x ≤ −1 and x ≤ −1.5: least squares puts x at the mean of what is violated.
+    // x ≥ 1, x ≤ −1 and x ≤ −1.5: least squares puts x at the mean of the violated bounds.
     let top = Rows::ranges(
         &dmatrix![1.0, 0.0; 1.0, 0.0; 1.0, 0.0],
         &dvector![1.0, -FREE, -FREE],
@@ -138,11 +138,11 @@ fn directions_between_levels_that_differ_little() {
     for exponent in [3, 5, 7, 9] {
         let epsilon = 10.0_f64.powi(-exponent);
         let (violations, solution) = solve(epsilon);
-        // The bound stops it long before.
+        // The bound is reached long before that.
         assert_near(solution.optimum().unwrap(), &[0.6, 0.8, 10.0], 1e-6);
         assert!((violations[1] - (0.5 - 10.0 * epsilon)).abs() < 1e-9);
     }
-    // Below the rank tolerance the second level is told nothing new, and gives up.
+    // Below the rank tolerance the second level has no direction of its own, and has no effect.
     for exponent in [11, 13] {
         let (_, solution) = solve(10.0_f64.powi(-exponent));
         assert_near(solution.optimum().unwrap(), &[0.6, 0.8, 0.0], 1e-9);
@@ -163,7 +163,7 @@ fn directions_within_a_level_that_differ_little() {
         let solution = solved(&hierarchy(4, [level, towards(&dvector![0.0, 0.0, 0.0, 3.0])]));
         assert_near(solution.optimum().unwrap(), &[0.6, 0.8, 1.0, 3.0], tolerance);
     }
-    // At 1e-12 the second row is the first one again.
+    // At 1e-12 the second row equals the first one.
     let level = equalities(&dmatrix![0.6, 0.8, 0.0; 0.6, 0.8, 1e-12], &dvector![1.0, 1.0 + 1e-12]);
     let solution = solved(&hierarchy(3, [level, towards(&dvector![0.0, 0.0, 2.0])]));
     assert_near(solution.optimum().unwrap(), &[0.6, 0.8, 2.0], 1e-9);
@@ -177,7 +177,7 @@ fn a_vertex_where_twenty_inequalities_meet() {
     let constraints = upper_limits(&rows, &(&rows * &vertex));
     let target = &vertex + rows.row_sum().transpose();
     let solution = solved(&hierarchy(4, [Level::constraints_only(constraints), towards(&target)]));
-    // The target lies in the cone of the rows: the vertex is the nearest point.
+    // The target lies in the cone of the rows, so the vertex is the nearest point.
     assert_near(solution.optimum().unwrap(), vertex.as_slice(), 1e-9);
 }
 
@@ -230,7 +230,7 @@ fn rows_and_levels_that_are_zero() {
 }
 
 #[test]
-fn a_zero_row_as_a_hard_constraint_holds_or_is_named() {
+fn a_zero_hard_row_holds_or_is_named() {
     let zero = |lower, upper| {
         let row = Rows::ranges(&dmatrix![0.0, 0.0], &dvector![lower], &dvector![upper]).unwrap();
         hierarchy(2, [Level::constraints_only(row), towards(&dvector![1.0, 2.0])])
@@ -257,8 +257,8 @@ fn an_empty_level_between_others() {
 }
 
 #[test]
-fn inequality_rows_of_the_size_of_a_control_period() {
-    // Δt v − s ≤ c: s is as small as the rows let it, before v goes where it likes.
+fn inequality_rows_as_small_as_a_control_period() {
+    // Δt v − s ≤ c: s is minimised before v is free.
     for period in [1e-3, 1e-6] {
         let rows = dmatrix![period, 0.0, -1.0, 0.0; 0.0, period, 0.0, -1.0];
         let constraints = upper_limits(&rows, &(dvector![-1.0, 0.2] * period));
@@ -274,7 +274,7 @@ fn inequality_rows_of_the_size_of_a_control_period() {
 
 #[test]
 fn cones_on_which_active_sets_cycle() {
-    // Integer rows through the origin: every vertex is degenerate.
+    // Integer rows through the origin make every vertex degenerate.
     for seed in 0..40 {
         let integers = |rows: usize, size: f64, salt: u32| {
             entries(rows, 6, 100 * seed + salt).map(|entry| (entry * (size + 0.49)).round())
@@ -352,7 +352,7 @@ fn nothing_left_after_the_first_level() {
 }
 
 #[test]
-fn ten_levels_of_the_same_rows_with_other_targets() {
+fn ten_levels_of_equal_rows_with_different_targets() {
     let a = entries(3, 6, 10);
     let first = dvector![0.5, -1.0, 0.25];
     let mut levels: Vec<_> =
@@ -384,7 +384,7 @@ fn unbounded_directions_take_the_least_norm() {
 
 #[test]
 fn hard_rows_that_meet_at_the_origin() {
-    // At the only point left, x = 0, nothing has a size that rounding could be relative to.
+    // At the only feasible point, x = 0, rounding has nothing to be relative to.
     let rows = dmatrix![
         -1.3125, -1.0; 0.625, -1.0; -1.625, -1.0; -1.25, -1.0; 2.875, -1.0; -0.3125, -1.0;
         0.1, 1.0; -0.1, 1.0; -1.0, 0.0
@@ -400,7 +400,7 @@ fn hard_rows_that_meet_at_the_origin() {
 
 #[test]
 fn a_warm_start_after_everything_turned_round() {
-    // The active set of the first problem is as wrong as can be for the second.
+    // The active set of the first problem is as wrong as possible for the second.
     let rows = entries(12, 6, 20);
     let problem = |sign: f64| {
         let constraints = upper_limits(&(&rows * sign), &DVector::repeat(12, 0.1));
@@ -416,8 +416,8 @@ fn a_warm_start_after_everything_turned_round() {
 }
 
 #[test]
-fn a_row_that_rounding_alone_seems_to_leave_open() {
-    // The second constraint lies in what the quadratic decides, but for rounding.
+fn a_row_left_open_by_rounding_alone() {
+    // The second constraint lies in the span of what the quadratic decides, up to rounding.
     let first = dmatrix![-0.09375, -0.0625, -0.0390625, -0.0546875, -0.015625, 0.203125];
     let first = Rows::ranges(&first, &dvector![0.1373291], &dvector![0.5748291]).unwrap();
     let second = dmatrix![0.0, 15.0, -34.0, 21.0, -10.0, 21.0];
@@ -448,7 +448,7 @@ fn a_row_that_rounding_alone_seems_to_leave_open() {
     assert_near(solved(&with_norm).optimum().unwrap(), expected.as_slice(), 1e-6);
 }
 
-/// Variables that the contradicting rows do not see may be large.
+/// Variables with zero coefficients in the contradicting rows may be large.
 #[test]
 fn large_variables_hide_no_contradiction_of_others() {
     let soft = Rows::at_least(&dmatrix![1.0, 0.0, 0.0; 1.0, 0.002, 0.0], &[1.0, 2.0]).unwrap();
@@ -464,7 +464,7 @@ fn large_variables_hide_no_contradiction_of_others() {
     assert!(matches!(error, Error::Infeasible { level, .. } if level.index() == 1), "{error}");
 }
 
-/// One of two alike variables is factored. What rounding leaves of the other's row then meets a gradient of
+/// One of two equal variables is factored. The rounding of the other's row then meets a gradient of
 /// zero, and is no slope.
 #[test]
 fn a_quadratic_that_only_rounding_tilts_is_bounded() {

@@ -1,10 +1,10 @@
-//! What must be true of the velocity interval where commands come late: a velocity then lasts longer than planned.
+//! Velocity intervals if commands come late, so that a velocity lasts longer than planned.
 
 use ahqp_core::{AcceleratedState, JerkLimits, Limits};
 use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, RngSeed, TestRng};
 
-/// The same cases on every run; `PROPTEST_RNG_SEED` asks for others.
+/// Uses the same cases on every run. `PROPTEST_RNG_SEED` selects others.
 fn config(cases: u32) -> ProptestConfig {
     ProptestConfig {
         rng_seed: RngSeed::Fixed(1),
@@ -18,12 +18,12 @@ fn random(seed: u64) -> TestRng {
     TestRng::from_seed(RngAlgorithm::XorShift, &[seed.to_le_bytes(), [1; 8]].concat())
 }
 
-/// Powers of ten between two exponents.
+/// Generates numbers between two powers of ten, uniform in their exponent.
 fn decades(from: f64, to: f64) -> impl Strategy<Value = f64> {
     (from..to).prop_map(|exponent: f64| 10_f64.powf(exponent))
 }
 
-/// Both cases: a limit of the jerk, and none.
+/// Generates limits with and without a jerk limit.
 fn limits() -> impl Strategy<Value = JerkLimits> {
     let jerk = prop_oneof![1 => Just(f64::INFINITY), 2 => decades(0.0, 4.5)];
     (-3.0..3.0_f64, decades(-3.0, 1.0), decades(-1.0, 1.0), decades(-0.5, 1.5), jerk).prop_map(
@@ -34,12 +34,12 @@ fn limits() -> impl Strategy<Value = JerkLimits> {
     )
 }
 
-/// A coordinate that runs to and fro between its limits.
+/// A coordinate that moves back and forth between its limits.
 struct Runner {
     limits: JerkLimits,
     hold: f64,
     random: TestRng,
-    /// Which end of the interval it takes, 0 or 1, or anything between.
+    /// Chosen point of the interval, from 0 to 1: often one of its ends.
     share: f64,
     position: f64,
     velocity: f64,
@@ -58,7 +58,7 @@ impl Runner {
         self.random.random::<f64>()
     }
 
-    /// A command `passed` \[s\] after the last one, that lasts for `lasts` \[s\].
+    /// Applies a command `passed` \[s\] after the last one, which lasts for `lasts` \[s\].
     fn command(&mut self, passed: f64, lasts: f64) -> Result<(), TestCaseError> {
         let Self { position, velocity, acceleration, .. } = *self;
         let state = AcceleratedState { position, velocity, acceleration };
@@ -84,7 +84,7 @@ impl Runner {
         Ok(())
     }
 
-    /// Regular commands, for so long \[s\].
+    /// Applies regular commands for `time` \[s\].
     fn last_for(&mut self, time: f64, period: f64) -> Result<(), TestCaseError> {
         let mut elapsed = 0.0;
         while elapsed < time {
@@ -98,22 +98,22 @@ impl Runner {
 proptest! {
     #![proptest_config(config(150))]
 
-    /// As long as each command is planned with the time that has passed since the last one.
+    /// Each command is planned with the time since the last one.
     #[test]
-    fn commands_that_come_at_any_times_keep_all_limits(
+    fn commands_at_arbitrary_times_keep_all_limits(
         limits in limits(), start in 0.0..1.0_f64, hold in decades(-3.0, -1.0), seed in any::<u64>(),
     ) {
         let mut runner = Runner::new(limits, hold, start, seed);
         let mut passed = hold;
         for _ in 0..20_000 {
-            // From a thousandth of the longest on, and often the longest.
+            // The duration is at least a thousandth of the longest one, and often the longest.
             let lasts = hold * 10_f64.powf((-3.5 * runner.draw()).min(0.0) + 0.5).min(1.0);
             runner.command(passed, lasts)?;
             passed = lasts;
         }
     }
 
-    /// Commands are planned with the period, but the one after a change of the period.
+    /// Commands are planned with the period, except the one after a change of the period.
     #[test]
     fn one_command_that_lasts_longer_keeps_all_limits(
         limits in limits(), start in 0.0..1.0_f64, period in decades(-4.0, -2.0), seed in any::<u64>(),
@@ -122,7 +122,7 @@ proptest! {
         let hold = longer * period;
         let mut runner = Runner::new(limits, hold, start, seed);
         for round in 0..20_u32 {
-            // Long enough to be fast, or to have come to a limit.
+            // The run is long enough to reach a high speed or a limit.
             let calm = (400.0 + 400.0 * runner.draw()) * period;
             let plain = limits.limits();
             let brakes = plain.velocity() / plain.acceleration()
@@ -131,16 +131,17 @@ proptest! {
             runner.last_for(calm, period)?;
             let lasts = hold * runner.draw().max(0.9);
             runner.command(period, lasts)?;
-            // What the long command took of the room is made up for by braking.
+            // Braking compensates the room that the long command has used.
             runner.share = 0.5;
             runner.last_for(brakes.min(20_000.0 * period), period)?;
         }
     }
 }
 
-/// A motion towards a limit that braking forbids by one long period, at the limits of a Panda's second joint.
+/// A motion towards a limit violates it by braking one long period too late, for the limits of a
+/// Panda's second joint.
 #[test]
-fn a_joint_at_full_speed_stops_in_front_of_its_limit_after_a_stall() {
+fn a_fast_joint_respects_its_limit_after_stalls() {
     for (hold, stays) in [(0.06, true), (0.0, false)] {
         let limits = Limits::new(-1.7628, 1.7628, 2.175, 7.5).unwrap().with_jerk(3750.0).unwrap();
         let limits = limits.holding(hold);

@@ -29,7 +29,7 @@ fn hard_constraints_that_contradict_each_other() {
     expect_words(&error, &["level 1", "constraint row 1 of level 1", "relax", "soft"]);
     assert_eq!(solver.conflict().len(), members);
     assert!(solver.conflict().contains(&far));
-    // What conflicts is named, what does not is left out.
+    // Conflicting rows are named, and others are not.
     assert!(!solver.conflict().contains(&ConstraintSource::Constraint { level, row: 0 }));
     // A problem with a solution clears the list.
     hierarchy.constraints_mut(second).unwrap().lower_mut()[1] = -3.0;
@@ -39,7 +39,7 @@ fn hard_constraints_that_contradict_each_other() {
 
 #[test]
 fn the_conflicting_subset_cannot_hold_alone() {
-    // x ≥ 1, y ≥ 1, z free to choose, and x + y ≤ 1.
+    // x ≥ 1, y ≥ 1, z free, and x + y ≤ 1.
     let mut hierarchy = Hierarchy::new(3).unwrap();
     let rows = Rows::ranges(
         &dmatrix![1.0, 0.0, 0.0; 0.0, 1.0, 0.0; 1.0, 1.0, 0.0; 0.0, 0.0, 1.0; 1.0, -1.0, 0.0],
@@ -75,7 +75,7 @@ fn the_conflicting_subset_cannot_hold_alone() {
 
 #[test]
 fn a_conflict_with_an_objective_above_names_it() {
-    // x + y = 2 and z = 1 are wanted first; then x + y ≥ 3 must hold.
+    // First x + y = 2 and z = 1 are minimised, then x + y ≥ 3 must hold.
     let mut hierarchy = Hierarchy::new(3).unwrap();
     let wanted = Rows::equalities(&dmatrix![0.0, 0.0, 1.0; 1.0, 1.0, 0.0], &dvector![1.0, 2.0]);
     let wanted = hierarchy.push(Level::least_squares(wanted.unwrap())).unwrap();

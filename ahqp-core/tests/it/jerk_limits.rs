@@ -1,16 +1,15 @@
-//! What must be true of the velocity interval under position, velocity, acceleration and jerk
-//! limits.
+//! Velocity intervals with position, velocity, acceleration and jerk limits.
 
 use ahqp_core::{AcceleratedState, Hierarchy, JerkLimits, Limits, MotionState, Settings, Solver};
 use proptest::prelude::*;
 use proptest::test_runner::{RngAlgorithm, RngSeed, TestRng};
 
 const PERIOD: f64 = 1e-3;
-/// What rounding may add, relative to a limit.
+/// Rounding relative to a limit.
 const ROUNDING: f64 = 1e-9;
 
-/// The same cases on every run; `PROPTEST_RNG_SEED` asks for others, `AHQP_CASES` for so many times
-/// more.
+/// Uses the same cases on every run. `PROPTEST_RNG_SEED` selects others, and `AHQP_CASES`
+/// multiplies their number.
 fn config(cases: u32) -> ProptestConfig {
     let number = |name: &str| std::env::var(name).ok().and_then(|value| value.parse::<u64>().ok());
     let cases = cases * number("AHQP_CASES").map_or(1, |times| u32::try_from(times).unwrap());
@@ -23,17 +22,17 @@ fn config(cases: u32) -> ProptestConfig {
     }
 }
 
-/// Random numbers, the same for the same seed.
+/// Returns random numbers, the same for the same seed.
 fn random(seed: u64) -> TestRng {
     TestRng::from_seed(RngAlgorithm::XorShift, &[seed.to_le_bytes(), [1; 8]].concat())
 }
 
-/// Powers of ten between two exponents.
+/// Generates numbers between two powers of ten, uniform in their exponent.
 fn decades(from: f64, to: f64) -> impl Strategy<Value = f64> {
     (from..to).prop_map(|exponent: f64| 10_f64.powf(exponent))
 }
 
-/// From a hair's breadth to metres, from a ramp of one tick to one of seconds.
+/// Generates ranges from tiny to metres, and ramps from one tick to seconds.
 fn limits() -> impl Strategy<Value = JerkLimits> {
     let width = prop_oneof![1 => Just(0.0), 6 => decades(-5.0, 1.0), 1 => Just(f64::INFINITY)];
     (-3.0..3.0_f64, width, decades(-1.5, 1.0), decades(-1.0, 1.5), decades(-0.5, 4.5)).prop_map(
@@ -46,18 +45,18 @@ fn limits() -> impl Strategy<Value = JerkLimits> {
     )
 }
 
-/// How the next velocity is chosen from the interval.
+/// Choice of the next velocity from the interval.
 #[derive(Debug, Clone, Copy)]
 enum Choice {
     Least,
     Greatest,
     /// Either end, at random.
     Ends,
-    /// Anything, at random.
+    /// Any velocity, at random.
     Any,
-    /// One end for a while, then the other.
+    /// One end for some time, then the other.
     Runs,
-    /// As slow as possible.
+    /// The slowest velocity.
     Rest,
 }
 
@@ -104,7 +103,7 @@ impl Walk {
     }
 }
 
-/// Every limit holds after a step from one state to the next.
+/// Expects that every limit holds in a step from one state to the next.
 fn expect_within(
     limits: &JerkLimits,
     from: AcceleratedState,
@@ -112,7 +111,7 @@ fn expect_within(
     period: f64,
 ) -> Result<(), TestCaseError> {
     let plain = limits.limits();
-    // A velocity of rounding size stands for an acceleration of that over the period.
+    // A velocity of rounding size corresponds to an acceleration of that size over the period.
     let noise = 1e-14 * plain.velocity() / period;
     let change = (to.acceleration - from.acceleration).abs();
     prop_assert!(
@@ -151,7 +150,7 @@ proptest! {
     }
 }
 
-/// Anywhere within the position, velocity and acceleration limits; `power` favours small
+/// Returns a state within the position, velocity and acceleration limits. `power` favours small
 /// numbers, which narrow ranges need.
 fn state(limits: &JerkLimits, shares: [f64; 3], power: i32) -> AcceleratedState {
     let plain = limits.limits();
@@ -167,12 +166,12 @@ fn shares() -> [std::ops::Range<f64>; 3] {
     [-1.0..1.0, -1.0..1.0, -1.0..1.0]
 }
 
-/// The seconds from rest to rest over a distance at full jerk, acceleration and velocity, and the
-/// velocity reached on the way.
+/// Returns the time from rest to rest over a distance at full jerk, acceleration and velocity
+/// \[s\], and the velocity reached.
 fn ideal_motion(limits: &JerkLimits, distance: f64) -> (f64, f64) {
     let (plain, j) = (limits.limits(), limits.jerk());
     let (v, a) = (plain.velocity(), plain.acceleration());
-    // The time to reach a velocity, and the velocity that takes half the distance to reach.
+    // Time to reach a velocity, and the velocity that takes half the distance to reach.
     let rise = |v: f64| if v >= a * a / j { v / a + a / j } else { 2.0 * (v / j).sqrt() };
     let by_ramps = (0.5 * distance * j.sqrt()).powf(2.0 / 3.0);
     let by_hold = 0.5 * ((a * a / j).powi(2) + 4.0 * a * distance).sqrt() - 0.5 * a * a / j;
@@ -180,7 +179,7 @@ fn ideal_motion(limits: &JerkLimits, distance: f64) -> (f64, f64) {
     (2.0 * rise(peak) + (distance - peak * rise(peak)).max(0.0) / peak, peak)
 }
 
-/// How far time-optimal braking goes in continuous time, by small steps.
+/// Returns the distance of time-optimal braking in continuous time, by small steps.
 fn braking_distance(limits: &JerkLimits, state: AcceleratedState) -> f64 {
     let (a, j) = (limits.limits().acceleration(), limits.jerk());
     let mut velocity = state.velocity;
@@ -221,7 +220,7 @@ proptest! {
     }
 
     #[test]
-    fn the_ends_of_the_interval_are_the_last_velocities_that_are_admitted(
+    fn the_interval_ends_where_velocities_become_inadmissible(
         limits in limits(), shares in shares(), period in decades(-4.0, -1.5),
     ) {
         let plain = limits.limits();
@@ -246,7 +245,7 @@ proptest! {
     }
 
     #[test]
-    fn outside_or_too_fast_acceleration_and_jerk_still_hold(
+    fn outside_positions_keep_acceleration_and_jerk_limits(
         limits in limits(), shares in shares(), beyond in -1.0..1.0_f64, choice in choices(),
         seed in any::<u64>(), period in decades(-4.0, -1.0), scale in 0.0..1.0_f64,
     ) {
@@ -263,7 +262,7 @@ proptest! {
     }
 
     #[test]
-    fn an_acceleration_beyond_its_limit_is_left_at_the_jerk_limit(
+    fn excessive_accelerations_fall_at_the_jerk_limit(
         limits in limits(), shares in shares(), factor in 1.0..3.0_f64, choice in choices(),
         period in decades(-4.0, -1.0),
     ) {
@@ -285,7 +284,7 @@ proptest! {
     #![proptest_config(config(200))]
 
     #[test]
-    fn slowed_down_the_positions_hold_and_at_zero_it_comes_to_rest(
+    fn slowed_limits_hold_and_zero_means_rest(
         limits in limits(), start in 0.0..1.0_f64, choice in choices(), seed in any::<u64>(),
         period in decades(-4.0, -2.0),
     ) {
@@ -306,7 +305,7 @@ proptest! {
         }
         walk.limits = limits.slowed(0.0);
         let (a, j) = (plain.acceleration(), limits.jerk());
-        // Off the acceleration, to rest, and both ramps of that.
+        // Time to remove the acceleration, to come to rest, and for both ramps.
         let time = plain.velocity() / a + 3.0 * a / j + 10.0 * period;
         let mut elapsed = 0.0;
         while elapsed < time {
@@ -317,7 +316,7 @@ proptest! {
     }
 
     #[test]
-    fn pushed_to_the_far_limit_it_gets_there_in_nearly_the_ideal_time(
+    fn the_far_limit_is_reached_almost_time_optimally(
         limits in limits(), up in any::<bool>(), period in decades(-4.0, -2.5),
     ) {
         let plain = limits.limits();
@@ -339,7 +338,7 @@ proptest! {
             prop_assert!(elapsed <= ideal + 5.0 * period, "{elapsed} for {ideal}: {state:?}");
         }
         prop_assert!(fastest >= peak * (1.0 - 2.0 * period / ideal), "{fastest} for {peak}");
-        // It stays there.
+        // The coordinate stays there.
         let mut rest = 0.1 * ideal + 100.0 * period;
         while rest > 0.0 {
             state = walk.step(state, period);
@@ -350,7 +349,7 @@ proptest! {
     }
 
     #[test]
-    fn too_fast_to_stop_it_goes_no_farther_than_braking_takes(
+    fn a_state_too_fast_to_stop_brakes_fully(
         limits in limits(), speed in 0.0..1.0_f64, push in -1.0..1.0_f64, gap in 0.0..1.0_f64,
         period in decades(-4.0, -2.0),
     ) {
@@ -374,7 +373,7 @@ proptest! {
     }
 
     #[test]
-    fn from_outside_it_is_back_in_the_time_from_rest_to_rest(
+    fn outside_positions_return_in_time(
         limits in limits(), speed in -1.0..1.0_f64, beyond in decades(-6.0, 0.5), up in any::<bool>(),
         period in decades(-4.0, -2.5),
     ) {
@@ -385,7 +384,7 @@ proptest! {
         let velocity = sign * speed * plain.velocity();
         let mut state =
             AcceleratedState { position: limit + sign * beyond, velocity, acceleration: 0.0 };
-        // To rest first, whichever way it moves, and from there back.
+        // The coordinate first comes to rest, in whichever direction it moves, and then returns.
         let (a, j) = (plain.acceleration(), limits.jerk());
         let rest = speed.abs() * plain.velocity();
         let stop = rest / a + 2.0 * a / j + 2.0 * (rest / j).sqrt();
@@ -404,7 +403,7 @@ proptest! {
     }
 
     #[test]
-    fn without_a_jerk_limit_it_is_the_interval_of_the_other_limits(
+    fn an_infinite_jerk_limit_changes_no_interval(
         limits in limits(), shares in shares(), beyond in -1.0..1.0_f64,
     ) {
         let limits = limits.limits().with_jerk(f64::INFINITY).unwrap();
@@ -419,7 +418,7 @@ proptest! {
 }
 
 #[test]
-fn a_jerk_limit_that_is_none_is_an_error() {
+fn an_invalid_jerk_limit_is_an_error() {
     let limits = Limits::new(-1.0, 1.0, 1.0, 1.0).unwrap();
     for jerk in [0.0, -1.0, f64::NAN] {
         let error = limits.with_jerk(jerk).unwrap_err();
@@ -445,7 +444,7 @@ fn numbers_that_are_not_finite_do_no_harm() {
         let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
         assert!(solver.solve(&hierarchy).is_err(), "{interval:?}");
     }
-    // What NaN gives is no interval, and no solver takes it for one.
+    // NaN gives no interval, and no solver accepts it.
     let state = AcceleratedState { position: 0.1, velocity: 0.2, acceleration: 0.3 };
     let nan = f64::NAN;
     for (state, period) in [

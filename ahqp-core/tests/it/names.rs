@@ -1,4 +1,4 @@
-//! Names of levels, rows and variables where something is wrong.
+//! Names of levels, rows and variables in errors and conflicts.
 
 use ahqp_core::{
     ConstraintSource, ContinuousStack, Error, Hierarchy, Level, Place, Rows, Settings, Solver,
@@ -6,7 +6,7 @@ use ahqp_core::{
 };
 use nalgebra::{DMatrix, dmatrix};
 
-/// A named problem with every kind of row.
+/// Returns a named problem with every kind of row.
 fn named() -> Hierarchy {
     let mut hierarchy = Hierarchy::new(2).unwrap();
     hierarchy.set_bounds(&[-1.0, -1.0], &[1.0, 1.0]).unwrap();
@@ -131,7 +131,7 @@ fn conflicts_are_described_by_name() {
             "the bounds of variable 1 \"elbow\"",
         ]
     );
-    // What has no name has a number.
+    // A row without a name has a number.
     let mut plain = Hierarchy::new(2).unwrap();
     let level = plain.push(Level::constraints_only(Rows::zeros(1, 2))).unwrap();
     let row = ConstraintSource::Constraint { level, row: 0 };
@@ -140,14 +140,14 @@ fn conflicts_are_described_by_name() {
 }
 
 #[test]
-fn a_stack_names_its_levels_by_their_ids_wherever_they_stand() {
+fn a_stack_names_levels_by_id_after_changes() {
     let mut hierarchy = Hierarchy::new(1).unwrap();
     hierarchy.name_variables(["height"]).unwrap();
     let near =
         |target: f64| Level::least_squares(Rows::equalities(&dmatrix![1.0], &[target]).unwrap());
     hierarchy.push(near(0.0).named("rest")).unwrap();
     let mut stack = ContinuousStack::new(&hierarchy, Settings::default()).unwrap();
-    // Later levels stand above earlier ones.
+    // Later levels are above earlier ones.
     let most = Rows::at_most(&dmatrix![1.0], &[1.0]).unwrap().with_names(["ceiling"]).unwrap();
     let most = stack.insert(Level::constraints_only(most).named("most"), Place::Top, 0.0).unwrap();
     let least = Rows::at_least(&dmatrix![1.0], &[2.0]).unwrap().with_names(["floor"]).unwrap();
@@ -174,7 +174,7 @@ fn a_stack_names_its_levels_by_their_ids_wherever_they_stand() {
 }
 
 #[test]
-fn a_constraint_that_the_output_cannot_keep_is_named() {
+fn a_constraint_violated_by_output_bounds_is_named() {
     let mut hierarchy = Hierarchy::new(1).unwrap();
     let near =
         |target: f64| Level::least_squares(Rows::equalities(&dmatrix![1.0], &[target]).unwrap());
@@ -184,7 +184,7 @@ fn a_constraint_that_the_output_cannot_keep_is_named() {
     let floor = hierarchy.push(Level::constraints_only(least).named("least")).unwrap();
     let mut stack = ContinuousStack::new(&hierarchy, Settings::default()).unwrap();
     stack.insert(near(5.0), Place::Top, 1.0).unwrap();
-    // Half way between the two, the output is held far from the floor.
+    // Halfway between the two, the output is held far from the floor.
     stack.solve(0.5).unwrap().optimum().unwrap();
     stack.output_bounds_mut().1[0] = 1.0;
     let error = stack.solve(0.0).unwrap_err();

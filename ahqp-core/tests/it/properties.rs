@@ -1,4 +1,4 @@
-//! What must be true of every solution, on random hierarchies.
+//! Properties of every solution, on random hierarchies.
 
 use ahqp_core::testing::{Sizes, equality_hierarchies, hierarchies, hierarchy_sequences};
 use ahqp_core::{
@@ -9,7 +9,7 @@ use proptest::{prelude::*, test_runner::RngSeed};
 
 use crate::certificate::expect_proofs;
 
-/// The same cases on every run; `PROPTEST_RNG_SEED` and `AHQP_CASES` ask for others and for more.
+/// Uses the same cases on every run. `PROPTEST_RNG_SEED` and `AHQP_CASES` select others and more.
 fn config() -> ProptestConfig {
     let number = |name: &str| std::env::var(name).ok().and_then(|value| value.parse::<u64>().ok());
     let cases = number("AHQP_CASES").map_or(300, |cases| u32::try_from(cases).unwrap());
@@ -41,7 +41,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
-/// The violation of a row, and the size its rounding is relative to.
+/// Returns the violation of each row, and the size that its rounding is relative to.
 fn violations<'a>(rows: &'a Rows, x: &'a [f64]) -> impl Iterator<Item = (f64, f64)> + 'a {
     rows.iter().map(|(a, lower, upper)| {
         let value = dot(a, x);
@@ -49,7 +49,7 @@ fn violations<'a>(rows: &'a Rows, x: &'a [f64]) -> impl Iterator<Item = (f64, f6
     })
 }
 
-/// What a level minimises at x, and the size its rounding is relative to.
+/// Returns the objective's value at x, and the size that its rounding is relative to.
 fn residual(level: &Level, x: &[f64]) -> (f64, f64) {
     match level.objective() {
         Objective::LeastSquares(rows) => {
@@ -59,7 +59,7 @@ fn residual(level: &Level, x: &[f64]) -> (f64, f64) {
         Objective::Quadratic { hessian, gradient } => {
             let x = DVector::from_column_slice(x);
             let (bent, tilted) = (0.5 * (hessian * &x).dot(&x), gradient.dot(&x));
-            // Far out where the Hessian is flat, xᵀHx is what rounding leaves of larger numbers.
+            // Far away where the Hessian is flat, xᵀHx is the rounding of larger numbers.
             let summands = 1e-7 * hessian.norm() * x.norm_squared();
             (bent + tilted, 1.0 + bent.abs() + tilted.abs() + summands)
         }
@@ -67,7 +67,7 @@ fn residual(level: &Level, x: &[f64]) -> (f64, f64) {
     }
 }
 
-/// Rows of the matrices of all objectives.
+/// Returns the rows of the matrices of all objectives.
 fn objective_rows(hierarchy: &Hierarchy) -> Vec<DVector<f64>> {
     let mut all = Vec::new();
     for level in hierarchy.levels() {
@@ -85,7 +85,7 @@ fn objective_rows(hierarchy: &Hierarchy) -> Vec<DVector<f64>> {
     all
 }
 
-/// A hierarchy with the same bounds and the levels that `map` makes of its levels.
+/// Returns a hierarchy with the same bounds and the levels that `map` returns.
 fn rebuilt(hierarchy: &Hierarchy, map: impl Fn(usize, &Level) -> Option<Level>) -> Hierarchy {
     let mut other = Hierarchy::new(hierarchy.variables()).unwrap();
     let (lower, upper) = other.bounds_mut();
@@ -106,7 +106,7 @@ fn matrix_of(rows: &Rows) -> DMatrix<f64> {
     DMatrix::from_row_iterator(rows.len(), rows.columns(), entries)
 }
 
-/// The levels' rows, left-multiplied by `by(level)`.
+/// Multiplies the levels' rows by `by(level)` from the left.
 fn transformed(hierarchy: &Hierarchy, by: impl Fn(usize, usize) -> DMatrix<f64>) -> Hierarchy {
     rebuilt(hierarchy, |k, level| {
         let Objective::LeastSquares(rows) = level.objective() else { return Some(level.clone()) };
@@ -123,24 +123,24 @@ proptest! {
     fn every_level_reaches_the_residual_of_the_reference(hierarchy in hierarchies(Sizes::default())) {
         let x = solve(&hierarchy);
         let reference = solve_reference(&hierarchy).map_err(|error| {
-            // Interior points fail on one degenerate problem in a thousand; proptest counts
-            // rejected cases, and many are an error.
+            // The interior-point method fails on one degenerate problem in a thousand. proptest
+            // counts rejected cases, and reports too many as an error.
             TestCaseError::reject(error.to_string())
         })?;
         for (k, level) in hierarchy.levels().iter().enumerate() {
             let (ours, size) = residual(level, &x);
             let (theirs, _) = residual(level, reference.as_slice());
-            // A feasible point that is better proves that the reference stopped short.
+            // A better feasible point proves that the reference stopped too early.
             prop_assume!(theirs <= ours + 1e-6 * size);
             prop_assert!(ours <= theirs + 1e-6 * size, "level {k}: {ours} against {theirs}");
             if (ours - theirs).abs() > 1e-9 * size {
-                // What one level gives, the next takes many times over.
+                // A small difference in one level may be a large one in the next.
                 return Ok(());
             }
         }
-        // Directions that a level hardly sees move far for a residual of 1e-6; that the norm is the
-        // least is for the certificate to prove. A shorter point of the same residuals proves, as
-        // above, that the reference stopped short.
+        // Directions that a level depends on only weakly move far for a residual of 1e-6. The
+        // certificate proves that the norm is least. A shorter point with the same residuals proves
+        // that the reference stopped too early.
         let (ours, theirs) = (dot(&x, &x).sqrt(), reference.norm());
         prop_assert!(ours <= theirs + 1e-3 * (1.0 + ours), "norm {ours} against {theirs}");
     }
@@ -216,7 +216,7 @@ proptest! {
         sequence in hierarchy_sequences(Sizes { variables: 1..=24, ..Sizes::default() }, 4),
     ) {
         let mut warm = Solver::new(&sequence[0], Settings::default()).unwrap();
-        // Mostly back to the first problem, so that there are habits to go by, too.
+        // The sequence mostly returns to the first problem, so that rows have a usual activity too.
         let odd = sequence.iter().chain(&sequence).flat_map(|other| [other, &sequence[0]]);
         for hierarchy in odd {
             let warm = warm.solve(hierarchy).unwrap();
@@ -229,7 +229,7 @@ proptest! {
     }
 
     #[test]
-    fn the_same_input_after_the_same_history_gives_the_same_bits(
+    fn equal_input_and_history_give_equal_bits(
         sequence in hierarchy_sequences(small(), 3),
     ) {
         let bits = |solver: &mut Solver, hierarchy: &Hierarchy| -> (Vec<u64>, usize) {
@@ -241,7 +241,7 @@ proptest! {
         for hierarchy in &sequence {
             prop_assert_eq!(bits(&mut one, hierarchy), bits(&mut other, hierarchy));
         }
-        // A cold start has no history, and neither has a warm one that was told to forget.
+        // A cold start has no history, and neither has a solver that was told to forget.
         let mut cold = Solver::new(&sequence[0], cold()).unwrap();
         for hierarchy in sequence.iter().rev() {
             one.forget();
@@ -253,7 +253,7 @@ proptest! {
     }
 
     #[test]
-    fn an_orthogonal_change_of_a_levels_rows_leaves_x(
+    fn orthogonal_changes_of_a_levels_rows_keep_x(
         hierarchy in equality_hierarchies(small()),
         entries in prop::collection::vec(-1.0..1.0_f64, 36),
     ) {
@@ -308,7 +308,7 @@ proptest! {
     }
 
     #[test]
-    fn the_order_of_variables_and_rows_does_not_matter(
+    fn the_order_of_variables_and_rows_is_irrelevant(
         hierarchy in hierarchies(small()), shift in 0..12_usize,
     ) {
         let n = hierarchy.variables();
@@ -348,7 +348,7 @@ proptest! {
     }
 
     #[test]
-    fn with_too_few_iterations_the_upper_levels_are_done_and_constraints_hold(
+    fn too_few_iterations_still_finish_the_upper_levels(
         hierarchy in hierarchies(small()), max_iterations in 1..12_usize,
     ) {
         let mut solver =
@@ -373,12 +373,12 @@ proptest! {
         }
     }
 
-    /// The budget is kept whatever the start, and what is left is done in the next ticks.
+    /// The budget holds for every start, and later ticks do the remaining work.
     #[test]
-    fn a_budget_is_kept_and_goes_on_from_tick_to_tick(
+    fn a_small_budget_finishes_over_several_ticks(
         sequence in hierarchy_sequences(small(), 2), spare in 0..20_usize,
     ) {
-        // A level takes a step for its constraints and one for its objective.
+        // A level takes one step for its constraints and one for its objective.
         let max_iterations = 2 * sequence[0].levels().len() + sequence[0].variables() + 2 + spare;
         let mut solver =
             Solver::new(&sequence[0], Settings { max_iterations, ..Settings::default() }).unwrap();
@@ -415,7 +415,7 @@ fn the_reference_refuses_what_the_solver_refuses() {
 }
 
 #[test]
-fn a_row_that_comes_now_and_then_costs_nothing_where_it_does_not() {
+fn an_occasional_row_costs_nothing_in_between() {
     let aim = |first: f64| {
         let mut hierarchy = Hierarchy::new(6).unwrap();
         let (lower, upper) = hierarchy.bounds_mut();
@@ -442,18 +442,18 @@ fn a_row_that_comes_now_and_then_costs_nothing_where_it_does_not() {
 }
 
 proptest! {
-    // Cases without freedom are rejected; more than four in five are an error.
+    // Cases without free directions are rejected. More than four in five are an error.
     #![proptest_config(ProptestConfig { max_global_rejects: 4 * config().cases, ..config() })]
 
     #[test]
-    fn no_way_that_every_level_leaves_open_shortens_x(
+    fn no_free_direction_shortens_x(
         hierarchy in hierarchies(small()),
         direction in prop::collection::vec(-1.0..1.0_f64, 12),
         share in 0.0..1.0_f64,
     ) {
         let x = DVector::from_vec(solve(&hierarchy));
         let n = x.len();
-        // A direction that no objective sees.
+        // A direction that does not change any objective.
         let mut way = DVector::from_iterator(n, direction.into_iter().take(n));
         let mut seen: Vec<DVector<f64>> = Vec::new();
         for mut row in objective_rows(&hierarchy) {
@@ -473,7 +473,7 @@ proptest! {
             }
         }
         prop_assume!(way.norm() >= 1e-6);
-        // How far the hard rows let us go along it.
+        // Distance along it that the hard rows allow.
         let mut reach = f64::INFINITY;
         let mut limit = |value: f64, slope: f64, lower: f64, upper: f64| {
             if slope > 1e-12 {

@@ -1,4 +1,4 @@
-//! Rows: how they are made, and what their weights mean.
+//! Construction of rows, and their weights.
 
 use ahqp_core::testing::{Sizes, hierarchies};
 use ahqp_core::{
@@ -16,13 +16,13 @@ fn small() -> Sizes {
     Sizes { variables: 1..=8, levels: 1..=4, rows: 0..=5 }
 }
 
-/// Weights for every row of every least-squares level: some zero, some equal.
+/// Generates weights for every row of every least-squares level, some zero and some equal.
 fn weights() -> impl Strategy<Value = Vec<f64>> {
     let weight = prop_oneof![1 => Just(0.0), 2 => Just(1.0), 3 => (-6..=6_i32).prop_map(|e| 4.0_f64.powi(e))];
     prop::collection::vec(weight, 4 * 5)
 }
 
-/// The hierarchy with the weights, and the same with its rows multiplied by their roots.
+/// Returns the hierarchy with the weights, and with its rows multiplied by their roots.
 fn weighted(hierarchy: &Hierarchy, weights: &[f64]) -> [Hierarchy; 2] {
     let (mut by_weights, mut by_hand) = (hierarchy.clone(), hierarchy.clone());
     let mut rest = weights;
@@ -57,7 +57,7 @@ proptest! {
         hierarchy in hierarchies(Sizes { levels: 1..=4, ..small() }), weights in weights(),
     ) {
         let constrained = hierarchy.levels().iter().any(|level| !level.constraints().is_empty());
-        // Constraints are feasible for the hierarchy as it is, not for other weights.
+        // Constraints are feasible for the hierarchy as it is, but not for other weights.
         prop_assume!(!constrained);
         let [by_weights, by_hand] = weighted(&hierarchy, &weights);
         let x = optimum(&by_weights);
@@ -74,7 +74,7 @@ proptest! {
     }
 
     #[test]
-    fn weights_that_change_from_tick_to_tick_leave_nothing_behind(
+    fn changing_weights_leave_nothing_behind(
         hierarchy in hierarchies(small()), first in weights(), second in weights(), warm in any::<bool>(),
     ) {
         prop_assume!(hierarchy.levels().iter().all(|level| level.constraints().is_empty()));
@@ -92,7 +92,7 @@ proptest! {
 
 #[test]
 fn heavier_rows_count_for_more() {
-    // x = 0 and x = 1, the second three times as heavy: the mean by weights.
+    // x = 0 and x = 1, where the second row has three times the weight: x is the weighted mean.
     let mut rows = Rows::equalities(&dmatrix![1.0; 1.0], &[0.0, 1.0]).unwrap();
     rows.set_weights(&dvector![1.0, 3.0]).unwrap();
     let mut hierarchy = Hierarchy::new(1).unwrap();
@@ -101,7 +101,7 @@ fn heavier_rows_count_for_more() {
     assert!((solve_reference(&hierarchy).unwrap()[0] - 0.75).abs() < 1e-7);
     let violation = hierarchy.level(level).unwrap().violation(&[0.75]).unwrap();
     assert!((violation.powi(2) - (0.75_f64.powi(2) + 3.0 * 0.25_f64.powi(2))).abs() < 1e-15);
-    // Set again, they are those and not products.
+    // New weights replace the old ones instead of multiplying them.
     for weights in [[3.0, 1.0], [3.0, 1.0], [1.0, 1.0], [0.0, 1.0]] {
         hierarchy.rows_mut(level).unwrap().set_weights(&weights).unwrap();
         let mean = weights[1] / (weights[0] + weights[1]);
@@ -111,7 +111,7 @@ fn heavier_rows_count_for_more() {
 }
 
 #[test]
-fn a_row_of_weight_zero_is_left_out_of_all_levels() {
+fn a_row_of_weight_zero_is_left_out() {
     let mut rows = Rows::equalities(&dmatrix![1.0, 0.0; 0.0, 1.0], &[5.0, 7.0]).unwrap();
     rows.set_weights(&[0.0, 1.0]).unwrap();
     let mut hierarchy = Hierarchy::new(2).unwrap();
@@ -147,18 +147,18 @@ fn weights_say_nothing_about_constraints_and_other_levels() {
 }
 
 #[test]
-fn weights_that_are_none() {
+fn invalid_weights_are_refused() {
     let mut rows = Rows::zeros(2, 1);
     rows.set_weights(&[2.0, 3.0]).unwrap();
     for weight in [f64::NAN, -1.0, f64::INFINITY, f64::NEG_INFINITY, 1e-101, 1e101] {
         let error = rows.set_weights(&[1.0, weight]).unwrap_err();
         assert!(matches!(error, Error::Value { index: Some(1), .. }), "{error}");
         assert!(error.to_string().contains("weight of row 1"), "{error}");
-        // The ones before stay.
+        // The earlier weights stay.
         assert_eq!(rows.weights(), Some(&[2.0, 3.0][..]));
     }
     assert_eq!((rows.weight(1), Rows::zeros(1, 1).weight(0)), (3.0, 1.0));
-    // Each in range, but together too large for double precision.
+    // Each number is in range, but together they are too large for double precision.
     let mut hierarchy = Hierarchy::new(1).unwrap();
     let mut rows = Rows::equalities(&dmatrix![1e60], &[0.0]).unwrap();
     rows.set_weights(&[1e100]).unwrap();
@@ -167,7 +167,7 @@ fn weights_that_are_none() {
     let error = solver.solve(&hierarchy).unwrap_err();
     assert!(matches!(error, Error::Datum { entry: None, .. }), "{error}");
     assert!(error.to_string().contains("heavy"), "{error}");
-    // NaN in a row that is left out is still NaN.
+    // NaN is refused even in a row that is left out.
     let rows = hierarchy.rows_mut(hierarchy.ids().next().unwrap()).unwrap();
     rows.set_weights(&[0.0]).unwrap();
     rows.row_mut(0).unwrap()[0] = f64::NAN;
@@ -175,12 +175,12 @@ fn weights_that_are_none() {
 }
 
 #[test]
-fn rows_are_made_of_what_is_at_hand() {
+fn rows_are_made_from_vectors_and_slices() {
     let a = dmatrix![1.0, 2.0; 3.0, 4.0];
     let (low, high) = ([-1.0, -2.0], [5.0, 6.0]);
     let infinite = [f64::INFINITY; 2];
     let ranges = Rows::ranges(&a, &low, &high).unwrap();
-    // Vectors of any kind, slices and arrays.
+    // Vectors of any kind, slices and arrays are accepted.
     assert_eq!(Rows::ranges(&a, &Vector2::from(low), &dvector![5.0, 6.0]).unwrap(), ranges);
     assert_eq!(Rows::ranges(&a, &low[..], &high.to_vec()).unwrap(), ranges);
     let slice = [1.0, 2.0, 3.0, 4.0];

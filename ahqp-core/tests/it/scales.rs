@@ -7,7 +7,7 @@ use proptest::test_runner::{RngAlgorithm, RngSeed, TestRng};
 
 const FREE: f64 = f64::INFINITY;
 
-/// The same cases on every run; `PROPTEST_RNG_SEED` and `AHQP_CASES` ask for others and for more.
+/// Uses the same cases on every run. `PROPTEST_RNG_SEED` and `AHQP_CASES` select others and more.
 fn config() -> ProptestConfig {
     let number = |name: &str| std::env::var(name).ok().and_then(|value| value.parse::<u64>().ok());
     ProptestConfig {
@@ -23,7 +23,7 @@ fn towards(target: &DVector<f64>) -> Level {
     Level::least_squares(Rows::equalities(&identity, target).unwrap())
 }
 
-/// x₀ wants to be large; x₁, which it has nothing to do with, must be in a range.
+/// Returns a problem in which x₀ becomes large, and the unrelated x₁ must be in a range.
 fn beside_a_large_one(size: f64, second: f64, range: (f64, f64)) -> Hierarchy {
     let mut hierarchy = Hierarchy::new(2).unwrap();
     let rows = dmatrix![0.0, 1.0; 0.0, 1.0];
@@ -37,7 +37,7 @@ fn a_large_variable_loosens_no_constraint_of_another() {
     for size in [1e2, 1e4, 1e6, 1e9] {
         let rounding = 1e-13 * size;
         let near = |x: &[f64], expected: f64| (x[1] - expected).abs() <= rounding;
-        // Cold, and warm after the bound was inactive.
+        // Tests a cold start, and a warm one after the bound was inactive.
         for first in [0.9, 1.05] {
             let start = beside_a_large_one(size, first, (-1.0, 1.0));
             let mut solver = Solver::new(&start, Settings::default()).unwrap();
@@ -67,7 +67,7 @@ fn a_large_variable_loosens_no_constraint_of_another() {
 }
 
 #[test]
-fn a_certificate_sees_a_small_row_beside_a_large_variable() {
+fn a_certificate_sees_small_rows_beside_large_variables() {
     let hierarchy = beside_a_large_one(1e9, 1.05, (-1.0, 1.0));
     let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
     let mut x = solver.solve(&hierarchy).unwrap().optimum().unwrap().to_vec();
@@ -92,7 +92,7 @@ fn curvatures_and_slopes_of_very_different_size_count() {
     near(&quadratic(dmatrix![1e16, 0.0; 0.0, 1.0], dvector![-1e16, -1.0]), [1.0, 1.0]);
     near(&quadratic(dmatrix![1e13, 0.0; 0.0, 1.0], dvector![0.0, -1.0]), [0.0, 1.0]);
     near(&quadratic(dmatrix![1.0, 0.0; 0.0, 0.0], dvector![1.0, 5e-10]), [-1.0, -1e3]);
-    // Flat along (1, −1), and the gradient has no part there but rounding.
+    // The Hessian is flat along (1, −1), where the gradient has only rounding.
     let flat = quadratic(dmatrix![1.0, 1.0; 1.0, 1.0], dvector![0.3 - 0.1, 0.2]);
     near(&flat, [-0.1, -0.1]);
 }
@@ -102,15 +102,16 @@ struct Plan {
     variables: usize,
     levels: usize,
     bounded: bool,
-    /// How much rows differ that are taken from others, as a power of ten.
+    /// Difference of rows derived from others, as a power of ten.
     nearness: f64,
-    /// Rows of objectives have units up to so many powers of ten away from one, either way; hard
-    /// ones, which weigh nothing against each other, six times as many.
+    /// Largest size of the exponents of ten in the units of objective rows. Hard rows are not
+    /// weighed against each other, and have six times as many.
     units: f64,
     seed: u64,
 }
 
-/// Rounding lets go of a row that at once comes back: this went on until the iterations ran out.
+/// Rounding drops a row that immediately becomes active again, which must not go on until the
+/// iterations run out.
 #[test]
 fn a_row_that_comes_back_at_once_stays() {
     let (nearness, seed) = (-7.254860562231021, 1177438555435173584);
@@ -118,7 +119,7 @@ fn a_row_that_comes_back_at_once_stays() {
     expect_proof(&plan.build()).unwrap();
 }
 
-/// Two of these rows differ by a millionth: how much of them is violated is only known from x.
+/// Two of these rows differ by a millionth. Their violation is only known from x.
 #[test]
 fn rows_that_nearly_agree_hold_together() {
     for (variables, levels, bounded, nearness, seed) in [
@@ -132,20 +133,21 @@ fn rows_that_nearly_agree_hold_together() {
     }
 }
 
-/// Three hard rows that nearly agree hold the objective's row, which is one of them: the multipliers of the
-/// other two are zero, and rounding makes them 1e-8. The least norm is still to be chosen.
+/// Three hard rows that nearly agree hold the objective's row, which is one of them. The
+/// multipliers of the other two are zero, and rounding makes them 1e-8. The least norm must still
+/// be chosen.
 #[test]
-fn rows_that_a_level_does_not_need_leave_the_next_one_free() {
+fn unneeded_rows_leave_the_next_level_free() {
     let seed = 4816265570775335485;
     let nearness = -4.934751649731402;
     let plan = Plan { variables: 3, levels: 1, bounded: true, nearness, units: 0.0, seed };
     expect_proof(&plan.build()).unwrap();
 }
 
-/// Five hard rows are active in four dimensions: the one that depends on the others moves with them, and
-/// comes back to its bound when one of them goes.
+/// Five hard rows are active in four dimensions. The one that depends on the others moves with
+/// them, and returns to its bound when one of them is dropped.
 #[test]
-fn a_hard_row_that_depends_on_others_moves_with_them() {
+fn a_dependent_hard_row_moves_with_the_others() {
     let (seed, nearness) = (5330735831441724863, -5.70734108673939);
     let plan = Plan { variables: 4, levels: 2, bounded: false, nearness, units: 0.0, seed };
     expect_proof(&plan.build()).unwrap();
@@ -174,9 +176,9 @@ impl Plan {
         let mut seed = [0; 32];
         seed[..8].copy_from_slice(&self.seed.to_le_bytes());
         let mut random = TestRng::from_seed(RngAlgorithm::ChaCha, &seed);
-        // Hard rows hold here. So do objectives where nothing bounds the variables: rows that nearly
-        // agree and contradict each other have their optimum at a distance of one over what they
-        // differ by.
+        // Hard rows hold here. Objectives do too if nothing bounds the variables. Rows that nearly
+        // agree and contradict each other have their optimum at a distance of one over their
+        // difference.
         let inner = DVector::from_fn(n, |_, _| sign(&mut random) * random.random::<f64>());
         let mut hierarchy = Hierarchy::new(n).unwrap();
         if self.bounded {
@@ -201,7 +203,8 @@ impl Plan {
         hierarchy
     }
 
-    /// Rows of which some are nearly, or quite, among those `known`; with `inner` they hold there.
+    /// Returns rows of which some are nearly or exactly among those `known`. If `inner` is given,
+    /// they hold there.
     fn rows(
         &self,
         random: &mut TestRng,
@@ -226,7 +229,7 @@ impl Plan {
             known.push(row.clone());
             let unit = 10_f64.powf(units * random.random_range(-1.0..=1.0));
             let (at, spread) = inner.map_or((normal(random), 0.5), |inner| {
-                // Bounds that are not just at the point.
+                // The bounds lie at some distance from the point.
                 (row.dot(inner) - 0.1, 0.2)
             });
             let (least, greatest) = match random.random_range(0..4) {
@@ -246,14 +249,14 @@ fn sign(random: &mut TestRng) -> f64 {
     if random.random() { 1.0 } else { -1.0 }
 }
 
-/// Of variance one.
+/// Returns a random number of variance one.
 fn normal(random: &mut TestRng) -> f64 {
     (0..12).map(|_| random.random::<f64>()).sum::<f64>() - 6.0
 }
 
 fn expect_proof(hierarchy: &Hierarchy) -> Result<(), TestCaseError> {
     let mut solver = Solver::new(hierarchy, Settings::default()).unwrap();
-    // Cold, and warm.
+    // First a cold start, then a warm one.
     for _ in 0..2 {
         let solution = solver.solve(hierarchy)?.clone();
         prop_assert_eq!(solution.status(), Status::Solved);
@@ -264,7 +267,7 @@ fn expect_proof(hierarchy: &Hierarchy) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// Rows of constraints that slack alone makes feasible, about a range next to nothing.
+/// Returns rows of constraints that only a slack makes feasible, around a tiny range.
 fn slackened(variables: usize, range: f64, seed: u64) -> Hierarchy {
     let mut seeds = [0; 32];
     seeds[..8].copy_from_slice(&seed.to_le_bytes());
@@ -314,7 +317,8 @@ proptest! {
         expect_proof(&plan.build())?;
     }
 
-    /// What slack makes feasible is feasible, however little is to be made up for.
+    /// A constraint with slack is feasible, however small the violation that the slack must
+    /// compensate.
     #[test]
     fn slack_makes_the_smallest_ranges_feasible(
         variables in 1..12_usize, range in -15.0..0.0_f64, seed in any::<u64>().no_shrink(),

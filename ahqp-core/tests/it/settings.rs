@@ -4,8 +4,8 @@ use ahqp_core::{Hierarchy, Level, Rows, Settings, Solver, WarmStart};
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 
-/// Two rows of one level, the second off the first by `part` of it in a direction of its own, and a
-/// level below that pulls towards a target.
+/// Two rows of one level, and a level below that pulls towards a target. The second row differs
+/// from the first by `part` of it in an independent direction.
 #[derive(Debug, Clone)]
 struct NearlyParallel {
     rows: [[f64; 4]; 2],

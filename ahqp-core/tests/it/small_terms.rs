@@ -1,11 +1,11 @@
-//! Rows whose terms are all small beside the largest variable: they hold to their own size, and pulls that
-//! are smaller than the rounding of other sums still count.
+//! Rows whose terms are all small beside the largest variable. They hold relative to their own
+//! size. Forces smaller than the rounding of other sums still count.
 
 use ahqp_core::{Hierarchy, Level, Rows, Settings, Solver, Status};
 use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 
-/// One row: its coefficients, then its lower and its upper bound.
+/// Creates rows, each given as its coefficients followed by its lower and upper bound.
 fn rows<const WIDTH: usize>(of: &[[f64; WIDTH]]) -> Rows {
     let variables = WIDTH - 2;
     let matrix = DMatrix::from_fn(of.len(), variables, |row, column| of[row][column]);
@@ -13,7 +13,7 @@ fn rows<const WIDTH: usize>(of: &[[f64; WIDTH]]) -> Rows {
     Rows::ranges(&matrix, &column(variables), &column(variables + 1)).unwrap()
 }
 
-/// The violation of each level at the optimum.
+/// Returns the violation of each level at the optimum.
 fn violations(hierarchy: &Hierarchy) -> Vec<f64> {
     let mut solver = Solver::new(hierarchy, Settings::default()).unwrap();
     let solution = solver.solve(hierarchy).unwrap();
@@ -23,7 +23,7 @@ fn violations(hierarchy: &Hierarchy) -> Vec<f64> {
 }
 
 #[test]
-fn a_row_of_the_size_of_rounding_is_held_beside_large_variables() {
+fn tiny_rows_hold_beside_large_variables() {
     let hard = rows(&[
         [0.0, -1.0, 0.0, -1.0, -3.5e-14],
         [0.0, -1.0, 0.0, -1.0, -3.3e-13],
@@ -44,12 +44,12 @@ fn a_row_of_the_size_of_rounding_is_held_beside_large_variables() {
     for level in [soft, below, last] {
         problem.push(Level::least_squares(level)).unwrap();
     }
-    // ‖x‖ is 0.8: what is left is a part in 10¹³ of it.
+    // ‖x‖ is 0.8, and the remainder is a part in 10¹³ of it.
     assert!(violations(&problem)[0] < 1e-13);
 }
 
 #[test]
-fn rows_of_the_size_of_rounding_are_held_where_levels_below_pull_at_them() {
+fn tiny_rows_hold_against_levels_below() {
     let first = rows(&[
         [0.0, -1.0, 1.0, 0.0, 1.0, -1.0, -1.0, 1.0, 0.0, 0.0],
         [0.0, 1.0, 1.0, 1.0, -1.0, 1.0, -1.0, 1.0, 0.0, 0.0],
@@ -75,10 +75,10 @@ fn rows_of_the_size_of_rounding_are_held_where_levels_below_pull_at_them() {
     assert!(violations(&problem)[1] < 1e-12);
 }
 
-/// Along the chain x₇ → x₆ → x₅ → x₄ → x₃ → x₁ little is left of x₇: the two rows that contradict each other
-/// share 5.4e-10, and the row at the chain's beginning pulls with 3e-17.
+/// Little is left of x₇ along the chain x₇ → x₆ → x₅ → x₄ → x₃ → x₁. The two contradicting rows
+/// share 5.4e-10, and the row at the beginning of the chain pulls with 3e-17.
 #[test]
-fn a_pull_below_rounding_that_an_optimum_stands_on_is_kept() {
+fn a_decisive_force_below_rounding_is_kept() {
     let hard = rows(&[[0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, -1.0, -4.9e-3]]);
     let chain = rows(&[
         [0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, -1.0, -1.0, 0.0],
@@ -97,7 +97,8 @@ fn a_pull_below_rounding_that_an_optimum_stands_on_is_kept() {
     problem.push(Level::least_squares(below)).unwrap();
     let [hard, chain, _] = violations(&problem)[..] else { panic!("three levels") };
     assert!(hard < 1e-15, "{hard}");
-    // The least norm of residuals rᵢ with Σ cᵢ rᵢ = gap, where cᵢ is what of row i reaches x₁.
+    // The least norm of residuals rᵢ with Σ cᵢ rᵢ = gap, where cᵢ is the part of row i that reaches
+    // x₁.
     let reach = [4.5e-3, 1.9e-2, 1.3e-3].map({
         let mut product = 1.0;
         move |factor| {
@@ -110,11 +111,12 @@ fn a_pull_below_rounding_that_an_optimum_stands_on_is_kept() {
     assert!((chain - shared).abs() < 1e-15, "{chain} instead of {shared}");
 }
 
-/// Without the bounds the three rows of the second level depend on each other to the last of their ten digits: what
-/// the rank left out of them was lost where the bounds became active, x was off by 5e-11, and the range of the first
-/// level held x₁ although nothing needs it there.
+/// The three rows of the second level depend on each other up to the last of their ten digits,
+/// while no bounds are active. The rank neglects their small remainders. These count once bounds
+/// become active. Otherwise x would be off by 5e-11, and the range of the first level would hold x₁
+/// needlessly.
 #[test]
-fn parts_of_rows_that_a_rank_leaves_out_count_once_bounds_are_active() {
+fn neglected_remainders_count_once_bounds_are_active() {
     let first =
         rows(&[[-0.2, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0], [1.0, -1.0, 0.0, 0.0, 0.0, 0.5, 1.0]]);
     let second = rows(&[
@@ -132,7 +134,8 @@ fn parts_of_rows_that_a_rank_leaves_out_count_once_bounds_are_active() {
     let mut solver = Solver::new(&problem, Settings::default()).unwrap();
     solver.forget();
     let x = solver.solve(&problem).unwrap().optimum().unwrap();
-    // The least squares of the second level in x₄ alone, in rational arithmetic; of the rest the least norm.
+    // The least squares of the second level in x₄ alone, in rational arithmetic. The other
+    // variables take the least norm.
     let least = -1.528_585_886_734_345;
     let expected = [-5.0 * least, -5.0 * least - 1.0, 0.0, 0.0, least];
     for (x, expected) in x.iter().zip(expected) {
@@ -140,10 +143,10 @@ fn parts_of_rows_that_a_rank_leaves_out_count_once_bounds_are_active() {
     }
 }
 
-/// What the level above leaves of the last row is 1e-10 of it, as much as the rank tolerance: with other bounds active
-/// it counts as dependent or not by its last digits, and must not make x go 10¹⁰ far.
+/// The level above leaves 1e-10 of the last row, which is the rank tolerance. If other bounds are
+/// active, its last digits decide whether it counts as dependent. That must not move x by 10¹⁰.
 #[test]
-fn a_row_on_the_edge_of_the_rank_tolerance_does_not_move_what_is_decided() {
+fn rows_at_the_rank_tolerance_move_nothing_decided() {
     let arm = [
         [-0.237, -0.2366, 0.237441, -0.319163, 0.0, -0.18192, 0.07464, 0.0],
         [0.1431, 0.143143, 0.5009, 0.18183184854452014, 0.0, 0.11567036649151387, 0.136483, 0.0],

@@ -1,4 +1,4 @@
-//! What each change of a continuous stack does, on stacks of one variable.
+//! Effect of each change of a continuous stack, on stacks of one variable.
 
 use ahqp_core::{
     AcceleratedState, ConstraintSource, ContinuousStack, Error, Hierarchy, Level, LevelId, Limits,
@@ -12,7 +12,7 @@ fn near(target: f64) -> Level {
     Level::least_squares(Rows::equalities(&dmatrix![1.0], &dvector![target]).unwrap())
 }
 
-/// One variable, drawn to zero.
+/// Returns a stack of one variable that is pulled to zero.
 fn line() -> (ContinuousStack, LevelId) {
     let mut hierarchy = Hierarchy::new(1).unwrap();
     hierarchy.set_bounds(&dvector![-5.0], &dvector![5.0]).unwrap();
@@ -31,7 +31,7 @@ fn ticks(stack: &mut ContinuousStack, count: usize) -> f64 {
 }
 
 #[test]
-fn a_change_that_is_called_off_goes_back_from_where_it_is() {
+fn a_cancelled_change_returns_from_its_current_state() {
     let (mut stack, zero) = line();
     let one = stack.insert(near(1.0), Place::Above(zero), 0.2).unwrap();
     let half_way = ticks(&mut stack, 100);
@@ -39,12 +39,12 @@ fn a_change_that_is_called_off_goes_back_from_where_it_is() {
     stack.remove(one, 0.2).unwrap();
     assert!((ticks(&mut stack, 1) - half_way).abs() < 1e-4);
     assert_eq!(stack.ids().collect::<Vec<_>>(), [zero]);
-    // The removal, too.
+    // A removal can be called off.
     ticks(&mut stack, 99);
     stack.activate(one, 1.0, 0.1).unwrap();
     assert_eq!(ticks(&mut stack, 100), 1.0);
     assert_eq!(stack.ids().collect::<Vec<_>>(), [one, zero]);
-    // And a swap.
+    // A swap can be called off.
     stack.swap(one, zero, 0.2).unwrap();
     let near_zero = ticks(&mut stack, 150);
     stack.swap(zero, one, 0.2).unwrap();
@@ -54,13 +54,13 @@ fn a_change_that_is_called_off_goes_back_from_where_it_is() {
 }
 
 #[test]
-fn a_level_stays_at_the_activation_it_is_given() {
+fn a_level_stays_at_its_given_activation() {
     let (mut stack, zero) = line();
     let one = stack.insert(near(1.0), Place::Top, 0.0).unwrap();
     assert_eq!(ticks(&mut stack, 1), 1.0);
     stack.activate(one, 0.25, 0.1).unwrap();
     assert_eq!(ticks(&mut stack, 100), 0.25);
-    // What else changes starts from there.
+    // Later changes start from there.
     let two = stack.insert(near(2.0), Place::Below(one), 0.1).unwrap();
     assert!((ticks(&mut stack, 1) - 0.25).abs() < 1e-3);
     assert_eq!(ticks(&mut stack, 99), 0.25 * 1.0 + 0.75 * 2.0);
@@ -71,7 +71,7 @@ fn a_level_stays_at_the_activation_it_is_given() {
 }
 
 #[test]
-fn a_level_that_is_gone_is_unknown() {
+fn a_removed_level_is_unknown() {
     let (mut stack, zero) = line();
     let one = stack.insert(near(1.0), Place::Bottom, 0.01).unwrap();
     stack.remove(one, 0.05).unwrap();
@@ -134,7 +134,7 @@ fn a_new_constraint_is_violated_less_and_less() {
 }
 
 #[test]
-fn rows_of_another_width_and_bounds_that_are_no_numbers_are_refused() {
+fn rows_of_another_width_and_nan_are_refused() {
     let (mut stack, zero) = line();
     *stack.level_mut(zero).unwrap() = Level::least_squares(Rows::zeros(1, 2));
     let error = stack.solve(PERIOD).unwrap_err();
@@ -168,14 +168,14 @@ fn the_hierarchy_without_a_solution_is_named() {
     assert!(part.ids().eq([most, least, zero]));
     let conflict: Vec<_> = part.conflict().filter_map(ConstraintSource::level).collect();
     assert!(conflict.contains(&least) && conflict.contains(&most), "{conflict:?}");
-    // Without it all is well again.
+    // The stack works again without that level.
     stack.remove(least, 0.0).unwrap();
     assert_eq!(ticks(&mut stack, 1), 0.0);
     assert!(stack.failed_part().is_none());
 }
 
 #[test]
-fn limits_of_the_output_do_not_delay_a_change_that_they_allow() {
+fn output_limits_do_not_delay_an_allowed_change() {
     let limits = Limits::new(-10.0, 10.0, 2.0, 5.0).unwrap().with_jerk(200.0).unwrap();
     let (mut stack, zero) = line();
     stack.insert(near(1.0), Place::Above(zero), 0.5).unwrap();

@@ -1,13 +1,13 @@
-//! What several tests need.
+//! Helpers of several tests.
 
 use ahqp_core::{Error, Hierarchy, LevelId};
 
-/// The id of a level by its place.
+/// Returns the id of a level by its index.
 pub(crate) fn id(hierarchy: &Hierarchy, index: usize) -> LevelId {
     hierarchy.ids().nth(index).unwrap()
 }
 
-/// The message holds each of the words.
+/// Expects that the message contains each of the words.
 pub(crate) fn expect_words(error: &Error, words: &[&str]) {
     let message = error.to_string();
     for word in words {

@@ -1,7 +1,8 @@
 //! Rows of very different weights in one level, judged by extended precision and exact arithmetic.
 //!
-//! `AHQP_CASES=100000 cargo test --release -p ahqp-core --test it weights -- --nocapture` tries as many
-//! as one likes and tells how it goes; `AHQP_FIRST=100000` goes on where that ends.
+//! `AHQP_CASES=100000 cargo test --release -p ahqp-core --test it weights -- --nocapture` tries as
+//! many cases as requested, and reports the progress. `AHQP_FIRST=100000` continues where that
+//! ends.
 #![allow(clippy::print_stderr)] // which cases are wrong, and how many
 
 mod judge;
@@ -19,7 +20,7 @@ use crate::extended::solve_extended;
 use judge::{Verdict, distance, exact_optimum, judge, judge_against};
 use sequences::{Shape, sequence, task_over_posture, with_ties};
 
-/// The number that an environment variable says.
+/// Returns the number in an environment variable.
 fn given(name: &str) -> Option<u64> {
     std::env::var(name).ok().and_then(|value| value.parse().ok())
 }
@@ -55,7 +56,7 @@ fn expect_right(solver: &mut Solver, hierarchy: &Hierarchy) {
 }
 
 #[test]
-fn what_could_be_rounding_is_left_to_exact_arithmetic() {
+fn possible_rounding_is_left_to_exact_arithmetic() {
     let range = |row: [f64; 2], lower: f64, upper: f64| {
         let (lower, upper) = (dvector![lower], dvector![upper]);
         Rows::ranges(&DMatrix::from_row_slice(1, 2, &row), &lower, &upper).unwrap()
@@ -101,7 +102,7 @@ fn an_answer_that_is_off_is_called_wrong() {
 }
 
 #[test]
-fn a_light_row_follows_its_target_beside_a_heavy_one_that_cannot() {
+fn light_rows_reach_their_targets_beside_heavy_rows() {
     for (weight, target) in [(1e6, 50.0), (1e4, 0.51), (1e6, 0.51)] {
         let at = |target: f64| {
             let rows = dmatrix![weight, 0.0; 0.0, 1.0];
@@ -118,7 +119,7 @@ fn a_light_row_follows_its_target_beside_a_heavy_one_that_cannot() {
 }
 
 #[test]
-fn light_rows_count_in_what_a_heavy_one_leaves() {
+fn light_rows_decide_what_heavy_rows_leave_free() {
     let mut rows = DMatrix::zeros(4, 3);
     rows.row_mut(0).copy_from_slice(&[-29591.133986942354, 862264.233791402, 97763.13000674319]);
     rows.view_mut((1, 0), (3, 3)).fill_with_identity();
@@ -129,7 +130,7 @@ fn light_rows_count_in_what_a_heavy_one_leaves() {
 }
 
 #[test]
-fn a_light_row_is_heard_where_a_heavy_one_pulls_in_vain() {
+fn light_rows_count_beside_a_blocked_heavy_row() {
     let heavy = dmatrix![0.0, 100.0; 0.01, 0.01];
     let far = dmatrix![0.0, 1.0; 1.0, 1.0];
     for (rows, targets) in [(heavy, dvector![-1e5, -0.1]), (far, dvector![-1e12, -10.0])] {
@@ -141,9 +142,11 @@ fn a_light_row_is_heard_where_a_heavy_one_pulls_in_vain() {
     }
 }
 
-/// How many answers were right and certified, right but doubted by their certificates, wrong, refused as
-/// inaccurate by the solver itself, and beyond double precision, and how many ticks extended precision
-/// left to exact arithmetic.
+/// Counts of the verdicts on answers.
+///
+/// Answers are right and certified, right but doubted by their certificates, or wrong. Others are
+/// refused as inaccurate by the solver, or beyond double precision. Ticks that extended precision
+/// leaves to exact arithmetic are counted too.
 #[derive(Debug, Default, PartialEq)]
 struct Tally {
     right: usize,
@@ -156,8 +159,8 @@ struct Tally {
 }
 
 impl Tally {
-    /// Returns true if few answers were left out because rounded data do not determine them, and next to
-    /// none was right in vain.
+    /// Returns true if few answers were excluded because rounded data do not determine them, and
+    /// almost no right answer was doubted.
     fn is_telling(&self) -> bool {
         100 * (self.sensitive + self.refused) <= self.right && 1000 * self.doubted <= self.right
     }
@@ -169,7 +172,8 @@ impl Tally {
     }
 }
 
-/// Solves the ticks of random sequences one after the other, cold and warm, and judges every answer.
+/// Solves the ticks of random sequences one after the other, cold and warm, and judges every
+/// answer.
 fn try_sequences(seeds: Range<u64>, sequence: impl Fn(&mut TestRng) -> Vec<Hierarchy>) -> Tally {
     let mut tally = Tally::default();
     let certify_all = given("AHQP_CASES").is_some();
@@ -201,7 +205,8 @@ fn try_sequences(seeds: Range<u64>, sequence: impl Fn(&mut TestRng) -> Vec<Hiera
                     continue;
                 };
                 let verdict = judge_against(hierarchy, x, &optimum);
-                // Certificates take longer than solves: of few cases, not all right answers have one.
+                // Certificates take longer than solves. If there are few cases, only some right
+                // answers are certified.
                 if verdict == Verdict::Right && !certify_all && seed % 8 > 0 {
                     tally.right += 1;
                     continue;
@@ -238,20 +243,20 @@ fn try_sequences(seeds: Range<u64>, sequence: impl Fn(&mut TestRng) -> Vec<Hiera
 }
 
 #[test]
-fn rows_a_million_times_heavier_than_others_leave_every_variable_right() {
+fn weights_of_a_million_leave_every_variable_right() {
     let tally = try_sequences(seeds(100), |random| sequence(random, 3..=10, 3.0));
     assert_eq!(tally.wrong, 0, "{tally:?}");
     assert!(tally.is_telling(), "{tally:?}");
 }
 
 #[test]
-fn rows_a_hundred_million_times_heavier_than_others_leave_nearly_all_answers_right() {
+fn weights_of_a_hundred_million_nearly_always_succeed() {
     let tally = try_sequences(seeds(100), |random| sequence(random, 3..=10, 4.0));
     assert!(tally.is_nearly_all_right(), "{tally:?}");
 }
 
 #[test]
-fn a_task_over_a_posture_in_one_level_is_nearly_always_right() {
+fn a_task_over_posture_is_nearly_always_right() {
     let tally = try_sequences(seeds(100), task_over_posture);
     assert!(tally.is_nearly_all_right(), "{tally:?}");
 }
@@ -269,9 +274,9 @@ fn ties(spread: f64) -> impl Fn(&mut TestRng) -> Vec<Hierarchy> {
     move |random| sequence(random, 2..=4, spread).into_iter().map(with_ties).collect()
 }
 
-/// Rounding lets go of a row that comes back at once, again and again, unless it is kept.
+/// Rounding drops a row that immediately becomes active again, and must not repeat this endlessly.
 #[test]
-fn a_row_that_comes_back_at_once_does_not_cycle() {
+fn a_row_that_returns_at_once_never_cycles() {
     for spread in [0.0, 3.0, 4.0] {
         assert_eq!(try_sequences(43330..43331, ties(spread)).wrong, 0);
     }
@@ -283,16 +288,16 @@ fn rows_that_tie_come_out_right() {
         let tally = try_sequences(seeds(100), ties(spread));
         assert!(tally.is_telling(), "spread {spread}: {tally:?}");
         assert_eq!(tally.silently_wrong, 0, "spread {spread}: {tally:?}");
-        // The forces of a level differ by up to 10^(4 spread), by more than double precision holds.
+        // The forces of a level differ by up to 10^(4 spread), which exceeds double precision.
         let most = tally.right / if spread < 4.0 { 100_000 } else { 1000 };
         assert!(tally.wrong <= most, "spread {spread}: {tally:?}");
     }
 }
 
-/// The heavy row is held at its bound, the hard one and the light one tie there. Multipliers in doubles do
-/// not show the light one: the certificate does.
+/// The heavy row is held at its bound, where the hard row and the light one tie. Multipliers in
+/// doubles do not show the light row, but the certificate does.
 #[test]
-fn a_light_row_is_heard_beside_bounds_that_meet_in_a_point() {
+fn a_light_row_counts_at_a_degenerate_point() {
     let mut hierarchy = Hierarchy::new(2).unwrap();
     hierarchy.set_bounds(&dvector![-1.0, -1.0], &dvector![1.0, 1.0]).unwrap();
     let soft = Rows::equalities(&dmatrix![0.0, 1e4; 2e-4, 1e-4], &dvector![1.5e4, -1.5e-4]);
@@ -308,8 +313,8 @@ fn a_light_row_is_heard_beside_bounds_that_meet_in_a_point() {
     assert!((off.distance.unwrap() - 1.0).abs() < 1e-9, "{off:?}");
 }
 
-/// Extended precision decides nearly always, from a guess that is off by a little or by much, and then as
-/// exact arithmetic does.
+/// Extended precision almost always decides, from a good or a bad guess, and then agrees with exact
+/// arithmetic.
 #[test]
 fn extended_precision_finds_the_exact_optimum() {
     let (mut decided, mut count) = (0, 0);
@@ -342,7 +347,7 @@ fn extended_precision_finds_the_exact_optimum() {
     assert!(100 * decided >= 95 * count, "{decided} of {count}");
 }
 
-/// Default settings but for one tolerance, of any size that is accepted.
+/// Returns default settings except one tolerance, which has a random accepted value.
 fn random_settings(random: &mut TestRng) -> Settings {
     let mut settings = Settings::default();
     let tolerances = [
@@ -358,7 +363,7 @@ fn random_settings(random: &mut TestRng) -> Settings {
 }
 
 #[test]
-fn the_answer_depends_on_no_tolerance_and_no_start() {
+fn the_answer_is_independent_of_tolerances_and_start() {
     for seed in seeds(40) {
         let mut random = random(seed);
         let variables = random.random_range(1..=4);
@@ -383,7 +388,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(30))]
 
     #[test]
-    fn the_exact_optimum_depends_on_no_guess_and_is_what_all_active_sets_give(
+    fn the_exact_optimum_is_independent_of_the_guess(
         seed in 0..1000_u64, off in prop::collection::vec(-1.0..1.0_f64, 2),
     ) {
         let mut random = random(seed);

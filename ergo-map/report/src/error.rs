@@ -1,28 +1,28 @@
-//! What can be wrong with tables, maps, questionnaires and their pictures.
+//! Errors of tables, maps, questionnaires and their pictures.
 
 use std::{fmt, io};
 
-/// What was wrong, where, and what would be right. Lines and columns count from 1; the header is a
-/// line too.
+/// The fault, its place, and what would be valid. Lines and columns count from 1, and the header is
+/// a line too.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The system cannot read on.
+    /// Reading failed.
     #[error("line {line}: cannot read on: {source}")]
     Read {
-        /// The line that failed.
+        /// Line at which reading failed.
         line: usize,
-        /// What the system says.
+        /// Error of the operating system.
         source: io::Error,
     },
     /// A table that cannot be read as sheets.
     #[error("{}{problem}", Place(*line, *column))]
     Table {
-        /// The line; none for an empty table.
+        /// The line. None for an empty table.
         line: Option<usize>,
-        /// The column's number, if it is about one.
+        /// Number of the column, if the fault is in one.
         column: Option<usize>,
-        /// What stands there, and what would be right.
+        /// The content that was found, and what would be valid.
         problem: String,
     },
     /// A sheet that is refused as a whole.
@@ -30,7 +30,7 @@ pub enum Error {
     Sheet {
         /// The line.
         line: usize,
-        /// Why.
+        /// Reason of the refusal.
         source: Box<dyn std::error::Error + Send + Sync>,
     },
     /// A questionnaire that has no score.
@@ -39,7 +39,7 @@ pub enum Error {
     /// Questionnaires that cannot be compared.
     #[error("{0}")]
     Study(String),
-    /// A hand position that the map does not hold.
+    /// A hand position outside the map.
     #[error(
         "the hand at ({x:.3}, {y:.3}, {z:.3}) m is outside the map: give a place that the person \
          reaches, x forward, y left, z up from the floor below the pelvis"
@@ -52,23 +52,23 @@ pub enum Error {
         /// Up \[m\].
         z: f64,
     },
-    /// A map or a table that holds too little.
+    /// A map or a table that contains too little.
     #[error(
         "{what} needs at least {needed} postures and has {found}: give a smaller spacing, or more \
          recorded postures there"
     )]
     TooFewPostures {
-        /// What was to be computed.
+        /// The quantity that was to be computed.
         what: &'static str,
-        /// Smallest workable number.
+        /// Smallest sufficient number.
         needed: usize,
-        /// Number there.
+        /// Number that was found.
         found: usize,
     },
-    /// The map has no answer, or the person's measures make no person.
+    /// The map has no result, or the measures of the person are invalid.
     #[error(transparent)]
     Map(ergo_map::Error),
-    /// A threshold of `e_s` that no score can meet.
+    /// A threshold of `e_s` that no score can satisfy.
     #[error("acceptable = {0}: give a score e_s above 0 and up to 4.25")]
     Acceptable(f64),
     /// A picture cannot be drawn.
@@ -76,7 +76,7 @@ pub enum Error {
     Drawing {
         /// `picture` or `figure`.
         what: &'static str,
-        /// What stands against it.
+        /// Reason of the failure.
         reason: String,
     },
     /// Scores or a report cannot be written.
@@ -84,18 +84,18 @@ pub enum Error {
     Write {
         /// `scores` or `report`.
         what: &'static str,
-        /// What the system says.
+        /// Error of the operating system.
         source: io::Error,
     },
 }
 
 impl Error {
-    /// Something wrong in a line of a table.
+    /// Creates the error for a fault in a line of a table.
     pub(crate) fn in_line(line: usize, problem: impl Into<String>) -> Self {
         Self::Table { line: Some(line), column: None, problem: problem.into() }
     }
 
-    /// Something wrong in a column of a table.
+    /// Creates the error for a fault in a column of a table.
     pub(crate) fn in_column(line: usize, column: usize, problem: impl Into<String>) -> Self {
         Self::Table { line: Some(line), column: Some(column), problem: problem.into() }
     }
@@ -113,13 +113,13 @@ impl From<ergo_map::Error> for Error {
     }
 }
 
-/// Where in a table.
+/// Place in a table.
 struct Place(Option<usize>, Option<usize>);
 
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match (self.0, self.1) {
-            // What follows says the column's name.
+            // The message that follows starts with the name of the column.
             (Some(line), Some(column)) => write!(f, "line {line}, column {column}"),
             (Some(line), None) => write!(f, "line {line}: "),
             _ => Ok(()),

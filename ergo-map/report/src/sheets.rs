@@ -1,4 +1,5 @@
-//! Filled-in sheets as a table, one a row: read, scored and written with the scores behind.
+//! Completed sheets as a table with one sheet for each row: reading, scoring, and writing with the
+//! scores appended.
 
 mod column;
 mod form;

@@ -1,5 +1,5 @@
-//! NASA-TLX questionnaires: their scores, conditions under which the same subjects worked compared,
-//! and the box plot (the paper's Experiment 5).
+//! NASA-TLX questionnaires: their scores, comparisons of conditions with the same subjects, and the
+//! box plot (the paper's Experiment 5).
 
 mod comparison;
 mod condition;

@@ -1,4 +1,4 @@
-//! Building the map from predicted postures.
+//! Construction of the map from predicted postures.
 
 use core::sync::atomic::{AtomicUsize, Ordering};
 
@@ -15,19 +15,19 @@ use crate::reba::{Conditions, Mode, ergonomics_score};
 use crate::region::Region;
 use crate::side::Side;
 
-/// How a map is built.
+/// Options for building a map.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MapOptions {
     /// The working hand.
     pub side: Side,
     /// Distance between nodes, in statures.
     pub spacing: f64,
-    /// Where to look, in the person's frame \[m\]; `None` is
+    /// Region of the nodes, in the person's frame \[m\]. `None` stands for
     /// [`Region::surroundings`].
     pub region: Option<Region>,
-    /// How postures are scored.
+    /// Conversion of the printed classes to continuous scores.
     pub mode: Mode,
-    /// What weighs how much when a posture is chosen.
+    /// Weights of the effort that a posture minimises.
     pub weights: EffortWeights,
 }
 
@@ -47,10 +47,12 @@ impl ErgonomicsMap {
     /// Predicts and scores the posture at every node, in parallel on rayon's current thread pool.
     /// The result does not depend on the number of threads.
     ///
-    /// `progress` is called now and then, from any thread, with nodes done and nodes in all.
+    /// `progress` is called occasionally, from any thread, with the number of nodes done and the
+    /// total.
     ///
     /// # Errors
-    /// [`crate::Error::Value`] and others for the options; a node out of reach is no error.
+    /// [`crate::Error::Value`] and others if an option is invalid. A node out of reach is not an
+    /// error.
     pub fn build(
         person: &Person,
         options: &MapOptions,
@@ -82,7 +84,7 @@ impl ErgonomicsMap {
     }
 }
 
-/// Score and joint angles at a hand position; `None` where the hand cannot be.
+/// Returns score and joint angles at a hand position. `None` if the hand cannot reach it.
 fn score_node(
     predictor: &PosturePredictor,
     position: &Vector3<f64>,

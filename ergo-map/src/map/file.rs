@@ -1,14 +1,19 @@
-//! Maps as files.
+//! Map files.
 //!
-//! Little-endian. Mark `ERGOMAP\0` (8 bytes); version u32 = 2; side u8 (0 left, 1 right); mode u8
-//! (0 graded, 1 faithful); two zero bytes; half width of the faithful mode f64 (0 if graded). The
-//! person, f64: stature, mass, ten segments as fractions of stature in the order of
-//! [`crate::Segments`], the smallest and then the largest angle of the fifteen joints. Origin of the
-//! grid, x y z, f64, and spacing f64, in statures; nodes along x, y and z, u32; number of reachable
-//! nodes u32. Then each node, x slowest, z fastest: one byte, 1 if reachable; if so its score f64 and
-//! its fifteen joint angles f64. Last, CRC-32 (IEEE 802.3) of everything before, u32.
+//! All numbers are little-endian. The header is: mark `ERGOMAP\0` (8 bytes), version u32 = 2, side
+//! u8 (0 left, 1 right), mode u8 (0 graded, 1 faithful), and two zero bytes. Then comes the half
+//! width of the faithful mode f64 (0 if graded).
 //!
-//! Version 1 has the stature alone of the person, who is of average proportions.
+//! The person follows, in f64: stature, mass, ten segments as fractions of stature in the order of
+//! [`crate::Segments`], then the smallest and the largest angles of the fifteen joints. The grid
+//! has an origin x y z f64 and a spacing f64, in statures. The numbers of nodes along x, y and z
+//! and of reachable nodes are u32.
+//!
+//! The nodes follow, x slowest, z fastest. A node is one byte, 1 if reachable. A reachable node
+//! then has its score f64 and its fifteen joint angles f64. The last field is a CRC-32 (IEEE 802.3)
+//! u32 of everything before.
+//!
+//! Version 1 contains only the stature of the person, who has average proportions.
 
 mod read;
 
@@ -25,15 +30,15 @@ use crate::side::Side;
 
 const MARK: [u8; 8] = *b"ERGOMAP\0";
 const VERSION: u32 = 2;
-/// Numbers of the person in version 1 and in version 2.
+/// Number of the person's values in version 1 and in version 2.
 const PERSON: [usize; 2] = [1, 2 + SEGMENTS + 2 * DOF];
-/// Bytes before the nodes, without the person's.
+/// Bytes before the nodes, without those of the person.
 const HEADER: usize = 8 + 4 + 4 + 8 + 4 * 8 + 4 * 4;
 /// Bytes of a reachable node after its flag.
 const NODE: usize = 8 * (1 + DOF);
 
 impl ErgonomicsMap {
-    /// Writes the map to a file; the book's page on this crate describes the format.
+    /// Writes the map to a file. The book's page on this crate describes the format.
     ///
     /// # Errors
     /// [`Error::Io`] with the path.
@@ -42,11 +47,11 @@ impl ErgonomicsMap {
         std::fs::write(path, self.to_bytes()).map_err(|error| io(path, &error))
     }
 
-    /// Reads a map from a file. Reads the header first, and no more than it announces: neither a
-    /// device without an end nor a large file of another kind is read to its end.
+    /// Reads a map from a file. It reads the header first, and at most as much as that announces.
+    /// An endless device or a large file of another kind is therefore not read to its end.
     ///
     /// # Errors
-    /// [`Error::Io`] with the path; [`Error::MapFile`] with what is wrong in the file.
+    /// [`Error::Io`] with the path. [`Error::MapFile`] with the fault in the file.
     pub fn load(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         let mut file = File::open(path).map_err(|error| io(path, &error))?;
@@ -58,12 +63,12 @@ impl ErgonomicsMap {
         };
         read(HEADER + 8 * PERSON[1], &mut bytes)?;
         let announced = read::announced(&bytes)?;
-        // A byte more, to notice a file that goes on.
+        // One extra byte shows whether the file is too long.
         read(announced.saturating_add(1), &mut bytes)?;
         Self::from_bytes(&bytes)
     }
 
-    /// The map as the bytes of a map file.
+    /// Returns the bytes of a map file.
     pub fn to_bytes(&self) -> Vec<u8> {
         let (mode, half_width) = match self.mode {
             Mode::Graded => (0, 0.0),
@@ -84,7 +89,7 @@ impl ErgonomicsMap {
             .chain(ranges.into_iter().flatten())
             .chain(grid);
         out.extend(numbers.flat_map(f64::to_le_bytes));
-        // At most MAX_NODES.
+        // The numbers are at most `MAX_NODES`.
         #[allow(clippy::cast_possible_truncation)]
         let counts = self.grid.size.into_iter().chain([self.len()]).map(|n| n as u32);
         out.extend(counts.flat_map(u32::to_le_bytes));

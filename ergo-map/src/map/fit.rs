@@ -1,4 +1,4 @@
-//! The quadratic of a map, and what following it costs.
+//! The quadratic of a map, and the cost of following it.
 
 use nalgebra::Vector3;
 
@@ -9,18 +9,19 @@ use crate::quadratic::{
 };
 use crate::region::Region;
 
-/// Boxes drawn to estimate the regret.
+/// Number of boxes that estimate the regret.
 const BOXES: usize = 400;
-/// Edges of those boxes, in statures: about 0.15 to 0.45 m.
+/// Range of the edges of these boxes, in statures: about 0.15 to 0.45 m.
 const EDGE: [f64; 2] = [0.085, 0.255];
-/// Points per axis at which the map is searched within a box.
+/// Number of points per axis at which the map is searched within a box.
 const SEARCH: u32 = 9;
 
 impl ErgonomicsMap {
-    /// The convex quadratic of this map over a region (default: the work zone), with its report.
+    /// Fits the convex quadratic of this map over a region (default: the work zone), and reports on
+    /// it.
     ///
     /// # Errors
-    /// As [`ErgonomicsQuadratic::fit`].
+    /// Those of [`ErgonomicsQuadratic::fit`].
     pub fn fit(&self, options: &FitOptions) -> Result<(ErgonomicsQuadratic, FitReport)> {
         let region = options.region.unwrap_or_else(|| Region::work_zone(self.stature(), self.side));
         let points = self.points_in(&region);
@@ -30,12 +31,13 @@ impl ErgonomicsMap {
         Ok((quadratic, report))
     }
 
-    /// A convex quadratic that is tight around `centre` \[m\]: nodes within three radii count with
-    /// the weight exp(-½ (distance / radius)²), on top of the options' own weights. Refit when the
-    /// hand has moved by about a radius.
+    /// Fits a convex quadratic that is accurate around `centre` \[m\].
+    ///
+    /// Nodes within three radii have the weight exp(-½ (distance / radius)²), in addition to the
+    /// options' weights. Refit when the hand has moved by about one radius.
     ///
     /// # Errors
-    /// As [`ErgonomicsQuadratic::fit`]; the radius \[m\] must be positive and at most 5 m.
+    /// Those of [`ErgonomicsQuadratic::fit`]. The radius \[m\] must be positive and at most 5 m.
     pub fn fit_around(
         &self,
         centre: &Vector3<f64>,
@@ -58,7 +60,7 @@ impl ErgonomicsMap {
     }
 
     fn points_in(&self, region: &Region) -> Vec<ScoredPoint> {
-        // Nodes on a face count whatever rounding does to them.
+        // Nodes on a face are included in spite of rounding.
         let region = region.grown(1e-9 * self.stature());
         self.nodes()
             .filter(|node| region.contains(&node.position))
@@ -66,11 +68,11 @@ impl ErgonomicsMap {
             .collect()
     }
 
-    /// What following `quadratic` within `region` costs against the map: at its optimum there, and
-    /// in random boxes.
+    /// Returns the cost of following `quadratic` within `region`, compared with the map: at its
+    /// optimum there, and in random boxes.
     ///
     /// # Errors
-    /// [`Error::TooFewSamples`] where the map knows next to nothing of the region.
+    /// [`Error::TooFewSamples`] if the map knows almost nothing of the region.
     pub fn regret(&self, quadratic: &ErgonomicsQuadratic, region: &Region) -> Result<Regret> {
         let at_optimum = self.regret_in(quadratic, region);
         let mut random = SplitMix(0x5eed);
@@ -92,8 +94,8 @@ impl ErgonomicsMap {
         })
     }
 
-    /// The map at the quadratic's choice in a box, less the map's minimum there; `None` where the
-    /// choice is outside the map's domain.
+    /// Returns the map at the quadratic's choice in a box, minus the map's minimum there. `None` if
+    /// the choice is outside the map's domain.
     fn regret_in(&self, quadratic: &ErgonomicsQuadratic, region: &Region) -> Option<f64> {
         let chosen = self.sample(&quadratic.minimiser_in(region)).ok()?.score;
         let step = region.size() / f64::from(SEARCH - 1);
@@ -105,7 +107,7 @@ impl ErgonomicsMap {
                 lowest = lowest.min(sample.score);
             }
         }
-        // In a region larger than the search's mesh, nodes may be lower still.
+        // In a region larger than the mesh of the search, nodes may be lower still.
         if region.size().max() > EDGE[1] * self.stature() {
             lowest = self.points_in(region).iter().map(|p| p.score).fold(lowest, f64::min);
         }
@@ -113,11 +115,11 @@ impl ErgonomicsMap {
     }
 }
 
-/// Steele, Lea & Flood's generator: the boxes are the same on every run.
+/// Steele, Lea & Flood's generator, so that the boxes are the same on every run.
 struct SplitMix(u64);
 
 impl SplitMix {
-    /// Uniform in [0, 1).
+    /// Returns a number uniform in [0, 1).
     fn uniform(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
@@ -127,7 +129,7 @@ impl SplitMix {
         (z >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// A box with random edges at a random place within the region.
+    /// Returns a box with random edges at a random place within the region.
     fn box_in(&mut self, region: &Region, stature: f64) -> Option<Region> {
         let (mut min, mut max) = (Vector3::zeros(), Vector3::zeros());
         for axis in 0..3 {

@@ -1,4 +1,4 @@
-//! The map from recordings, and a map against recordings.
+//! Maps from recordings, and comparison of a map with recordings.
 
 use nalgebra::{Matrix4, SMatrix, Vector3, Vector4};
 use rayon::prelude::*;
@@ -14,23 +14,23 @@ use crate::reba::{Conditions, Mode, ergonomics_score};
 use crate::region::Region;
 use crate::side::Side;
 
-/// Samples around a node at least, for a linear model in three variables.
+/// Smallest number of samples around a node, for a linear model in three variables.
 const FEWEST: usize = 6;
-/// How far the samples' centre may be from the node, in radii: more would extrapolate.
+/// Largest distance of the samples' centre from the node, in radii. A larger one would extrapolate.
 const OFF_CENTRE: f64 = 0.5;
-/// Weight of "no slope" against the samples, so that few samples cannot tilt a node.
+/// Weight of a zero slope relative to the samples, so that few samples cannot tilt a node.
 const RIDGE: f64 = 1e-3;
 
-/// How a map is made from recordings.
+/// Options for maps from recordings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeasuredOptions {
     /// The working hand.
     pub side: Side,
     /// Distance between nodes, in statures.
     pub spacing: f64,
-    /// Samples within this distance of a node count for it, in statures.
+    /// Radius around a node within which samples count for it, in statures.
     pub radius: f64,
-    /// How postures are scored.
+    /// Conversion of the printed classes to continuous scores.
     pub mode: Mode,
 }
 
@@ -40,16 +40,16 @@ impl Default for MeasuredOptions {
     }
 }
 
-/// How a map agrees with recordings that did not make it.
+/// Agreement of a map with recordings from which it was not made.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Validation {
-    /// Samples within the map's domain.
+    /// Number of samples within the map's domain.
     pub samples: usize,
-    /// Samples outside it, which do not count below.
+    /// Number of samples outside it, which do not count below.
     pub outside: usize,
     /// Root mean square difference of `e_s`.
     pub score_rmse: f64,
-    /// Mean of map less measurement of `e_s`.
+    /// Mean of `e_s` of the map minus that of the measurement.
     pub score_bias: f64,
     /// Spearman's rank correlation of `e_s`.
     pub spearman: f64,
@@ -58,14 +58,16 @@ pub struct Validation {
 }
 
 impl ErgonomicsMap {
-    /// The map of a person from recorded postures in place of predicted ones (as the paper's
-    /// authors did). Each node takes the joint angles of a linear model fitted to the samples
-    /// around it, weighted by (1 - (distance / radius)²)²; a node with fewer than six samples
-    /// around it, or samples on one side only, is outside the domain.
+    /// Creates the map of a person from recorded postures instead of predicted ones (as the paper's
+    /// authors did).
+    ///
+    /// Each node gets the joint angles of a linear model of the samples around it, weighted by (1 -
+    /// (distance / radius)²)². A node is outside the domain if fewer than six samples are around
+    /// it, or only on one side.
     ///
     /// # Errors
-    /// [`Error::Value`] for stature, options and samples,
-    /// [`Error::TooFewSamples`] where no node has enough samples.
+    /// [`Error::Value`] if stature, options or samples are invalid. [`Error::TooFewSamples`] if no
+    /// node has enough samples.
     pub fn from_samples(
         stature: f64,
         samples: &[MeasuredSample],
@@ -74,10 +76,10 @@ impl ErgonomicsMap {
         Self::from_samples_of(&Person::new(stature)?, samples, options)
     }
 
-    /// The same for a person whose segments were measured, too: the map names them.
+    /// Creates the map of a person whose segments were measured too, which the map stores.
     ///
     /// # Errors
-    /// As of [`Self::from_samples`].
+    /// Those of [`Self::from_samples`].
     pub fn from_samples_of(
         person: &Person,
         samples: &[MeasuredSample],
@@ -117,11 +119,11 @@ impl ErgonomicsMap {
         if map.is_empty() { Err(too_few) } else { Ok(map) }
     }
 
-    /// How this map agrees with recordings: predict for the person, record them at other hand
-    /// positions than those that made the map, and compare.
+    /// Returns the agreement of this map with recordings. To validate predictions, predict for the
+    /// person, record them at other hand positions than those of the map, and compare.
     ///
     /// # Errors
-    /// [`Error::TooFewSamples`] where fewer than two samples lie in the domain.
+    /// [`Error::TooFewSamples`] if fewer than two samples lie in the domain.
     pub fn validate(&self, samples: &[MeasuredSample]) -> Result<Validation> {
         let (mut ours, mut theirs, mut squares) = (Vec::new(), Vec::new(), [0.0; DOF]);
         for sample in samples {
@@ -154,7 +156,7 @@ impl ErgonomicsMap {
     }
 }
 
-/// Joint angles at a point by weighted linear regression over the samples around it.
+/// Returns the joint angles at a point by weighted linear regression over the samples around it.
 fn local_posture(
     samples: &[(Vector3<f64>, [f64; DOF])],
     at: &Vector3<f64>,

@@ -1,14 +1,13 @@
-//! What is known at the nodes of a map.
+//! Data of the nodes of a map.
 
 use crate::joints::DOF;
 
-/// Score and joint angles of each node that the hand can reach. A node that it cannot reach takes
-/// four bytes.
+/// Score and joint angles of each reachable node. An unreachable node takes four bytes.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(crate) struct Nodes {
-    /// The place of each node in the lists below, or [`Self::NOWHERE`].
+    /// Index of each node in the lists below, or [`Self::NOWHERE`].
     places: Vec<u32>,
-    /// e_s.
+    /// Score `e_s`.
     scores: Vec<f64>,
     angles: Vec<[f64; DOF]>,
 }
@@ -16,7 +15,7 @@ pub(crate) struct Nodes {
 impl Nodes {
     const NOWHERE: u32 = u32::MAX;
 
-    /// Room for so many nodes, of which the hand can reach so many.
+    /// Creates an empty list with room for these numbers of nodes and of reachable nodes.
     pub(crate) fn with_capacity(nodes: usize, reachable: usize) -> Self {
         Self {
             places: Vec::with_capacity(nodes),
@@ -25,7 +24,7 @@ impl Nodes {
         }
     }
 
-    /// Adds the next node, with its score and joint angles if the hand can reach it.
+    /// Adds the next node, with its score and joint angles if it is reachable.
     pub(crate) fn push(&mut self, node: Option<(f64, [f64; DOF])>) {
         // There are at most `MAX_NODES`.
         let place = u32::try_from(self.scores.len()).unwrap_or(Self::NOWHERE);
@@ -36,24 +35,24 @@ impl Nodes {
         }
     }
 
-    /// Nodes that the hand can reach.
+    /// Number of reachable nodes.
     pub(crate) fn reachable(&self) -> usize {
         self.scores.len()
     }
 
-    /// Score and joint angles of a node; `None` where the hand cannot be.
+    /// Returns score and joint angles of a node. `None` if the hand cannot reach it.
     pub(crate) fn get(&self, node: usize) -> Option<(f64, &[f64; DOF])> {
         let place = self.places.get(node).copied().and_then(|place| usize::try_from(place).ok())?;
         Some((*self.scores.get(place)?, self.angles.get(place)?))
     }
 
-    /// The score of a node, NaN where the hand cannot be.
+    /// Returns the score of a node, NaN if the hand cannot reach it.
     pub(crate) fn score(&self, node: usize) -> f64 {
         let place = self.places.get(node).copied().and_then(|place| usize::try_from(place).ok());
         place.and_then(|place| self.scores.get(place)).copied().unwrap_or(f64::NAN)
     }
 
-    /// Every node, in order.
+    /// Iterates over all nodes, in order.
     pub(crate) fn iter(&self) -> impl Iterator<Item = Option<(f64, &[f64; DOF])>> {
         (0..self.places.len()).map(|node| self.get(node))
     }

@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use crate::error::{Error, Result};
 use crate::joints::{DOF, JointAngles};
 
-/// A recorded hand position and the posture taken there.
+/// A recorded hand position with its posture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeasuredSample {
     /// Hand position in the person's frame \[m\].
@@ -16,15 +16,15 @@ pub struct MeasuredSample {
     pub angles: JointAngles,
 }
 
-/// The largest table that is read (bytes), and the most samples in it: an hour at 200 a second.
+/// Largest size of a table (bytes), and largest number of samples: an hour at 200 a second.
 const MAX_BYTES: u64 = 64 << 20;
-/// The longest line (bytes): its cells take eight times as much.
+/// Longest line (bytes). Its cells take eight times as much memory.
 const MAX_LINE: usize = 64 << 10;
 const MAX_SAMPLES: usize = 1_000_000;
-/// The most of a cell or a column's name that an error quotes (characters).
+/// Largest number of characters of a cell or a column's name in an error.
 const LONGEST: usize = 120;
 
-/// What a column of the table holds.
+/// Content of a column of the table.
 #[derive(Clone, Copy)]
 enum Column {
     Hand(usize),
@@ -33,11 +33,11 @@ enum Column {
 
 /// Reads samples from a comma-separated table.
 ///
-/// The first line names the columns, in any order: `hand_x_m`, `hand_y_m`, `hand_z_m` (all three
-/// needed) and `<joint>_deg` for the joints of [`JointAngles::NAMES`] (at least one; a joint
-/// without a column is zero). Blank lines are skipped, cells may be quoted. At most a million samples
-/// and 64 MiB are
-/// read.
+/// The first line names the columns, in any order. `hand_x_m`, `hand_y_m` and `hand_z_m` are all
+/// required. There must be at least one column `<joint>_deg` for a joint of [`JointAngles::NAMES`].
+/// A joint without a column is zero.
+///
+/// Blank lines are skipped, and cells may be quoted. At most a million samples and 64 MiB are read.
 ///
 /// ```
 /// let table = "hand_x_m,hand_y_m,hand_z_m,elbow_deg\n0.4,-0.2,1.1,80\n";
@@ -47,8 +47,9 @@ enum Column {
 /// ```
 ///
 /// # Errors
-/// [`Error::Samples`] with line and column for an unknown, repeated or missing column, a missing or
-/// surplus cell, or a cell that is no finite number; [`Error::TooFewSamples`] for an empty table.
+/// [`Error::Samples`] with line and column if a column is unknown, repeated or missing. The same
+/// error if a cell is missing, surplus, or not a finite number. [`Error::TooFewSamples`] if the
+/// table is empty.
 pub fn read_samples(table: impl BufRead) -> Result<Vec<MeasuredSample>> {
     let text = read_text(table)?;
     if let Some(line) = text.lines().position(|line| line.len() > MAX_LINE) {
@@ -81,7 +82,7 @@ pub fn read_samples(table: impl BufRead) -> Result<Vec<MeasuredSample>> {
     Ok(samples)
 }
 
-/// The table, without a byte-order mark.
+/// Returns the table without a byte-order mark.
 fn read_text(table: impl BufRead) -> Result<String> {
     let mut bytes = Vec::new();
     let read = table.take(MAX_BYTES + 1).read_to_end(&mut bytes);
@@ -98,7 +99,7 @@ fn read_text(table: impl BufRead) -> Result<String> {
     Ok(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))
 }
 
-/// The line of a row, which begins behind the line ends that the reader has still to skip.
+/// Returns the line of a row. The row begins after the line ends that the reader has still to skip.
 fn line_of(text: &str, position: Option<&csv::Position>) -> usize {
     let start = position.map_or(0, |at| usize::try_from(at.byte()).unwrap_or(usize::MAX));
     let (before, rest) = text.split_at_checked(start).unwrap_or((text, ""));

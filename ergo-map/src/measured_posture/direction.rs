@@ -2,18 +2,18 @@
 
 use nalgebra::Vector3;
 
-/// An angle in [-π, π].
+/// Returns the equivalent angle in [-π, π].
 pub(super) fn turned(angle: f64) -> f64 {
     angle.sin().atan2(angle.cos())
 }
 
-/// Between two unit vectors \[rad\].
+/// Returns the angle between two unit vectors \[rad\].
 pub(super) fn between(one: &Vector3<f64>, other: &Vector3<f64>) -> f64 {
     one.cross(other).norm().atan2(one.dot(other))
 }
 
-/// The unit vector `from`, turned towards another by an angle \[rad\]. Towards the opposite one it goes any
-/// way.
+/// Turns the unit vector `from` towards another by an angle \[rad\]. Towards the opposite vector
+/// the direction is arbitrary.
 pub(super) fn towards(from: &Vector3<f64>, to: &Vector3<f64>, angle: f64) -> Vector3<f64> {
     let part = to - from * from.dot(to);
     let any = || {

@@ -1,4 +1,4 @@
-//! Postures over time: what single frames say, weighed by how well they say it.
+//! Postures over time, from single frames weighted by their accuracy.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -11,24 +11,25 @@ use crate::reba::LegSupport;
 use crate::side::Side;
 use crate::upper_arm::UpperArm;
 
-/// An angle that was not measured for so long counts as not seen \[s\].
+/// An angle that was not measured for this time counts as not seen \[s\].
 const KEPT: f64 = 1.0;
 
-/// Errors of measured joints last so long \[s\]: frames that follow each other say nearly the same.
+/// Correlation time of errors of measured joints \[s\]. Successive frames contain nearly the same
+/// information.
 const CORRELATION_TIME: f64 = 0.15;
 
-/// Each joint's standard deviation that no filter averages out, each axis \[m\]: how deep it lies below
-/// skin and clothes.
+/// Standard deviation of each joint that no filter averages out, for each axis \[m\]: its depth
+/// below skin and clothes.
 const LASTING: f64 = 0.015;
 
-/// Innovations of more standard deviations than this count as so many: a hidden joint is seldom where it
-/// seems to be.
+/// Larger innovations, in standard deviations, are limited to this. A hidden joint is rarely at its
+/// apparent place.
 const LARGEST_INNOVATION: f64 = 2.0;
 
-/// Whether somebody sits is a mean over so long \[s\].
+/// Time constant of the mean that decides whether a person sits \[s\].
 const SEATED: f64 = 0.5;
 
-/// How an angle varies as people work: about its mean, with a standard deviation, and over a time.
+/// Variation of an angle of people at work: its mean, standard deviation and time constant.
 struct Habit {
     /// \[°\]
     mean: f64,
@@ -42,8 +43,8 @@ const fn habit(mean: f64, spread: f64, time: f64) -> Habit {
     Habit { mean, spread, time }
 }
 
-/// In the order of [`Posture::NAMES`]. A choice of this crate: wide enough that what is measured well
-/// stays as it is.
+/// Habits in the order of [`Posture::NAMES`]. They are a choice of this crate, wide enough to keep
+/// accurate measurements unchanged.
 const HABITS: [Habit; Posture::LEN] = [
     habit(0.0, 30.0, 3.0),
     habit(0.0, 10.0, 3.0),
@@ -61,20 +62,21 @@ const HABITS: [Habit; Posture::LEN] = [
     habit(0.0, 40.0, 2.0),
 ];
 
-/// Places of the upper arm's flexion and abduction in [`Posture::NAMES`].
+/// Indices of the upper arm's flexion and abduction in [`Posture::NAMES`].
 const FLEXION: usize = 7;
 const ABDUCTION: usize = 8;
 
-/// Habit of the upper arm's direction; its mean is that of flexion and abduction.
+/// Habit of the upper arm's direction. Its mean is that of flexion and abduction.
 const ARM_HABIT: Habit = habit(0.0, 30.0, 2.0);
 
-/// Follows the angles of a person's posture, with the arm of one side, by a Kalman filter each: an angle
-/// wanders about a mean (an Ornstein-Uhlenbeck process), and is measured as well as the covariances of
-/// the joints say. So noise does not make a neutral posture a bent one, and an angle that is not seen for
-/// a moment stays known. Angles are followed on the circle and the direction of the upper arm on the
-/// sphere: an arm that goes round ends where it began.
+/// Filters the angles of a person's posture, with the arm of one side, by a Kalman filter for each.
 ///
-/// A pelvis that moves over the floor is that of somebody who walks, [`LegSupport::Walking`].
+/// An angle varies about a mean (an Ornstein-Uhlenbeck process). The covariances of the joints give
+/// the accuracy of its measurement. Noise therefore does not bend a neutral posture, and an angle
+/// that is briefly not seen stays known. Angles are filtered on the circle, and the direction of
+/// the upper arm on the sphere. An arm that makes a full turn ends where it started.
+///
+/// A pelvis that moves over the floor means that the person walks, [`LegSupport::Walking`].
 ///
 /// ```
 /// use ergo_map::{JointPositions, PostureFilter, Side};
@@ -100,30 +102,31 @@ const ARM_HABIT: Habit = habit(0.0, 30.0, 2.0);
 pub struct PostureFilter {
     side: Side,
     neutral: NeutralPosture,
-    /// Filters of the angles; those of flexion and abduction are unused, as these follow from `arm`.
+    /// Filters of the angles. Those of flexion and abduction are unused, since these follow from
+    /// `arm`.
     angles: [Option<Known<f64>>; Posture::LEN],
     arm: Option<Known<Vector3<f64>>>,
     gait: Gait,
-    /// Share of the time, lately, in which the person sat, and its time \[s\].
+    /// Recent share of the time in which the person sat, and its time \[s\].
     seated: Option<(f64, f64)>,
 }
 
-/// What is known of an angle, or of a direction.
+/// Estimate of an angle or of a direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Known<T> {
     value: T,
-    /// \[rad²\], of a direction about each of its two axes.
+    /// Variance \[rad²\]. That of a direction is about each of its two axes.
     variance: f64,
-    /// When it was measured last, and the time of `value` \[s\].
+    /// Time of the last measurement, and time of `value` \[s\].
     seen: f64,
     time: f64,
 }
 
-/// Where an angle is on the circle, and a direction on the sphere.
+/// An angle on the circle or a direction on the sphere.
 trait Place: Copy {
-    /// The angle between the two.
+    /// Returns the angle between the two.
     fn distance(self, other: Self) -> f64;
-    /// Nearer to another by an angle.
+    /// Moves towards another one by an angle.
     fn towards(self, other: Self, angle: f64) -> Self;
     fn is_finite(self) -> bool;
 }
@@ -157,22 +160,23 @@ impl Place for Vector3<f64> {
 }
 
 impl PostureFilter {
-    /// A filter that has seen nothing yet, of a person whose neutral posture is average.
+    /// Creates a filter without observations, for a person with an average neutral posture.
     pub fn new(side: Side) -> Self {
         let (angles, gait) = ([None; Posture::LEN], Gait::default());
         Self { side, neutral: NeutralPosture::default(), angles, arm: None, gait, seated: None }
     }
 
-    /// The same, of a person with this neutral posture. What was seen before is forgotten.
+    /// Sets the neutral posture of the person. Forgets all observations.
     #[must_use]
     pub fn with_neutral(self, neutral: NeutralPosture) -> Self {
         Self { neutral, ..Self::new(self.side) }
     }
 
-    /// Takes a frame in and gives the posture at its time \[s\]; `None` as long as the trunk's flexion was
-    /// not seen in the last second. `covariances` are those of the joints' positions \[m²\] in the order of
-    /// [`JointPositions::to_array`]. It allocates nothing. A time that is not later than the one before
-    /// begins anew.
+    /// Takes a frame, and returns the posture at its time \[s\].
+    ///
+    /// `None` if the trunk's flexion was not seen in the last second. `covariances` are those of
+    /// the joints' positions \[m²\] in the order of [`JointPositions::to_array`]. Allocates
+    /// nothing. A time that is not later than the one before restarts the filter.
     pub fn update(
         &mut self,
         time: f64,
@@ -214,7 +218,7 @@ impl PostureFilter {
         Some(MeasuredPosture { posture: Posture::from_array(posture), support, seen })
     }
 
-    /// What carries the body, by the last half second.
+    /// Returns the support of the body, by the last half second.
     fn support(
         &mut self,
         time: f64,
@@ -236,7 +240,7 @@ impl PostureFilter {
         }
     }
 
-    /// The variances of the angles, by moving each joint along the axes of its covariance.
+    /// Returns the variances of the angles, by moving each joint along the axes of its covariance.
     fn variances(
         &self,
         joints: &JointPositions,
@@ -263,7 +267,7 @@ impl PostureFilter {
                 {
                     *variance += turned(one - other).powi(2);
                 }
-                // Two axes share it.
+                // Two axes share the variance.
                 let way = between(&moved.posture.upper_arm().to_vector(), &arm);
                 variances.arm += 0.5 * way.powi(2);
             }
@@ -272,7 +276,7 @@ impl PostureFilter {
     }
 }
 
-/// How well a frame tells each angle, and where the upper arm points \[rad²\].
+/// Variances of a frame's angles, and of the upper arm's direction \[rad²\].
 #[derive(Clone, Copy)]
 struct Variances {
     angles: [f64; Posture::LEN],
@@ -280,7 +284,7 @@ struct Variances {
 }
 
 impl<T: Place> Known<T> {
-    /// Takes what a frame says, a value and its variance, into what was known.
+    /// Updates an estimate with a frame's value and variance.
     fn follow(
         known: &mut Option<Self>,
         time: f64,
@@ -292,7 +296,7 @@ impl<T: Place> Known<T> {
             known.filter(|known| known.time < time).map(|known| known.advanced(time, habit, mean));
         *known = match frame {
             Some((value, variance)) if value.is_finite() && variance.is_finite() => {
-                // As people are.
+                // The prior is the habit of people.
                 let spread = habit.spread.to_radians();
                 let before = now.unwrap_or(Self {
                     value: mean,
@@ -314,7 +318,7 @@ impl<T: Place> Known<T> {
         Self { value, variance, time, ..*self }
     }
 
-    /// With a measurement at its time taken in.
+    /// Returns the estimate corrected by a measurement at its time.
     fn corrected(&self, value: T, variance: f64) -> Self {
         let interval = if self.seen.is_finite() { self.time - self.seen } else { f64::INFINITY };
         let correlation = (-interval / CORRELATION_TIME).exp();

@@ -1,21 +1,25 @@
-//! Where the angles of trunk and neck are zero.
+//! Zeros of the angles of trunk and neck.
 
 use nalgebra::Vector2;
 
 use super::direction::turned;
 use super::{Head, JointPositions, Trunk};
 
-/// The lines of a person who stands upright, as measured joints show them \[rad\].
+/// Inclinations of body lines of a person who stands upright, as measured joints show them \[rad\].
 ///
-/// A detector's ears and nose are in front of its shoulders, also of somebody who holds the head upright:
-/// the line from the shoulders to the ears is no zero for a neck.
+/// A detector's ears and nose are in front of its shoulders, even if a person holds the head
+/// upright. The line from the shoulders to the ears is therefore not the zero of a neck.
 ///
-/// The default is an average. From mid-shoulders to ears it was 30° (17 to 43) for a woman who walked and
-/// 42 and 46° for two men who stood, by a detector on film (pose2sim and sports2d, BSD-3, BlazePose); 17°
-/// in motion capture of a gait (pybullet); and is 0 in Kendall's ideal plumb line, the lobe of the ear
-/// above the shoulder. It is taken as 30°, the nose's as 57°, and extension of the neck counts where the
-/// ears are 5° behind the trunk's line. From pelvis to neck upright people read -9 to 0°: extension of the
-/// trunk counts from 5° on, and the sheets take 5° more for upright. [`NeutralEstimate`] measures a person's own.
+/// The default is an average of these inclinations from mid-shoulders to ears:
+/// - 30° (17 to 43) for a woman who walked, and 42 and 46° for two men who stood. The films are
+///   from pose2sim and sports2d (BSD-3), and the detector was BlazePose.
+/// - 17° in motion capture of a gait (pybullet).
+/// - 0 in Kendall's ideal plumb line, with the lobe of the ear above the shoulder.
+///
+/// It is 30° for the ears and 57° for the nose. Extension of the neck counts if the ears are more
+/// than 5° behind the trunk's line. The line from pelvis to neck of upright people measures -9 to
+/// 0°. Extension of the trunk counts from 5° on, and the sheets tolerate another 5° as upright.
+/// [`NeutralEstimate`] measures a person's own posture.
 ///
 /// ```
 /// use ergo_map::{JointPositions, NeutralEstimate, NeutralPosture, Side};
@@ -40,20 +44,21 @@ use super::{Head, JointPositions, Trunk};
 pub struct NeutralPosture {
     /// Inclination of the line from pelvis to neck, forward positive.
     pub trunk: f64,
-    /// From that to the line from neck to the middle of the ears, forward positive.
+    /// Inclination from the trunk's line to the line from neck to the midpoint of the ears, forward
+    /// positive.
     pub ears: f64,
-    /// The same to the nose, where no ear is seen.
+    /// Inclination from the trunk's line to the line from neck to nose, for unseen ears.
     pub nose: f64,
-    /// Extension of the trunk counts from here on.
+    /// Extension of the trunk beyond which it counts.
     pub trunk_band: f64,
-    /// The same of the neck.
+    /// Extension of the neck beyond which it counts.
     pub neck_band: f64,
 }
 
-/// Dead bands of a person whose own neutral posture was measured \[rad\].
+/// Dead band of the neck of a person whose own neutral posture was measured \[rad\].
 const OWN_NECK_BAND: f64 = 10.0 * core::f64::consts::PI / 180.0;
 
-/// By what the head is seen.
+/// Landmark that shows the head.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Landmark {
     Ears,
@@ -73,12 +78,12 @@ impl Default for NeutralPosture {
 }
 
 impl NeutralPosture {
-    /// Flexion of a trunk that is inclined by so much.
+    /// Returns the flexion of a trunk with this inclination.
     pub(super) fn trunk_flexion(&self, inclination: f64) -> f64 {
         without_band(inclination - self.trunk, self.trunk_band)
     }
 
-    /// Flexion of a neck whose line is inclined to the trunk's by so much.
+    /// Returns the flexion of a neck whose line has this inclination relative to the trunk.
     pub(super) fn neck_flexion(&self, inclination: f64, by: Landmark) -> f64 {
         let neutral = match by {
             Landmark::Ears => self.ears,
@@ -88,24 +93,25 @@ impl NeutralPosture {
     }
 }
 
-/// An angle in [-π, π] whose extension counts from the end of a band.
+/// Returns an angle in [-π, π] whose extension counts from the end of a band.
 fn without_band(angle: f64, band: f64) -> f64 {
     let angle = turned(angle);
     if angle < 0.0 { (angle + band).min(0.0) } else { angle }
 }
 
-/// The neutral posture of one person, from frames in which they stand upright and look ahead: the mean of
-/// each line. Some seconds average out what a detector errs from frame to frame.
+/// Estimate of the neutral posture of one person, from frames in which they stand upright and look
+/// ahead. It is the mean of each line. Several seconds average out the detector's errors from frame
+/// to frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct NeutralEstimate {
-    /// Sums of unit vectors: an angle has no other mean.
+    /// Sums of unit vectors, since angles have no simple mean.
     trunk: Vector2<f64>,
     ears: Vector2<f64>,
     nose: Vector2<f64>,
 }
 
 impl NeutralEstimate {
-    /// Takes a frame in; one in which the trunk is not seen says nothing.
+    /// Takes a frame. A frame without a visible trunk has no effect.
     pub fn push(&mut self, joints: &JointPositions) {
         let Some(trunk) = Trunk::of(joints) else { return };
         let unit = |angle: f64| Vector2::new(angle.cos(), angle.sin());
@@ -122,7 +128,7 @@ impl NeutralEstimate {
         }
     }
 
-    /// The neutral posture as far as it was seen; the rest is average.
+    /// Returns the neutral posture as far as it was seen. The rest is average.
     pub fn neutral(&self) -> NeutralPosture {
         let average = NeutralPosture::default();
         let mean = |sum: &Vector2<f64>| {

@@ -1,4 +1,4 @@
-//! What carries a person whose joints were measured.
+//! Support of a person whose joints were measured.
 
 use nalgebra::{Vector2, Vector3};
 
@@ -8,17 +8,19 @@ use super::{JointPositions, between, unit};
 const SHANKS: f64 = 2.0 * 0.0465;
 const THIGHS: f64 = 2.0 * 0.100;
 const UPPER_BODY: f64 = 0.678;
-/// The upper body's centre of mass from the hips towards the shoulders (the same table).
+/// Centre of mass of the upper body, as a share from the hips towards the shoulders (the same
+/// table).
 const UPPER_BODY_CENTRE: f64 = 0.626;
 
-/// A centre of mass that is so far behind the ankles is not over the heels \[m\]: the heel is about 6 cm
-/// behind the ankle, and a detector's joints err by 5.
+/// Distance behind the ankles from which a centre of mass is not over the heels \[m\]. The heel is
+/// about 6 cm behind the ankle, and the error of a detector's joints is 5 cm.
 const BEHIND_THE_FEET: f64 = 0.15;
-/// Thighs of a seat are lower than this slope: the sine of 40°.
+/// Largest slope of the thighs of a seated person: the sine of 40°.
 const SEATED_SLOPE: f64 = 0.64;
 
-/// Returns true where the thighs are nearly level and the centre of mass lies so far behind both ankles that
-/// only a seat can carry it. Somebody who squats balances over the feet.
+/// Returns true if the person sits. The thighs are then nearly level, and the centre of mass is so
+/// far behind both ankles that only a seat can support it. A person who squats balances over the
+/// feet.
 pub(super) fn is_sitting(joints: &JointPositions) -> bool {
     seat(joints).unwrap_or(false)
 }
@@ -38,24 +40,24 @@ fn seat(joints: &JointPositions) -> Option<bool> {
     Some(slope.abs() < SEATED_SLOPE && behind > BEHIND_THE_FEET)
 }
 
-/// Whether a person walks: how far the pelvis is ahead of where it lately was.
+/// Decision whether a person walks, by the distance of the pelvis from its recent mean.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Gait {
-    /// Where the pelvis lately was, a mean over [`LATELY`] \[m\], and when it was seen last \[s\].
+    /// Mean place of the pelvis over [`LATELY`] \[m\], and time of its last observation \[s\].
     mean: Option<(Vector2<f64>, f64)>,
     walks: bool,
 }
 
-/// \[s\]
+/// Time constant of the mean \[s\].
 const LATELY: f64 = 1.0;
-/// Further ahead of its mean a pelvis is not that of somebody who stands \[m\]; nearer than half of it,
-/// they stand. Who bends or squats moves it by at most .15 m; a gait of .25 m/s keeps it .25 m ahead.
+/// Distance of a walking person's pelvis from its mean \[m\]. Below half of it they stand. A person
+/// who bends or squats moves it by at most .15 m. A gait of .25 m/s keeps it .25 m ahead.
 const AHEAD: f64 = 0.2;
-/// After so long without being seen the mean begins anew \[s\].
+/// Time without observation after which the mean restarts \[s\].
 const FORGOTTEN: f64 = 1.0;
 
 impl Gait {
-    /// Takes a frame in at its time \[s\] and returns true if the person walks.
+    /// Takes a frame at its time \[s\]. Returns true if the person walks.
     pub(super) fn update(&mut self, time: f64, joints: &JointPositions) -> bool {
         let pelvis = joints.pelvis.or_else(|| between(&joints.hips)).map(|pelvis| pelvis.xy());
         let pelvis = pelvis.filter(|pelvis| pelvis.iter().all(|value| value.is_finite()));

@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 
 use super::{JointPositions, between, unit};
 
-/// The trunk: its axes and how it is inclined.
+/// The trunk: its axes and its inclination.
 pub(super) struct Trunk {
     pub(super) forward: Vector3<f64>,
     left: Vector3<f64>,
@@ -14,8 +14,8 @@ pub(super) struct Trunk {
     /// Inclination, forward positive \[rad\].
     pub(super) flexion: f64,
     pub(super) side: f64,
-    /// From the line of the hips to that of the shoulders about the trunk's axis, to the left positive
-    /// \[rad\].
+    /// Angle from the line of the hips to that of the shoulders about the trunk's axis, to the left
+    /// positive \[rad\].
     pub(super) twist: Option<f64>,
 }
 
@@ -29,7 +29,7 @@ impl Trunk {
         let across = |line: &Vector3<f64>| unit(&(line - up * line.dot(&up)));
         let left = across(&shoulders.or(hips)?)?;
         let forward = left.cross(&up);
-        // A trunk that is turned about its own axis is inclined as hips and shoulders together face.
+        // The inclination of a twisted trunk is in the common direction of hips and shoulders.
         let lines = shoulders.unwrap_or_default() + hips.unwrap_or_default();
         let level = unit(&Vector3::new(lines.x, lines.y, 0.0))?;
         let ahead = level.cross(&Vector3::z());
@@ -47,15 +47,16 @@ impl Trunk {
         })
     }
 
-    /// A direction in the trunk's axes: x forward, y left, z along the trunk.
+    /// Returns a direction in the trunk's axes: x forward, y left, z along the trunk.
     pub(super) fn local(&self, line: &Vector3<f64>) -> Option<Vector3<f64>> {
         let line = unit(line)?;
         Some(Vector3::new(line.dot(&self.forward), line.dot(&self.left), line.dot(&self.up)))
     }
 }
 
-/// The inclination of a trunk with these components. Further aside than 45° nobody stands: from there on
-/// the lateral component counts as well, so that a trunk which lies on its side is inclined by 90°.
+/// Returns the inclination of a trunk with these components. Nobody stands inclined sideways by
+/// more than 45°. Beyond that the lateral component counts too, so that a trunk lying on its side
+/// is inclined by 90°.
 fn inclination(ahead: f64, aside: f64, up: f64) -> f64 {
     let lying = (aside.abs() - FRAC_1_SQRT_2).max(0.0);
     ahead.hypot(lying).atan2(up).copysign(ahead)

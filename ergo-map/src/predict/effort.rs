@@ -1,4 +1,4 @@
-//! What a posture costs, as a sum of squares.
+//! Effort of a posture, as a sum of squares.
 
 use nalgebra::Vector3;
 
@@ -8,36 +8,38 @@ use crate::joints::DOF;
 use crate::kinematics::{Body, Pose};
 use crate::person::Person;
 
-/// Torques that count as full effort, in body mass × g × stature: about 60 N m at the shoulder,
-/// 250 N m at the lumbar spine, 200 N m at the hips and 300 N m at both knees of a 75 kg, 1.75 m
-/// person. Joint, its axes that count (x: sagittal lever, y: lateral lever), strength.
+/// Torques of full effort, in body mass × g × stature. An entry is a joint, its relevant axes (x:
+/// sagittal lever, y: lateral lever) and its strength.
+///
+/// A person of 75 kg and 1.75 m has about 60 N m at the shoulder and 250 N m at the lumbar spine.
+/// The hips have about 200 N m, and both knees 300 N m.
 const STRENGTH: [(usize, &[usize], f64); 4] =
     [(8, &[0, 1], 0.047), (3, &[0, 1], 0.194), (2, &[0], 0.155), (1, &[0], 0.233)];
 /// Sine and cosine of the gaze's rest direction, 15° below the horizon.
 const GAZE: [f64; 2] = [0.258_819_045_102_520_76, 0.965_925_826_289_068_3];
-/// Where the centre of mass rests, ahead of the ankle, in foot lengths.
+/// Rest position of the centre of mass, ahead of the ankle, in foot lengths.
 const REST: f64 = 0.15;
-/// Distance from an edge of the feet at which balance starts to be guarded, in foot lengths.
+/// Distance from an edge of the feet at which the balance guard starts, in foot lengths.
 const GUARD: f64 = 0.1;
-/// Stiffness of that guard against displacement effort, once the search has come close.
+/// Stiffness of that guard relative to displacement effort, near the end of the search.
 pub(super) const GUARD_STIFFNESS: f64 = 300.0;
 
-/// The cost of a posture of one person.
+/// The effort function of one person.
 #[derive(Debug, Clone)]
 pub(super) struct Effort {
     body: Body,
     min: [f64; DOF],
     max: [f64; DOF],
     neutral: [f64; DOF],
-    /// √weight / range of each joint.
+    /// Factors √weight / range of each joint.
     displacement: [f64; DOF],
-    /// √weights.
+    /// Factors √weight.
     gravity: f64,
     balance: f64,
     gaze: f64,
 }
 
-/// Heel and toe, ahead of the ankle.
+/// Returns the positions of heel and toe, ahead of the ankle.
 fn support(body: &Body) -> [f64; 2] {
     [-0.25 * body.foot, 0.75 * body.foot]
 }
@@ -65,17 +67,18 @@ impl Effort {
         &self.body
     }
 
-    /// The joints' rest.
+    /// Rest angles of the joints.
     pub(super) fn neutral(&self) -> &[f64; DOF] {
         &self.neutral
     }
 
-    /// The joints' limits.
+    /// Limits of the joints.
     pub(super) fn limits(&self) -> (&[f64; DOF], &[f64; DOF]) {
         (&self.min, &self.max)
     }
 
-    /// The effort of a posture whose hand is meant for `target`, balance guarded with a stiffness.
+    /// Returns the effort of a posture with the hand aimed at `target`, and the balance guarded
+    /// with a stiffness.
     pub(super) fn cost(
         &self,
         q: &[f64; DOF],
@@ -97,7 +100,7 @@ impl Effort {
         0.5 * sum
     }
 
-    /// The effort with its derivatives.
+    /// Returns the effort with its derivatives.
     pub(super) fn linearise(
         &self,
         q: &[f64; DOF],
@@ -140,14 +143,14 @@ impl Effort {
         normal
     }
 
-    /// Returns true if balance is at stake: the centre of mass is close to heel or toe.
+    /// Returns true if the centre of mass is close to heel or toe.
     pub(super) fn on_edge(&self, pose: &Pose) -> bool {
         let [_, _, (edge, _)] = self.balance(pose, GUARD_STIFFNESS);
         edge.abs() > 0.0
     }
 
-    /// Residuals of the centre of mass with their derivatives by its position: its distance from
-    /// rest forward and sideways, and a stiff guard close to heel and toe.
+    /// Returns the residuals of the centre of mass with their derivatives. These are its distances
+    /// from rest forward and sideways, and a stiff guard close to heel and toe.
     fn balance(&self, pose: &Pose, stiffness: f64) -> [(f64, f64); 3] {
         let foot = self.body.foot;
         let centre = pose.total.1 / pose.total.0;
@@ -159,15 +162,16 @@ impl Effort {
         [(scale * (centre.x - REST * foot), scale), (scale * centre.y, scale), (edge, stiff)]
     }
 
-    /// Residual of the gaze: direction to the target less rest direction, in the head's axes.
+    /// Returns the residual of the gaze: the direction to the target minus the rest direction, in
+    /// the head's axes.
     fn gaze(&self, pose: &Pose, target: &Vector3<f64>) -> Vector3<f64> {
         let (direction, _) = sight(pose, target);
         (pose.head.tr_mul(&direction) - Vector3::new(GAZE[1], 0.0, -GAZE[0])) * self.gaze
     }
 }
 
-/// Direction and distance from the eyes to the target, both softened within a hand's breadth, so
-/// that a target between the eyes has no direction instead of any.
+/// Returns direction and distance from the eyes to the target, both smoothed within the breadth of
+/// a hand. A target between the eyes then has no direction instead of an arbitrary one.
 fn sight(pose: &Pose, target: &Vector3<f64>) -> (Vector3<f64>, f64) {
     const BREADTH: f64 = 0.05;
     let line = target - pose.eye;
@@ -175,7 +179,7 @@ fn sight(pose: &Pose, target: &Vector3<f64>) -> (Vector3<f64>, f64) {
     (line / distance, distance)
 }
 
-/// Returns true if joint `a` moves joint `b` (or is it): neck and arm are separate branches.
+/// Returns true if joint `a` moves joint `b` (or is it). Neck and arm are separate branches.
 fn moves(a: usize, b: usize) -> bool {
     a <= b && (a <= 5 || (a <= 7) == (b <= 7))
 }

@@ -1,14 +1,14 @@
-//! Normal equations of a sum of squares, gathered row by row.
+//! Normal equations of a sum of squares, accumulated row by row.
 
 use nalgebra::{SMatrix, SVector, Vector3};
 
 use crate::joints::DOF;
 
-/// A row's derivatives by the joints.
+/// Derivatives of a residual with respect to the joints.
 pub(super) type Row = [f64; DOF];
 
-/// ½ Σ r² with its gradient Σ r ∂r, its Gauss–Newton matrix Σ ∂r ∂rᵀ and, where known, the
-/// curvature Σ r ∂²r that Gauss–Newton leaves out.
+/// The cost ½ Σ r² with its gradient Σ r ∂r and its Gauss–Newton matrix Σ ∂r ∂rᵀ. `curvature` is
+/// the term Σ r ∂²r that Gauss–Newton leaves out, as far as it is known.
 #[derive(Debug, Clone)]
 pub(super) struct Normal {
     pub(super) cost: f64,
@@ -40,7 +40,7 @@ impl Normal {
         }
     }
 
-    /// Adds a residual of one joint alone.
+    /// Adds a residual of a single joint.
     pub(super) fn add_joint(&mut self, joint: usize, residual: f64, derivative: f64) {
         self.cost += 0.5 * residual * residual;
         self.gradient[joint] += residual * derivative;

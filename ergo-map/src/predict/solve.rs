@@ -9,23 +9,26 @@ use crate::joints::DOF;
 use crate::kinematics::Pose;
 use crate::skeleton::hand_axes;
 
-/// Penalties on the hand's error (squared, statures and radians) of the first passes; the last
-/// one stays while the multipliers converge. The first is so weak that the body comes close to
-/// rest from wherever it starts; then the hand is pulled to its goal ever more strongly.
+/// Penalties on the hand's squared error (statures and radians) of the first passes. The last one
+/// is kept while the multipliers converge.
+///
+/// The first penalty is so weak that the body comes close to rest from every start. The following
+/// ones pull the hand to its goal with increasing strength.
 const PENALTIES: [f64; 5] = [1.0, 1e1, 1e2, 1e3, 1e4];
-/// Multiplier updates at most.
+/// Largest number of multiplier updates.
 const OUTER: usize = 12;
-/// Steps of each pass at most.
+/// Largest number of steps of each pass.
 const INNER: usize = 40;
-/// A pass ends when no joint moved more \[rad\]: early passes, last passes.
+/// Largest joint motion at which a pass ends \[rad\]: early passes, last passes.
 const STEP: [f64; 2] = [1e-2, 1e-7];
-/// Pull on the hand (penalty × error) at which it is given up: to hold it there, the effort would
-/// have to grow by this much per stature. Giving up loses the outermost half per cent of reach.
+/// Force on the hand (penalty × error) at which the target is given up. To hold the hand there, the
+/// effort would have to grow by this much per stature. This loses the outermost half per cent of
+/// reach.
 const OUT_OF_REACH: f64 = 400.0;
-/// The error at which the hand has arrived, in statures and radians.
+/// Error at which the hand has arrived, in statures and radians.
 const ARRIVED: f64 = 1e-7;
 
-/// What the hand shall do, in statures, right-handed.
+/// Goal of the hand, in statures, right-handed.
 #[derive(Debug, Clone)]
 pub(super) struct Goal {
     pub(super) position: Vector3<f64>,
@@ -38,14 +41,14 @@ impl Goal {
     }
 }
 
-/// Where the search ended.
+/// Result of the search.
 #[derive(Debug, Clone)]
 pub(super) struct Outcome {
     pub(super) q: [f64; DOF],
     pub(super) effort: f64,
     /// Hand error in statures.
     pub(super) distance: f64,
-    /// Orientation error in radians, 0 where it does not matter.
+    /// Orientation error in radians, 0 if orientation does not matter.
     pub(super) angle: f64,
 }
 
@@ -56,10 +59,10 @@ pub(super) struct Solver<'a> {
     effort: &'a Effort,
     goal: &'a Goal,
     active: usize,
-    /// Penalties of the passes, the last one being kept.
+    /// Penalties of the passes. The last one is kept.
     penalties: &'static [f64],
     penalty: f64,
-    /// Multipliers over the penalty: they shift the target.
+    /// Multipliers divided by the penalty, which shift the target.
     shift: HandError,
 }
 
@@ -70,8 +73,8 @@ impl<'a> Solver<'a> {
         Self { effort, goal, active, penalties: &PENALTIES, penalty: 0.0, shift: (zero, zero) }
     }
 
-    /// minimise effort(q) + multipliers · error(q) + ½ penalty ‖error(q)‖² over q in its limits,
-    /// with the multipliers updated until the error vanishes.
+    /// Minimises effort(q) + multipliers · error(q) + ½ penalty ‖error(q)‖² over q in its limits.
+    /// The multipliers are updated until the error vanishes.
     pub(super) fn run(mut self, start: [f64; DOF]) -> Outcome {
         // Joints that take no part are at rest.
         let neutral = self.effort.neutral();
@@ -104,7 +107,7 @@ impl<'a> Solver<'a> {
         Outcome { q, effort, distance: position.norm(), angle: angle.norm() }
     }
 
-    /// One pass of projected Levenberg–Marquardt.
+    /// Runs one pass of projected Levenberg–Marquardt.
     fn minimise(&self, q: &mut [f64; DOF], tolerance: f64) -> Pose {
         let mut damping = 1e-3;
         let mut pose = Pose::new(self.effort.body(), q);
@@ -139,7 +142,7 @@ impl<'a> Solver<'a> {
         pose
     }
 
-    /// The damped Newton step of the joints that are free to move.
+    /// Returns the damped Newton step of the joints that are free to move.
     fn step(&self, q: &[f64; DOF], normal: &Normal, damping: f64) -> Option<SVector<f64, DOF>> {
         let (min, max) = self.effort.limits();
         let mut matrix: SMatrix<f64, DOF, DOF> = normal.matrix + normal.curvature;
@@ -160,8 +163,8 @@ impl<'a> Solver<'a> {
         Some(-matrix.cholesky()?.solve(&gradient))
     }
 
-    /// Balance is guarded as strictly as the hand is pulled: at once, a start out of balance would
-    /// fold the body into a corner of its ranges of motion.
+    /// Returns the stiffness of the balance guard, which grows with the penalty. If it were large
+    /// at once, an unbalanced start would fold the body into a corner of its ranges of motion.
     fn guard(&self) -> f64 {
         (1e-4 * self.penalty * self.penalty).min(GUARD_STIFFNESS)
     }
@@ -171,8 +174,8 @@ impl<'a> Solver<'a> {
         core::array::from_fn(|i| q[i].clamp(min[i], max[i]))
     }
 
-    /// Hand error: position (statures), and the rotation vector from hand to goal, negated so that
-    /// it grows with the joints as the position's error does.
+    /// Returns the hand error: position (statures), and the negative rotation vector from hand to
+    /// goal. The sign makes it grow with the joints like the position's error.
     fn error(&self, pose: &Pose) -> HandError {
         let angle = self.goal.orientation.map_or_else(Vector3::zeros, |goal| {
             let hand = Rotation3::from_matrix_unchecked(hand_axes(&pose.palm));
@@ -220,7 +223,8 @@ impl<'a> Solver<'a> {
     }
 }
 
-/// Inverse right Jacobian of SO(3) at a rotation vector: log(exp(φ) exp(δ)) ≈ φ + J⁻¹ δ.
+/// Returns the inverse right Jacobian of SO(3) at a rotation vector: log(exp(φ) exp(δ)) ≈ φ + J⁻¹
+/// δ.
 fn inverse_right_jacobian(phi: &Vector3<f64>) -> Matrix3<f64> {
     let angle = phi.norm();
     let skew = phi.cross_matrix();
@@ -241,8 +245,8 @@ mod tests {
 
     #[test]
     fn no_other_way_of_reaching_takes_less_effort() {
-        // Pulled hard from the start, the search ends in other postures now and then: none of
-        // them may be better.
+        // A strong force from the start sometimes leads to other postures. None of them may be
+        // better.
         let effort = Effort::new(&Person::average(), &EffortWeights::default());
         let (min, max) = effort.limits();
         let (mut better, mut arrived, mut state) = (0, 0, 1_u64);

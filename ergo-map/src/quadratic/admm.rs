@@ -6,16 +6,16 @@ use super::ErgonomicsQuadratic;
 use super::scored_point::ScoredPoint;
 use crate::error::{Error, Result};
 
-/// Coefficients of a quadratic in three variables.
+/// Number of coefficients of a quadratic in three variables.
 const N: usize = 10;
-/// Iterations at most; some hundred suffice.
+/// Largest number of iterations. Some hundred are sufficient.
 const ITERATIONS: usize = 20_000;
 /// Change of the Hessian at which the iteration ends, relative to its largest entry.
 const CONVERGED: f64 = 1e-12;
 
 type Coefficients = SVector<f64, N>;
 
-/// The fit and whether the bound on the Hessian held it back.
+/// The fit, and whether the bound on the Hessian is active.
 pub(super) struct ConvexFit {
     pub(super) quadratic: ErgonomicsQuadratic,
     pub(super) bound_active: bool,
@@ -23,10 +23,10 @@ pub(super) struct ConvexFit {
 
 /// minimise Σ w (½ xᵀHx + gᵀx + c - e)² subject to H ⪰ εI.
 ///
-/// Given points, scores and weights. In the coordinates y = (x - μ)/σ the bound reads
-/// `H_y` ⪰ ε σσᵀ (diagonal). Without the bound this is a linear system; where its solution breaks
-/// the bound, ADMM splits it: the linear system for the coefficients, an eigenvalue clip for the
-/// Hessian.
+/// The points, scores e and weights w are given. In the coordinates y = (x - μ)/σ the bound is
+/// `H_y` ⪰ ε σσᵀ (diagonal). The problem is a linear system if the bound is inactive. If its
+/// solution violates the bound, ADMM splits the problem into the linear system for the coefficients
+/// and an eigenvalue clip for the Hessian.
 pub(super) fn convex_fit(
     points: &[ScoredPoint],
     weights: &[f64],
@@ -48,14 +48,14 @@ pub(super) fn convex_fit(
     Ok(ConvexFit { quadratic: scaling.undo(&coefficients, min_curvature), bound_active })
 }
 
-/// Alternating direction method of multipliers on the Hessian's copy Z.
+/// Runs the alternating direction method of multipliers on the Hessian's copy Z.
 fn split(
     normal: &SMatrix<f64, N, N>,
     right: &Coefficients,
     start: &Coefficients,
     clip: impl Fn(Matrix3<f64>) -> Matrix3<f64>,
 ) -> Result<Coefficients> {
-    // Off-diagonal entries stand for two entries of H.
+    // Off-diagonal entries represent two entries of H.
     let metric =
         Coefficients::from_column_slice(&[1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 0.0, 0.0, 0.0, 0.0]);
     let penalty = (0..6).map(|i| normal[(i, i)]).sum::<f64>() / 6.0;
@@ -75,7 +75,8 @@ fn split(
             break;
         }
     }
-    // The Hessian is Z, which keeps the bound exactly; slope and constant are the best ones for it.
+    // The Hessian is Z, which satisfies the bound exactly. Slope and constant are the best ones for
+    // it.
     let mut solution = coefficients_of(&z);
     let rest = right - normal * solution;
     let corner = normal.fixed_view::<4, 4>(6, 6).into_owned();
@@ -123,7 +124,7 @@ impl Scaling {
         ])
     }
 
-    /// Back to metres, with the bound kept against rounding.
+    /// Converts back to metres, and keeps the bound in spite of rounding.
     fn undo(&self, coefficients: &Coefficients, min_curvature: f64) -> ErgonomicsQuadratic {
         let inverse = Matrix3::from_diagonal(&self.sigma.map(f64::recip));
         let scaled = symmetric(inverse * hessian(coefficients) * inverse);
@@ -157,12 +158,12 @@ fn normal_equations(
     (normal, right)
 }
 
-/// The Hessian that the first six coefficients stand for.
+/// Returns the Hessian of the first six coefficients.
 fn hessian(c: &Coefficients) -> Matrix3<f64> {
     Matrix3::new(c[0], c[3], c[4], c[3], c[1], c[5], c[4], c[5], c[2])
 }
 
-/// The inverse of [`hessian`], with no slope and no constant.
+/// Computes the inverse of [`hessian`], with zero slope and constant.
 fn coefficients_of(h: &Matrix3<f64>) -> Coefficients {
     let mut c = Coefficients::zeros();
     for (i, value) in [h.m11, h.m22, h.m33, h.m12, h.m13, h.m23].into_iter().enumerate() {
@@ -171,14 +172,14 @@ fn coefficients_of(h: &Matrix3<f64>) -> Coefficients {
     c
 }
 
-/// The nearest symmetric matrix (Frobenius) with no eigenvalue below `floor`.
+/// Returns the nearest symmetric matrix (Frobenius) without eigenvalues below `floor`.
 fn above(matrix: Matrix3<f64>, floor: f64) -> Matrix3<f64> {
     let mut eigen = SymmetricEigen::new(symmetric(matrix));
     eigen.eigenvalues.apply(|value| *value = value.max(floor));
     symmetric(eigen.recompose())
 }
 
-/// The matrix without what rounding left of asymmetry.
+/// Returns the matrix without asymmetry from rounding.
 fn symmetric(matrix: Matrix3<f64>) -> Matrix3<f64> {
     (matrix + matrix.transpose()) * 0.5
 }

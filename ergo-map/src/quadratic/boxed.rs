@@ -6,9 +6,9 @@ use super::ErgonomicsQuadratic;
 use crate::region::Region;
 
 impl ErgonomicsQuadratic {
-    /// Where e is smallest within a box. Allocates nothing.
+    /// Returns the point in a box at which e is smallest. Allocates nothing.
     ///
-    /// Every axis is free, at its lower or at its upper face; of the 27 cases the best one that
+    /// Every axis is free, at its lower face, or at its upper face. The best of these 27 cases that
     /// lies in the box is the minimum, because e is convex.
     pub fn minimiser_in(&self, region: &Region) -> Vector3<f64> {
         let (min, max) = (region.min(), region.max());
@@ -28,7 +28,7 @@ impl ErgonomicsQuadratic {
         best
     }
 
-    /// The stationary point with axes held at a face (1 lower, 2 upper) or free (0).
+    /// Returns the stationary point with axes held at a face (1 lower, 2 upper) or free (0).
     fn stationary(
         &self,
         state: [usize; 3],
@@ -43,7 +43,7 @@ impl ErgonomicsQuadratic {
                 _ => 0.0,
             };
         }
-        // Held axes drop out: their rows say "no change".
+        // The rows of held axes are replaced by "no change".
         let mut matrix = self.hessian;
         let mut slope = self.gradient_at(&x);
         for axis in (0..3).filter(|&axis| state[axis] != 0) {

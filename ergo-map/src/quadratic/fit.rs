@@ -1,4 +1,4 @@
-//! From scored points to a quadratic.
+//! Fit of a quadratic to scored points.
 
 use super::ErgonomicsQuadratic;
 use super::admm::convex_fit;
@@ -7,17 +7,17 @@ use super::scored_point::ScoredPoint;
 use crate::error::{Error, Result, within};
 use crate::region::Region;
 
-/// Fewest points for a fit: twice the number of coefficients.
+/// Smallest number of points of a fit: twice the number of coefficients.
 const FEWEST: usize = 20;
 
-/// How a quadratic is fitted.
+/// Options of a fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FitOptions {
-    /// The points that count, in the person's frame; `None` is [`Region::work_zone`] for a map and
-    /// every point for bare samples.
+    /// Region of the points that count, in the person's frame. `None` stands for
+    /// [`Region::work_zone`] for a map, and for every point for bare samples.
     pub region: Option<Region>,
-    /// T in the weight exp(-(e - min e)/T): the smaller, the more good postures count. Infinity
-    /// weighs all alike.
+    /// T in the weight exp(-(e - min e)/T). The smaller it is, the more good postures count.
+    /// Infinity gives equal weights.
     pub temperature: f64,
     /// ε \[1/m²\] in H ⪰ εI, positive.
     pub min_curvature: f64,
@@ -43,13 +43,13 @@ impl FitOptions {
 }
 
 impl ErgonomicsQuadratic {
-    /// The convex quadratic that fits scored points best:
+    /// Fits a convex quadratic to scored points.
+    ///
     /// minimise Σ w (e(x) - score)² subject to H ⪰ εI, w = exp(-(score - min)/T).
     ///
     /// # Errors
-    /// [`Error::TooFewSamples`] below 20 points, [`Error::DegenerateSamples`] where they do not
-    /// determine a quadratic, [`Error::Value`] for a point or an
-    /// option.
+    /// [`Error::TooFewSamples`] if there are fewer than 20 points. [`Error::DegenerateSamples`] if
+    /// they do not determine a quadratic. [`Error::Value`] if a point or an option is invalid.
     pub fn fit(points: &[ScoredPoint], options: &FitOptions) -> Result<(Self, FitReport)> {
         let inside = |point: &&ScoredPoint| {
             options.region.is_none_or(|region| region.contains(&point.position))
@@ -61,20 +61,20 @@ impl ErgonomicsQuadratic {
 }
 
 impl FitOptions {
-    /// exp(-(e - min e)/T) of each point.
+    /// Returns exp(-(e - min e)/T) of each point.
     pub(crate) fn weights(&self, points: &[ScoredPoint]) -> Vec<f64> {
         let lowest = points.iter().map(|p| p.score).fold(f64::INFINITY, f64::min);
         points.iter().map(|p| (-(p.score - lowest) / self.temperature).exp()).collect()
     }
 }
 
-/// Points with their weights, as many of one as of the other.
+/// Points with their weights, in equal number.
 pub(crate) struct FitInput {
     pub(crate) points: Vec<ScoredPoint>,
     pub(crate) weights: Vec<f64>,
 }
 
-/// The fit of weighted points, with its report.
+/// Fits weighted points, and reports on the fit.
 pub(crate) fn fit_weighted(
     input: &FitInput,
     options: &FitOptions,

@@ -1,4 +1,4 @@
-//! How good a fit is.
+//! Quality of a fit.
 
 use nalgebra::Vector3;
 
@@ -6,33 +6,33 @@ use super::ErgonomicsQuadratic;
 use super::scored_point::ScoredPoint;
 use crate::region::Region;
 
-/// How far the quadratic's choice is from the best the map offers, in units of the score.
+/// Difference between the quadratic's choice and the map's best, in units of the score.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Regret {
-    /// The map's score at the quadratic's optimum within the region, less the map's minimum there.
+    /// The map's score at the quadratic's optimum within the region, minus the map's minimum there.
     pub at_optimum: f64,
-    /// The same within random boxes (shared workspaces): mean.
+    /// Mean of this difference within random boxes (shared workspaces).
     pub boxes_mean: f64,
-    /// Its 95th percentile.
+    /// 95th percentile within random boxes.
     pub boxes_p95: f64,
-    /// Its maximum.
+    /// Maximum within random boxes.
     pub boxes_max: f64,
     /// Number of boxes.
     pub boxes: usize,
 }
 
-/// How well a quadratic stands for the score.
+/// Quality of a quadratic as an approximation of the score.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FitReport {
-    /// Points that entered.
+    /// Number of points in the fit.
     pub samples: usize,
-    /// The smallest box around them \[m\].
+    /// Smallest box around them \[m\].
     pub domain: Region,
-    /// Coefficient of determination, all points alike.
+    /// Coefficient of determination with equal weights.
     pub r_squared: f64,
-    /// The same with the fit's weights.
+    /// Coefficient of determination with the fit's weights.
     pub weighted_r_squared: f64,
-    /// Root mean square error, all points alike.
+    /// Root mean square error with equal weights.
     pub rmse: f64,
     /// Largest error.
     pub max_error: f64,
@@ -40,11 +40,11 @@ pub struct FitReport {
     pub spearman: f64,
     /// Eigenvalues of H, ascending \[1/m²\].
     pub eigenvalues: Vector3<f64>,
-    /// Whether the bound H ⪰ εI changed the fit.
+    /// True if the bound H ⪰ εI changed the fit.
     pub bound_active: bool,
     /// The quadratic's minimiser within the domain \[m\].
     pub optimum: Vector3<f64>,
-    /// What following the quadratic costs against the map; `None` for bare samples.
+    /// Cost of following the quadratic instead of the map. `None` for bare samples.
     pub regret: Option<Regret>,
 }
 
@@ -80,7 +80,7 @@ impl FitReport {
     }
 }
 
-/// Weighted R² and root mean square error.
+/// Returns weighted R² and root mean square error.
 fn determination(scores: &[f64], fitted: &[f64], weights: &[f64]) -> (f64, f64) {
     let total: f64 = weights.iter().sum();
     let mean = scores.iter().zip(weights).map(|(s, w)| s * w).sum::<f64>() / total;
@@ -90,13 +90,13 @@ fn determination(scores: &[f64], fitted: &[f64], weights: &[f64]) -> (f64, f64) 
     };
     let variance = spread(&|_| mean);
     let error = spread(&|i| fitted.get(i).copied().unwrap_or(f64::NAN));
-    // Constant scores leave nothing to explain.
+    // Constant scores have no variance to explain.
     let r_squared =
         if variance > 0.0 { 1.0 - error / variance } else { f64::from(u8::from(error <= 0.0)) };
     (r_squared, error.sqrt())
 }
 
-/// Ranks from 0; equal values share their mean rank.
+/// Returns ranks from 0. Equal values share their mean rank.
 pub(crate) fn ranks(values: &[f64]) -> Vec<f64> {
     let mut order: Vec<(usize, f64)> = values.iter().copied().enumerate().collect();
     order.sort_by(|a, b| a.1.total_cmp(&b.1));
@@ -114,7 +114,7 @@ pub(crate) fn ranks(values: &[f64]) -> Vec<f64> {
     ranks
 }
 
-/// Pearson's correlation; 0 where one side is constant.
+/// Returns Pearson's correlation, 0 if one side is constant.
 pub(crate) fn correlation(a: &[f64], b: &[f64]) -> f64 {
     let n = a.len() as f64;
     let (mean_a, mean_b) = (a.iter().sum::<f64>() / n, b.iter().sum::<f64>() / n);

@@ -1,6 +1,6 @@
 use crate::error::{Result, within};
 
-/// How well the hand holds the load (added to table B).
+/// Quality of the hold on the load (added to table B).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, PartialOrd, Ord)]
 pub enum Coupling {
     /// A well-fitting handle and a mid-range power grip.
@@ -15,7 +15,7 @@ pub enum Coupling {
 }
 
 impl Coupling {
-    /// What the coupling adds to table B: 0 to 3.
+    /// Returns the addition to table B: 0 to 3.
     pub const fn score(self) -> u8 {
         match self {
             Self::Good => 0,
@@ -25,7 +25,7 @@ impl Coupling {
         }
     }
 
-    /// The coupling that adds `score` to table B, if there is one.
+    /// Returns the coupling that adds `score` to table B, if there is one.
     pub const fn from_score(score: u8) -> Option<Self> {
         match score {
             0 => Some(Self::Good),
@@ -37,22 +37,22 @@ impl Coupling {
     }
 }
 
-/// What carries the body's weight.
+/// Support of the body's weight.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum LegSupport {
     /// Both feet.
     #[default]
     Bilateral,
-    /// Feet that walk: the knees' flexion does not count.
+    /// Walking feet. The knees' flexion does not count.
     Walking,
     /// One foot, or an unstable posture.
     Unilateral,
-    /// A seat: the knees' flexion does not count.
+    /// A seat. The knees' flexion does not count.
     Sitting,
 }
 
-/// Everything REBA asks that is no joint angle. The default is an easy task: no load, good
-/// coupling, both feet on the floor, nothing held for long or repeated.
+/// All inputs of REBA except joint angles. The default is an easy task: no load, good coupling,
+/// both feet on the floor, nothing held for long or repeated.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[allow(clippy::struct_excessive_bools)] // the tick boxes of the printed sheet
 pub struct Conditions {
@@ -62,7 +62,7 @@ pub struct Conditions {
     pub shock: bool,
     /// Quality of the hold.
     pub coupling: Coupling,
-    /// What carries the body.
+    /// Support of the body.
     pub support: LegSupport,
     /// The shoulder is raised.
     pub shoulder_raised: bool,
@@ -80,12 +80,13 @@ impl Conditions {
     /// Checks the load: finite, from 0 to 1000 kg.
     ///
     /// # Errors
-    /// [`crate::Error::Value`] for the load.
+    /// [`crate::Error::Value`] if the load is invalid.
     pub fn validate(&self) -> Result<()> {
         within("load", self.load, [0.0, 1000.0], "kg").map(drop)
     }
 
-    /// What the load adds to table A: below 5 kg 0, 5 to 10 kg 1, above 2; shock adds 1.
+    /// Returns the addition of the load to table A: below 5 kg 0, 5 to 10 kg 1, above 2. Shock adds
+    /// 1.
     pub(super) fn load_score(&self) -> u8 {
         let weight = match self.load {
             load if load < 5.0 => 0,
@@ -95,12 +96,12 @@ impl Conditions {
         weight + u8::from(self.shock)
     }
 
-    /// What the activity adds to table C.
+    /// Returns the addition of the activity to table C.
     pub(super) fn activity_score(&self) -> u8 {
         u8::from(self.held_static) + u8::from(self.repeated) + u8::from(self.rapid_or_unstable)
     }
 
-    /// What raising (+1) and support (-1) add to the upper arm.
+    /// Returns the addition of raising (+1) and support (-1) to the upper arm.
     pub(super) fn arm_adjustment(&self) -> i8 {
         i8::from(self.shoulder_raised) - i8::from(self.arm_supported)
     }

@@ -8,27 +8,27 @@ use crate::error::Result;
 use crate::posture::Posture;
 use crate::upper_arm::UpperArm;
 
-/// What each part of the body contributes to `e_s`, 0 being the best.
+/// Contribution of each part of the body to `e_s`, where 0 is best.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contributions {
-    /// Arms: table B less 1, 0 to 8.
+    /// Arms: table B minus 1, 0 to 8.
     pub arms: f64,
-    /// Trunk sub-score less 1, 0 to 4.
+    /// Trunk sub-score minus 1, 0 to 4.
     pub trunk: f64,
-    /// Legs sub-score less 1, 0 to 3.
+    /// Legs sub-score minus 1, 0 to 3.
     pub legs: f64,
-    /// Neck sub-score less 1, 0 to 2.
+    /// Neck sub-score minus 1, 0 to 2.
     pub neck: f64,
 }
 
 impl Contributions {
-    /// The paper's continuous score `e_s`: the mean of the four contributions, 0 to 4.25.
+    /// Returns the paper's continuous score `e_s`: the mean of the four contributions, 0 to 4.25.
     pub fn mean(&self) -> f64 {
         0.25 * (self.arms + self.trunk + self.legs + self.neck)
     }
 }
 
-/// The continuous counterpart of [`crate::Reba`]: the same parts, tables and additions.
+/// The continuous counterpart of [`crate::Reba`], with the same parts, tables and additions.
 ///
 /// ```
 /// use ergo_map::{Conditions, ContinuousReba, Mode, Posture};
@@ -65,11 +65,11 @@ pub struct ContinuousReba {
 }
 
 impl ContinuousReba {
-    /// The continuous score of a posture. Adjustments that the sheet ticks (twisted, abducted, …)
-    /// grow with the angle as well.
+    /// Computes the continuous score of a posture. Adjustments that the sheet ticks (twisted,
+    /// abducted, …) grow with the angle as well.
     ///
     /// # Errors
-    /// [`crate::Error::Value`] for an angle, the load or the mode's half width.
+    /// [`crate::Error::Value`] if an angle, the load or the mode's half width is invalid.
     pub fn of_posture(posture: &Posture, conditions: &Conditions, mode: Mode) -> Result<Self> {
         posture.validate()?;
         conditions.validate()?;
@@ -77,11 +77,11 @@ impl ContinuousReba {
         Ok(whole(sub_scores(posture.to_array(), conditions, mode), conditions))
     }
 
-    /// The continuous score of a filled-in sheet: the angles count continuously, ticked boxes as
+    /// Computes the continuous score of a completed sheet. Angles count continuously, and boxes as
     /// ticked.
     ///
     /// # Errors
-    /// As [`ContinuousReba::of_posture`].
+    /// Those of [`ContinuousReba::of_posture`].
     pub fn of_worksheet(sheet: &Worksheet, mode: Mode) -> Result<Self> {
         sheet.validate()?;
         mode.validate()?;
@@ -101,7 +101,7 @@ impl ContinuousReba {
         Ok(whole(angles.sub_scores(&sheet.conditions, mode), &sheet.conditions))
     }
 
-    /// The paper's four contributions.
+    /// Returns the paper's four contributions.
     pub fn contributions(&self) -> Contributions {
         Contributions {
             arms: self.table_b - 1.0,
@@ -112,16 +112,16 @@ impl ContinuousReba {
     }
 }
 
-/// The paper's score `e_s` of a posture (Sec. III-B: arms, trunk, legs and neck taken separately and
-/// averaged), 0 to 4.25; see [`Contributions`]. Load, coupling and activity do not enter.
+/// Returns the paper's score `e_s` of a posture, 0 to 4.25: the mean of arms, trunk, legs and neck
+/// (Sec. III-B). See [`Contributions`]. Load, coupling and activity have no effect.
 ///
-/// Angles must be finite: a NaN angle gives a NaN score.
+/// Angles must be finite. A NaN angle gives a NaN score.
 pub fn ergonomics_score(posture: &Posture, conditions: &Conditions, mode: Mode) -> f64 {
     mean(sub_scores(posture.to_array(), conditions, mode))
 }
 
-/// `e_s` with its gradient by the posture's angles \[1/rad\], where it exists: at a knot of a graded
-/// curve a value between the two one-sided derivatives is given.
+/// Returns `e_s` and its gradient with respect to the posture's angles \[1/rad\]. At a knot of a
+/// graded curve the gradient does not exist. It is then between the two one-sided derivatives.
 pub fn ergonomics_score_gradient(
     posture: &Posture,
     conditions: &Conditions,
@@ -134,7 +134,7 @@ pub fn ergonomics_score_gradient(
 /// The sub-scores in the order neck, trunk, legs, upper arm, lower arm, wrist.
 type SubScores<S> = [S; 6];
 
-/// What the curves read: angles \[rad\], and adjustments from 0 to 1.
+/// Inputs of the curves: angles \[rad\], and adjustments from 0 to 1.
 struct Angles<S> {
     trunk_flexion: S,
     trunk_bend: S,
@@ -227,7 +227,7 @@ fn sub_scores<S: Smooth>(
         neck_bend: bend(&curve::NECK_BEND, neck_side, neck_twist, of_neck),
         knee_flexion,
         upper_arm: mix(of_arm(&curve::UPPER_ARM_BEHIND), of_arm(&curve::UPPER_ARM)),
-        // One +1 for either, not two.
+        // Either of the two adds 1, but not both.
         arm_turned: turned(&curve::ABDUCTION, outward, arm_entering, mode).larger(turned(
             &curve::ARM_ROTATION,
             rotation,
@@ -246,8 +246,8 @@ fn sub_scores<S: Smooth>(
     .sub_scores(conditions, mode)
 }
 
-/// The elevation of an arm of this flexion and abduction; at its singularities, hanging and straight up,
-/// with the derivative 0, which lies between the one-sided ones.
+/// Returns the elevation of an arm of this flexion and abduction. At its singularities, hanging and
+/// straight up, the derivative is 0, which is between the one-sided ones.
 fn elevation<S: Smooth>(arm: UpperArm, [flexion, abduction, other]: [S; 3]) -> S {
     let level = arm.forward.hypot(arm.outward);
     let rates = if level < 1e-9 {
@@ -258,15 +258,15 @@ fn elevation<S: Smooth>(arm: UpperArm, [flexion, abduction, other]: [S; 3]) -> S
     S::chain3([flexion, abduction, other], arm.elevation(), rates)
 }
 
-/// An adjustment by the magnitude of an angle. As far as the part is just entering its class, a margin
-/// more is needed.
+/// Returns an adjustment by the magnitude of an angle. If the part is just entering its class, the
+/// angle must exceed the threshold by a margin.
 fn turned<S: Smooth>(part: &Part, angle: S, entering: S, mode: Mode) -> S {
     let magnitude = angle.chain(angle.value().abs(), angle.value().signum());
     let (value, slope) = part.curve_with_margin(magnitude.value(), mode);
     blend(apply(part, magnitude, mode), magnitude.chain(value, slope), entering)
 }
 
-/// The first number where `share` is 0, the second where it is 1.
+/// Returns the first number if `share` is 0, the second if it is 1.
 fn blend<S: Smooth>(first: S, second: S, share: S) -> S {
     let (from, to, by) = (first.value(), second.value(), share.value());
     S::chain3([first, second, share], from + by * (to - from), [1.0 - by, by, to - from])

@@ -1,31 +1,32 @@
-//! Angle to score, part by part: the printed classes as steps, and the same classes as curves.
+//! Scores of angles, part by part: the printed classes as steps, and the same classes as curves.
 //!
-//! The graded curves pass half-way between two classes at the threshold between them, and rise all
-//! the way from the neutral angle to the end of the range of motion. That leaves their shape within a
-//! class free. It is chosen so that `e_s`, which weighs its parts evenly, orders postures as the
-//! tables do: a last class is nearly reached soon after its threshold; the knees' first class, the
-//! neck's second and the upper arm's last, late in the one before. With straight lines throughout,
-//! the rank correlation with the integer score on independent uniform angles is .85; here it is .91.
+//! At a threshold a graded curve passes half-way between the two classes. It rises from the neutral
+//! angle to the end of the range of motion. Its shape within a class is free. It is chosen so that
+//! `e_s`, which weighs its parts equally, orders postures as the tables do. The last class is
+//! nearly reached soon after its threshold. The knees' first class, the neck's second and the upper
+//! arm's last are approached late in the class before.
+//!
+//! The rank correlation with the integer score is .91 on independent uniform angles. Straight lines
+//! throughout would give .85.
 
 use crate::reba::mode::Mode;
 use crate::steps::Steps;
 use crate::upper_arm::LARGEST_EXTENSION;
 
-/// One body part: its printed classes, and the knots (degrees, value) of the graded curve, which
-/// passes half-way between two classes at the threshold between them.
+/// One body part: its printed classes, and the knots (degrees, value) of the graded curve.
 pub(super) struct Part {
     steps: Steps,
     knots: &'static [(f64, f64)],
-    /// The angle by which a part may turn where every measured joint is a centimetre elsewhere \[°\].
+    /// Largest change of the angle if every measured joint is displaced by a centimetre \[°\].
     margin: f64,
-    /// The middle of the best class \[°\].
+    /// Midpoint of the best class \[°\].
     neutral: f64,
 }
 
-/// No angle is so large \[°\].
+/// An angle that is never reached \[°\].
 const NEVER: f64 = 1e3;
 
-/// Trunk: upright (within 5°) 1; to 20° 2; 20-60° flexion or more than 20° extension 3; more 4.
+/// Trunk: upright (within 5°) 1; up to 20° 2; 20-60° flexion or more than 20° extension 3; more 4.
 pub(super) const TRUNK: Part = Part {
     steps: Steps::new(3.0, &[(-20.0, -1.0), (-5.0, -1.0), (5.0, 1.0), (20.0, 1.0), (60.0, 1.0)]),
     knots: &[
@@ -90,8 +91,8 @@ pub(super) const UPPER_ARM: Part = Part {
     margin: 7.0,
     neutral: 0.0,
 };
-/// Upper arm behind the trunk, by its elevation: within 20° 1; extension, up to 70°, 2. Further up
-/// it has come over the head.
+/// Upper arm behind the trunk, by its elevation: within 20° 1; extension, up to 70°, 2. An arm that
+/// is higher has come over the head.
 pub(super) const UPPER_ARM_BEHIND: Part = Part {
     steps: Steps::new(1.0, &[(20.0, 1.0), (LARGEST_EXTENSION, 1.0), (90.0, 1.0)]),
     knots: &[
@@ -106,21 +107,22 @@ pub(super) const UPPER_ARM_BEHIND: Part = Part {
     margin: 7.0,
     neutral: 0.0,
 };
-/// By the sine of the upper arm's angle to the trunk's frontal plane: 1 in front of it, 0 behind.
+/// Share of the arm in front of the trunk, by the sine of its angle to the trunk's frontal plane: 1
+/// in front of it, 0 behind.
 pub(super) const IN_FRONT: Part = Part {
     steps: Steps::new(0.0, &[(0.0, 1.0)]),
     knots: &[(-10.0, 0.0), (10.0, 1.0)],
     margin: 0.0,
     neutral: 0.0,
 };
-/// Lower arm: elbow flexion 60-100° 1, else 2.
+/// Lower arm: elbow flexion 60-100° 1, otherwise 2.
 pub(super) const LOWER_ARM: Part = Part {
     steps: Steps::new(2.0, &[(60.0, -1.0), (100.0, 1.0)]),
     knots: &[(0.0, 2.49), (60.0, 1.5), (80.0, 1.0), (100.0, 1.5), (145.0, 2.49)],
     margin: 0.0,
     neutral: 0.0,
 };
-/// Wrist: within 15° 1, else 2.
+/// Wrist: within 15° 1, otherwise 2.
 pub(super) const WRIST: Part = Part {
     steps: Steps::new(2.0, &[(-15.0, -1.0), (15.0, 1.0)]),
     knots: &[
@@ -136,15 +138,15 @@ pub(super) const WRIST: Part = Part {
     neutral: 0.0,
 };
 
-/// The +1 adjustments that follow from an angle's magnitude. The printed sheets only say
-/// "twisted", "abducted" and so on; the threshold is the middle of the ramp.
+/// The +1 adjustments by the magnitude of an angle. The printed sheets only say "twisted",
+/// "abducted" and so on. The threshold is the midpoint of the ramp.
 pub(super) const TRUNK_BEND: Part = Part {
     steps: Steps::new(0.0, &[(10.0, 1.0)]),
     knots: &[(5.0, 0.0), (15.0, 1.0)],
     margin: 10.0,
     neutral: 0.0,
 };
-/// Neck twisted or side-flexed.
+/// Neck twisted or bent sideways.
 pub(super) const NECK_BEND: Part = Part {
     steps: Steps::new(0.0, &[(20.0, 1.0)]),
     knots: &[(10.0, 0.0), (30.0, 1.0)],
@@ -181,13 +183,14 @@ pub(super) const WRIST_TWIST: Part = Part {
 };
 
 impl Part {
-    /// The printed class.
+    /// Returns the printed class.
     pub(super) fn class(&self, angle: f64) -> u8 {
         self.steps.class(angle)
     }
 
-    /// The class of a box's angle \[rad\]. Where the part that it belongs to has only just entered its
-    /// class, a box needs a larger angle, so that an error of a centimetre never counts twice.
+    /// Returns true if the box for an angle \[rad\] is ticked. If the part of the box has only just
+    /// entered its class, the angle must be larger. An error of a centimetre then never counts
+    /// twice.
     pub(super) fn is_ticked(&self, angle: f64, just_entered: bool) -> bool {
         let needed = if just_entered { self.margin.to_radians() } else { 0.0 };
         self.class(angle.abs() - needed) > 0
@@ -198,8 +201,8 @@ impl Part {
         self.class(angle) > self.class(self.nearer_neutral(angle))
     }
 
-    /// The continuous counterpart of [`Part::has_just_entered`], 0 to 1, and its derivative \[1/rad\]. Graded
-    /// curves have no classes to enter: 0.
+    /// Returns the continuous counterpart of [`Part::has_just_entered`], 0 to 1, and its derivative
+    /// \[1/rad\]. Graded curves have no classes to enter, so it is 0.
     pub(super) fn entering(&self, angle: f64, mode: Mode) -> (f64, f64) {
         let Mode::Faithful { half_width } = mode else { return (0.0, 0.0) };
         let nearer = self.nearer_neutral(angle);
@@ -214,23 +217,24 @@ impl Part {
         }
     }
 
-    /// An angle \[rad\] that is nearer to the neutral one by the margin.
+    /// Returns the angle \[rad\] moved towards the neutral one by the margin.
     fn nearer_neutral(&self, angle: f64) -> f64 {
         let away = angle - self.neutral();
         self.neutral() + away.signum() * (away.abs() - self.margin.to_radians()).max(0.0)
     }
 
-    /// \[rad\]
+    /// Returns the neutral angle \[rad\].
     fn neutral(&self) -> f64 {
         self.neutral.to_radians()
     }
 
-    /// A box that needs a margin more, as [`Part::is_ticked`] says: the continuous value and its derivative.
+    /// Returns the continuous value and derivative of a box that needs an additional margin, see
+    /// [`Part::is_ticked`].
     pub(super) fn curve_with_margin(&self, angle: f64, mode: Mode) -> (f64, f64) {
         self.curve(angle - self.margin.to_radians(), mode)
     }
 
-    /// The continuous value and its derivative \[1/rad\].
+    /// Returns the continuous value and its derivative \[1/rad\].
     pub(super) fn curve(&self, angle: f64, mode: Mode) -> (f64, f64) {
         match mode {
             Mode::Graded => piecewise_linear(self.knots, angle),
@@ -239,8 +243,8 @@ impl Part {
     }
 }
 
-/// Linear between knots (degrees, value), constant beyond the first and the last. At a knot the
-/// derivative is the one to its right.
+/// Interpolates linearly between knots (degrees, value), with constant values beyond the ends. At a
+/// knot the derivative is that to its right.
 fn piecewise_linear(knots: &[(f64, f64)], angle: f64) -> (f64, f64) {
     let degrees = angle.to_degrees();
     let mut left: Option<(f64, f64)> = None;

@@ -1,18 +1,18 @@
-//! How the printed classes of REBA become continuous.
+//! Conversion of REBA's printed classes to continuous scores.
 
 use crate::error::{Result, within};
 
-/// How the printed classes become continuous.
+/// Conversion of the printed classes to continuous scores.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Mode {
-    /// Piecewise linear, half-way between two classes at the threshold between them: rounding
-    /// gives the class back, and there is no plateau away from the neutral posture. Use it to
-    /// compare similar postures and to build maps.
+    /// Piecewise linear, half-way between two classes at the threshold between them. Rounding
+    /// returns the class, and there is no plateau away from the neutral posture. Use it to compare
+    /// similar postures and to build maps.
     #[default]
     Graded,
-    /// A smooth step around each threshold and the printed class elsewhere: close to the integer
-    /// score, plateaus included. The steps are steep in their middle, so that rounding gives the
-    /// integer score on more than 99 % of postures at ±2°.
+    /// A smooth step around each threshold, and the printed class elsewhere. It is close to the
+    /// integer score, including its plateaus. The steps are steep at their centre. Rounding gives
+    /// the integer score on more than 99 % of postures at ±2°.
     Faithful {
         /// Half the width of each step \[rad\], positive.
         half_width: f64,

@@ -18,7 +18,7 @@ pub struct RebaSubScores {
     pub wrist: u8,
 }
 
-/// How urgently the posture asks for a change.
+/// Urgency of a change of the posture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum ActionLevel {
     /// 0: negligible risk, REBA 1.
@@ -34,7 +34,7 @@ pub enum ActionLevel {
 }
 
 impl ActionLevel {
-    /// The level of a REBA score.
+    /// Returns the level of a REBA score.
     pub const fn of(reba: u8) -> Self {
         match reba {
             0..=1 => Self::None,
@@ -45,7 +45,7 @@ impl ActionLevel {
         }
     }
 
-    /// The level as printed: 0 to 4.
+    /// Returns the level as printed: 0 to 4.
     pub const fn number(self) -> u8 {
         match self {
             Self::None => 0,
@@ -57,10 +57,10 @@ impl ActionLevel {
     }
 }
 
-/// A REBA score with everything that led to it (Applied Ergonomics 31, 2000).
+/// A REBA score with all its intermediate results (Applied Ergonomics 31, 2000).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Reba {
-    /// The parts.
+    /// The sub-scores.
     pub sub_scores: RebaSubScores,
     /// Table A at neck, trunk and legs.
     pub table_a: u8,
@@ -74,14 +74,14 @@ pub struct Reba {
     pub score_c: u8,
     /// The score, 1 to 15: score C plus activity.
     pub reba: u8,
-    /// What it asks for.
+    /// The level of action of the score.
     pub action_level: ActionLevel,
 }
 
 impl Reba {
-    /// The score that follows from sub-scores and conditions. Sub-scores beyond a table's last
-    /// row count as its last row. The conditions' posture-related fields (support, shoulder, arm)
-    /// are already in the sub-scores and are not read.
+    /// Computes the score of sub-scores and conditions. Sub-scores beyond a table's last row count
+    /// as its last row. The conditions' posture-related fields (support, shoulder, arm) are not
+    /// used, since the sub-scores include them.
     pub fn new(sub_scores: RebaSubScores, conditions: &Conditions) -> Self {
         let RebaSubScores { neck, trunk, legs, upper_arm, lower_arm, wrist } = sub_scores;
         let table_a = table_a([neck, trunk, legs]);

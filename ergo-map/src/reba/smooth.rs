@@ -1,33 +1,33 @@
-//! One evaluation for values alone and for values with their gradients.
+//! One implementation for values alone and for values with their gradients.
 
 use crate::posture::Posture;
 
-/// A number that may carry its derivatives by the posture's angles.
+/// A number that may have derivatives with respect to the posture's angles.
 pub(super) trait Smooth: Copy {
     /// The number.
     fn value(self) -> f64;
-    /// A function of this number: its value and its derivative.
+    /// Returns a function of this number, given its value and its derivative.
     fn chain(self, value: f64, slope: f64) -> Self;
-    /// A function of three numbers: its value and its partial derivatives.
+    /// Returns a function of three numbers, given its value and its partial derivatives.
     fn chain3(arguments: [Self; 3], value: f64, partials: [f64; 3]) -> Self;
 
-    /// The sum of two numbers.
+    /// Returns the sum of two numbers.
     fn plus(self, other: Self) -> Self {
         Self::chain3([self, other, self], self.value() + other.value(), [1.0, 1.0, 0.0])
     }
 
-    /// The number moved by a constant.
+    /// Returns the number shifted by a constant.
     fn shifted(self, by: f64) -> Self {
         self.chain(self.value() + by, 1.0)
     }
 
-    /// The number kept within an interval; outside, the derivative vanishes.
+    /// Returns the number clamped to an interval. The derivative is zero outside.
     fn clamped(self, min: f64, max: f64) -> Self {
         let inside = (min..=max).contains(&self.value());
         self.chain(self.value().clamp(min, max), f64::from(u8::from(inside)))
     }
 
-    /// The larger of two numbers, with its derivatives.
+    /// Returns the larger of two numbers, with its derivatives.
     fn larger(self, other: Self) -> Self {
         if other.value() > self.value() { other } else { self }
     }
@@ -47,7 +47,7 @@ impl Smooth for f64 {
     }
 }
 
-/// A value with its gradient by the fourteen angles of a [`Posture`].
+/// A value with its gradient with respect to the fourteen angles of a [`Posture`].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Dual {
     pub(super) value: f64,
@@ -55,7 +55,7 @@ pub(super) struct Dual {
 }
 
 impl Dual {
-    /// The angles of a posture as independent variables.
+    /// Returns the angles of a posture as independent variables.
     pub(super) fn angles(posture: &Posture) -> [Self; Posture::LEN] {
         let mut index = 0;
         posture.to_array().map(|value| {

@@ -1,50 +1,50 @@
-//! Reading the tables: at whole indices, and between them by multilinear interpolation.
+//! Access to the tables: at integer indices, and between them by multilinear interpolation.
 
 use super::smooth::Smooth;
 use super::tables::{TABLE_A, TABLE_B, TABLE_C};
 
-/// Cell of a table; indices count from 1 and are clamped to the table.
+/// Returns a cell of a table. Indices count from 1 and are clamped to the table.
 fn cell<const N: usize>(row: &[u8; N], index: u8) -> u8 {
     let index = usize::from(index).clamp(1, N) - 1;
     row.get(index).copied().unwrap_or(0)
 }
 
-/// Row (or plane) of a table; indices count from 1 and are clamped to the table.
+/// Returns a row (or plane) of a table. Indices count from 1 and are clamped to the table.
 fn row<T, const N: usize>(table: &[T; N], index: u8) -> Option<&T> {
     table.get(usize::from(index).clamp(1, N) - 1)
 }
 
-/// Table A at neck, trunk and legs.
+/// Returns table A at neck, trunk and legs.
 pub(super) fn table_a([neck, trunk, legs]: [u8; 3]) -> u8 {
     row(&TABLE_A, neck).and_then(|plane| row(plane, trunk)).map_or(0, |r| cell(r, legs))
 }
 
-/// Table B at upper arm, lower arm and wrist.
+/// Returns table B at upper arm, lower arm and wrist.
 pub(super) fn table_b([upper, lower, wrist]: [u8; 3]) -> u8 {
     row(&TABLE_B, upper).and_then(|plane| row(plane, lower)).map_or(0, |r| cell(r, wrist))
 }
 
-/// Table C at score A and score B.
+/// Returns table C at score A and score B.
 pub(super) fn table_c([a, b]: [u8; 2]) -> u8 {
     row(&TABLE_C, a).map_or(0, |r| cell(r, b))
 }
 
-/// Table A between its cells.
+/// Interpolates table A between its cells.
 pub(super) fn interpolate_a<S: Smooth>(at: [S; 3]) -> S {
     trilinear(at, [3, 5, 4], table_a)
 }
 
-/// Table B between its cells.
+/// Interpolates table B between its cells.
 pub(super) fn interpolate_b<S: Smooth>(at: [S; 3]) -> S {
     trilinear(at, [6, 2, 3], table_b)
 }
 
-/// Table C between its cells.
+/// Interpolates table C between its cells.
 pub(super) fn interpolate_c<S: Smooth>([a, b]: [S; 2]) -> S {
     trilinear([a, b, a.chain(1.0, 0.0)], [12, 12, 1], |[a, b, _]| table_c([a, b]))
 }
 
-/// Trilinear interpolation with its partial derivatives; arguments are clamped to the table.
+/// Interpolates trilinearly, with partial derivatives. Arguments are clamped to the table.
 fn trilinear<S: Smooth>(at: [S; 3], size: [u8; 3], table: impl Fn([u8; 3]) -> u8) -> S {
     let mut base = [1_u8; 3];
     let mut fraction = [0.0; 3];
@@ -72,12 +72,13 @@ fn trilinear<S: Smooth>(at: [S; 3], size: [u8; 3], table: impl Fn([u8; 3]) -> u8
     S::chain3(at, value, partials)
 }
 
-/// The index below, the fraction towards the next one, and 1 inside the table (0 where clamped).
+/// Returns the index below, the fraction towards the next one, and 1 inside the table (0 if
+/// clamped).
 fn locate(at: f64, size: u8) -> (u8, f64, f64) {
     let last = size.saturating_sub(1).max(1);
     let inside = at > 1.0 && at < f64::from(size);
     let clamped = at.clamp(1.0, f64::from(size));
-    // Between 1 and 12 by the clamp.
+    // The value is between 1 and 12 because of the clamp.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     let base = (clamped as u8).min(last);
     (base, clamped - f64::from(base), f64::from(u8::from(inside)))

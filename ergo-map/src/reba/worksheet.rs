@@ -4,7 +4,7 @@ use super::score::{Reba, RebaSubScores};
 use crate::error::{Result, angle};
 use crate::posture::Posture;
 
-/// A filled-in REBA sheet: the angles that are measured and the boxes that are ticked.
+/// A completed REBA sheet: the measured angles and the ticked boxes.
 ///
 /// Angles in radians, flexion positive.
 ///
@@ -47,17 +47,19 @@ pub struct Worksheet {
 }
 
 impl Worksheet {
-    /// Fills the sheet from a posture.
+    /// Completes the sheet from a posture.
     ///
     /// The upper arm's flexion is its elevation, negative behind the trunk up to 70° (no shoulder
     /// extends further): see [`Posture::upper_arm_elevation`].
     ///
-    /// Boxes are ticked above these magnitudes, a choice of this crate where the sheet names no angle:
-    /// trunk 10°, neck 20°, abduction 32.5°, rotation of the arm 45°, deviation of the wrist 10°, twist
-    /// of the forearm 45°. Two thresholds are never passed at once: where the trunk is within 6° of a
-    /// better class its box needs 20°, where the neck is within 11° of one 36°, and where the upper arm
-    /// is within 7° of one an abduction of 42.5°. So joints that are off by a centimetre change no
-    /// sub-score by more than one.
+    /// Boxes are ticked above these magnitudes, a choice of this crate, since the sheet names no
+    /// angle: trunk 10°, neck 20°, abduction 32.5°, rotation of the arm 45°, deviation of the wrist
+    /// 10°, twist of the forearm 45°.
+    ///
+    /// Two thresholds are never crossed at once. The trunk's box needs 20° if the trunk is within
+    /// 6° of a better class. The neck's box needs 36° within 11° of a better class. The upper arm's
+    /// box needs an abduction of 42.5° within 7° of a better class. Joints that are displaced by a
+    /// centimetre therefore change no sub-score by more than one.
     pub fn from_posture(posture: &Posture, conditions: Conditions) -> Self {
         let arm = posture.upper_arm();
         let side = if arm.is_behind() { &curve::UPPER_ARM_BEHIND } else { &curve::UPPER_ARM };
@@ -85,19 +87,20 @@ impl Worksheet {
         }
     }
 
-    /// The integer score with every sub-score.
+    /// Returns the integer score with every sub-score.
     ///
     /// # Errors
-    /// [`crate::Error::Value`] for an angle or the load.
+    /// [`crate::Error::Value`] if an angle or the load is invalid.
     pub fn score(&self) -> Result<Reba> {
         self.validate()?;
         Ok(Reba::new(self.sub_scores(), &self.conditions))
     }
 
-    /// Checks that the angles are finite and at most a full turn, and that the load is sensible.
+    /// Checks that the angles are finite and at most a full turn, and that the load is in its
+    /// range.
     ///
     /// # Errors
-    /// See [`Worksheet::score`].
+    /// Those of [`Worksheet::score`].
     pub fn validate(&self) -> Result<()> {
         angle("trunk_flexion", self.trunk_flexion)?;
         angle("neck_flexion", self.neck_flexion)?;

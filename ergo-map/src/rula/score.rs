@@ -19,7 +19,7 @@ pub struct RulaSubScores {
     pub legs: u8,
 }
 
-/// How urgently the posture asks for a change.
+/// Urgency of a change of the posture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum RulaActionLevel {
     /// 1: acceptable, score 1 to 2.
@@ -33,7 +33,7 @@ pub enum RulaActionLevel {
 }
 
 impl RulaActionLevel {
-    /// The level of a RULA score.
+    /// Returns the level of a RULA score.
     pub const fn of(rula: u8) -> Self {
         match rula {
             0..=2 => Self::Acceptable,
@@ -43,7 +43,7 @@ impl RulaActionLevel {
         }
     }
 
-    /// The level as printed: 1 to 4.
+    /// Returns the level as printed: 1 to 4.
     pub const fn number(self) -> u8 {
         match self {
             Self::Acceptable => 1,
@@ -54,10 +54,10 @@ impl RulaActionLevel {
     }
 }
 
-/// A RULA score with everything that led to it.
+/// A RULA score with all its intermediate results.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Rula {
-    /// The parts.
+    /// The sub-scores.
     pub sub_scores: RulaSubScores,
     /// Table A at upper arm, lower arm, wrist and wrist twist.
     pub table_a: u8,
@@ -67,15 +67,15 @@ pub struct Rula {
     pub table_b: u8,
     /// Table B plus muscle use and load.
     pub score_b: u8,
-    /// The score, 1 to 7: table C at both.
+    /// The score, 1 to 7: table C at scores A and B.
     pub rula: u8,
-    /// What it asks for.
+    /// The level of action of the score.
     pub action_level: RulaActionLevel,
 }
 
 impl Rula {
-    /// The score that follows from sub-scores, muscle use (0 or 1) and load (0 to 3); both count
-    /// for arm and wrist as well as for neck, trunk and legs. Indices beyond a table's last row
+    /// Computes the score of sub-scores, muscle use (0 or 1) and load (0 to 3). Muscle use and load
+    /// count both for arm and wrist and for neck, trunk and legs. Indices beyond a table's last row
     /// count as its last row.
     pub fn new(sub_scores: RulaSubScores, muscle_use: u8, load: u8) -> Self {
         let RulaSubScores { upper_arm, lower_arm, wrist, wrist_twist, neck, trunk, legs } =
@@ -98,7 +98,7 @@ impl Rula {
     }
 }
 
-/// Entry of a table; indices count from 1 and are clamped to the table.
+/// Returns an entry of a table. Indices count from 1 and are clamped to the table.
 fn cell<T, const N: usize>(table: &[T; N], index: u8) -> Option<&T> {
     table.get(usize::from(index).clamp(1, N) - 1)
 }

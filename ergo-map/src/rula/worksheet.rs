@@ -5,39 +5,39 @@ use crate::steps::Steps;
 
 /// Upper arm: within 20° 1; 20-45° flexion or more than 20° extension 2; 45-90° 3; more 4.
 const UPPER_ARM: Steps = Steps::new(2.0, &[(-20.0, -1.0), (20.0, 1.0), (45.0, 1.0), (90.0, 1.0)]);
-/// Lower arm: elbow flexion 60-100° 1, else 2.
+/// Lower arm: elbow flexion 60-100° 1, otherwise 2.
 const LOWER_ARM: Steps = Steps::new(2.0, &[(60.0, -1.0), (100.0, 1.0)]);
-/// Wrist: neutral (within 5°) 1; to 15° 2; more 3.
+/// Wrist: neutral (within 5°) 1; up to 15° 2; more 3.
 const WRIST: Steps = Steps::new(3.0, &[(-15.0, -1.0), (-5.0, -1.0), (5.0, 1.0), (15.0, 1.0)]);
 /// Neck: 0-10° flexion 1; 10-20° 2; more 3; extension 4.
 const NECK: Steps = Steps::new(4.0, &[(0.0, -3.0), (10.0, 1.0), (20.0, 1.0)]);
-/// Trunk: upright (within 5°) 1; to 20° 2; to 60° flexion 3; more 4. Extension as in REBA.
+/// Trunk: upright (within 5°) 1; up to 20° 2; up to 60° flexion 3; more 4. Extension as in REBA.
 const TRUNK: Steps =
     Steps::new(3.0, &[(-20.0, -1.0), (-5.0, -1.0), (5.0, 1.0), (20.0, 1.0), (60.0, 1.0)]);
 
-/// Magnitudes \[°\] above which a posture ticks a box, as for REBA.
+/// Magnitudes \[°\] above which a box is ticked, as for REBA.
 const TRUNK_TURNED: Steps = Steps::new(0.0, &[(10.0, 1.0)]);
 const NECK_TURNED: Steps = Steps::new(0.0, &[(20.0, 1.0)]);
 const ABDUCTED: Steps = Steps::new(0.0, &[(32.5, 1.0)]);
-/// Across the body's middle or out to the side: the upper arm's rotation.
+/// Threshold of the upper arm's rotation for work across the body's midplane or out to the side.
 const ACROSS: Steps = Steps::new(0.0, &[(45.0, 1.0)]);
 const DEVIATED: Steps = Steps::new(0.0, &[(10.0, 1.0)]);
-/// Forearm near the end of its range.
+/// Threshold of the forearm's twist near the end of its range.
 const TWISTED: Steps = Steps::new(0.0, &[(45.0, 1.0)]);
 
-/// How a load acts over time.
+/// Course of a load over time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum LoadPattern {
-    /// Now and then.
+    /// Occasional.
     #[default]
     Intermittent,
     /// Held, or repeated.
     StaticOrRepeated,
-    /// With shock, or building up rapidly.
+    /// A load with shock, or one that builds up rapidly.
     Shock,
 }
 
-/// A filled-in RULA sheet. Angles in radians, flexion positive.
+/// A completed RULA sheet. Angles are in radians, with positive flexion.
 ///
 /// ```
 /// use ergo_map::RulaWorksheet;
@@ -58,11 +58,11 @@ pub struct RulaWorksheet {
     pub arm_supported: bool,
     /// Flexion of the elbow.
     pub elbow_flexion: f64,
-    /// The arm works across the body's middle or out to the side.
+    /// The arm works across the body's midplane or out to the side.
     pub arm_across_or_out: bool,
     /// Flexion of the wrist.
     pub wrist_flexion: f64,
-    /// The wrist is bent away from its middle line.
+    /// The wrist is bent away from its midline.
     pub wrist_deviated: bool,
     /// The forearm is twisted to near the end of its range.
     pub wrist_twisted: bool,
@@ -84,14 +84,17 @@ pub struct RulaWorksheet {
     pub muscle_use: bool,
     /// Load or force \[kg\].
     pub load: f64,
-    /// How the load acts.
+    /// Course of the load over time.
     pub load_pattern: LoadPattern,
 }
 
 impl RulaWorksheet {
-    /// Fills the sheet's angles and posture boxes from a posture; legs supported, no muscle use, no
-    /// load. The upper arm's flexion is its elevation, as in [`crate::Worksheet::from_posture`]. Boxes are
-    /// ticked above the magnitudes named there; "across or out" above 45° of upper-arm rotation.
+    /// Completes the sheet's angles and posture boxes from a posture. The legs are supported, and
+    /// there is no muscle use and no load.
+    ///
+    /// The upper arm's flexion is its elevation, as in [`crate::Worksheet::from_posture`]. Boxes
+    /// are ticked above the magnitudes named there, and "across or out" above 45° of upper-arm
+    /// rotation.
     pub fn from_posture(posture: &Posture) -> Self {
         let ticked = |steps: Steps, angle: f64| steps.class(angle.abs()) > 0;
         let arm = posture.upper_arm();
@@ -113,10 +116,10 @@ impl RulaWorksheet {
         }
     }
 
-    /// The score with every sub-score.
+    /// Returns the score with every sub-score.
     ///
     /// # Errors
-    /// [`crate::Error::Value`] for an angle or the load.
+    /// [`crate::Error::Value`] if an angle or the load is invalid.
     pub fn score(&self) -> Result<Rula> {
         angle("upper_arm_flexion", self.upper_arm_flexion)?;
         angle("elbow_flexion", self.elbow_flexion)?;
@@ -146,8 +149,9 @@ impl RulaWorksheet {
         }
     }
 
-    /// Below 2 kg 0; 2 to 10 kg 1, or 2 if static or repeated; above 2, or 3 if static or
-    /// repeated; shock always 3. A static or repeated load below 2 kg counts 0.
+    /// Returns the score of the load. Below 2 kg it is 0. For 2 to 10 kg it is 1, or 2 if static or
+    /// repeated. Above it is 2, or 3 if static or repeated. Shock is always 3. A static or repeated
+    /// load below 2 kg is 0.
     fn load_score(&self) -> u8 {
         let heavy = self.load > 10.0;
         match self.load_pattern {

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Golden values for REBA and RULA, from an implementation that shares nothing with the crate.
+"""Golden values for REBA and RULA, from an implementation that is independent of the crate.
 
 The tables are typed as the printed sheets arrange them (REBA: Hignett & McAtamney, Applied
 Ergonomics 31, 2000; RULA: McAtamney & Corlett, Applied Ergonomics 24, 1993). Run in this folder:
@@ -226,7 +226,7 @@ def main():
     sizes = (6, 3, 4, 2, 6, 6, 2)
     draw = random.Random(1992)
     while len(cells) < 56:
-        # Powers of a uniform number: easy combinations are rare otherwise.
+        # Powers of a uniform number, since low sub-scores would otherwise be rare.
         ease = draw.choice((1, 3, 6))
         p = tuple(1 + int(draw.random() ** ease * k) for k in sizes)
         extra = draw.randrange(5)

@@ -1,4 +1,4 @@
-//! What is called a thousand times a second allocates nothing.
+//! Functions that are called a thousand times a second allocate nothing.
 
 use std::hint::black_box;
 

@@ -6,7 +6,7 @@ use ergo_map::{
 use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
 
-/// Joint angles within the ranges of motion.
+/// Generates joint angles within the ranges of motion.
 fn angles() -> impl Strategy<Value = JointAngles> {
     let ranges = JointRanges::default();
     let (min, max) = (ranges.min.to_array(), ranges.max.to_array());
@@ -32,7 +32,7 @@ fn points(l: &Landmarks) -> [Vector3<f64>; 11] {
 }
 
 #[test]
-fn standing_upright_is_as_tall_as_the_tables_say() {
+fn upright_landmarks_match_the_tables() {
     let person = Person::average();
     let upright = Skeleton::new(&person, Side::Right).landmarks(&JointAngles::default()).unwrap();
     for (point, fraction) in [
@@ -48,11 +48,11 @@ fn standing_upright_is_as_tall_as_the_tables_say() {
     }
     assert!((person.elbow_height() - upright.elbow.z).abs() < 1e-12);
     assert!(upright.shoulder.y < 0.0 && upright.other_shoulder.y > 0.0);
-    // Palm to the body, fingers down: the back of the right hand faces right.
+    // Palm to the body, fingers down: the back of the right hand points right.
     let hand = upright.hand_orientation;
     assert!((hand * Vector3::x() + Vector3::z()).norm() < 1e-12);
     assert!((hand * Vector3::z() + Vector3::y()).norm() < 1e-12);
-    // Whole-body centre of mass of a standing person: 55 to 58 % of stature (Winter).
+    // The centre of mass of a standing person is at 55 to 58 % of stature (Winter).
     let height = upright.centre_of_mass.z / 1.75;
     assert!((0.54..0.59).contains(&height), "{height}");
 }
@@ -79,7 +79,7 @@ fn joints_turn_the_way_their_names_say() {
     assert!(at(inward).hand.y > at(bent).hand.y + 0.1);
     assert!(at(JointAngles { wrist_flexion: 0.5, ..zero }).hand.y > upright.hand.y);
     assert!(at(JointAngles { wrist_deviation: 0.3, ..zero }).hand.x < -0.01);
-    // Elbow bent and forearm pronated: a flat hand ahead, palm down.
+    // If the elbow is bent and the forearm pronated, the flat hand points forward, palm down.
     let flat = JointAngles {
         elbow: core::f64::consts::FRAC_PI_2,
         forearm_pronation: core::f64::consts::FRAC_PI_2,
@@ -156,7 +156,7 @@ proptest! {
     }
 
     #[test]
-    fn the_trunk_inclines_by_the_sum_of_the_sagittal_joints(angles in angles()) {
+    fn the_trunk_inclination_sums_the_sagittal_joints(angles in angles()) {
         let straight = JointAngles { lumbar_side: 0.0, lumbar_rotation: 0.0, ..angles };
         let l = Skeleton::new(&Person::average(), Side::Right).landmarks(&straight).unwrap();
         let trunk = l.neck - l.lumbar;

@@ -1,4 +1,4 @@
-//! The continuous scores against the integer one.
+//! Comparison of the continuous scores with the integer one.
 #![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 
 use std::f64::consts::PI;
@@ -12,13 +12,13 @@ use proptest::prelude::*;
 
 const POSTURES: usize = 4000;
 
-/// Rounding that keeps the lower class on a threshold.
+/// Rounds so that the lower class holds on a threshold.
 fn rounded(value: f64) -> i64 {
     (value - 0.5).ceil() as i64
 }
 
-/// Three kinds of random postures: uniform over the ranges of motion, from easy to extreme, and
-/// those that the posture predictor takes within reach.
+/// Returns three kinds of random postures: uniform over the ranges of motion, from easy to extreme,
+/// and those of the posture predictor within reach.
 fn kinds() -> [(&'static str, Vec<Posture>); 3] {
     let mut random = Random(2000);
     let nodes: Vec<Posture> = MAP.nodes().map(|node| node.angles.posture()).collect();
@@ -56,7 +56,7 @@ fn faithful_rounds_to_the_integer_score() {
 }
 
 #[test]
-fn the_scores_range_from_zero_to_four_and_a_quarter() {
+fn the_scores_range_from_zero_to_their_maximum() {
     let easy =
         Posture { neck_flexion: 10_f64.to_radians(), elbow_flexion: 1.4, ..Posture::default() };
     let best = ergonomics_score(&easy, &Conditions::default(), Mode::Graded);
@@ -72,7 +72,8 @@ fn the_scores_range_from_zero_to_four_and_a_quarter() {
     assert!((worst - 4.25).abs() < 0.2 && worst <= 4.25, "{worst}");
 }
 
-/// Away from the neutral angle each graded curve rises strictly, to the end of the range of motion.
+/// Away from the neutral angle each graded curve rises strictly, up to the end of the range of
+/// motion.
 #[test]
 fn graded_curves_have_no_plateau() {
     type Part = (fn(&mut Worksheet) -> &mut f64, fn(&ContinuousReba) -> f64, [f64; 3]);
@@ -138,7 +139,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(4000))]
 
     #[test]
-    fn rounding_the_graded_sub_scores_gives_the_sub_scores_back(sheet in sheet()) {
+    fn rounded_graded_sub_scores_are_the_sub_scores(sheet in sheet()) {
         let graded = ContinuousReba::of_worksheet(&sheet, Mode::Graded).unwrap();
         let discrete = sheet.score().unwrap().sub_scores;
         let pairs = [
@@ -156,7 +157,7 @@ proptest! {
 
     #[test]
     fn away_from_thresholds_faithful_is_the_integer_score(sheet in sheet()) {
-        // Thresholds are at least 5° apart: 1e-9 rad of softening leaves whole classes.
+        // Thresholds are at least 5° apart, so that 1e-6 rad of softening leaves whole classes.
         let narrow = Mode::Faithful { half_width: 1e-6 };
         let faithful = ContinuousReba::of_worksheet(&sheet, narrow).unwrap();
         prop_assert!((faithful.reba - f64::from(sheet.score().unwrap().reba)).abs() < 1e-9);
@@ -180,7 +181,7 @@ proptest! {
             low[i] -= step;
             high[i] += step;
             let (left, right) = ((value - score(low)) / step, (score(high) - value) / step);
-            // At a knot the two sides differ: the gradient lies between them.
+            // The two sides differ at a knot, and the gradient is between them.
             let between = (left.min(right) - 1e-4)..=(left.max(right) + 1e-4);
             prop_assert!(between.contains(&slope), "{i}: {slope} against {left}, {right}");
         }
@@ -201,12 +202,12 @@ proptest! {
     }
 }
 
-/// By how much the score rises with one angle at most \[1/rad\]. The upper arm's curve rises by 0.4
-/// in 8°, table B by at most 3 a class, and the arms are one of the four parts of the mean.
+/// Largest slope of the score with respect to one angle \[1/rad\]. The upper arm's curve rises by
+/// 0.4 in 8°. Table B rises by at most 3 a class. The arms are one of the four parts of the mean.
 const STEEPEST: f64 = 0.4 / (8.0 * PI / 180.0) * 3.0 / 4.0;
 
 #[test]
-fn the_steepest_slope_is_not_far_from_its_bound() {
+fn the_steepest_slope_is_near_its_bound() {
     // The knee's curve rises by 0.7 from 30° to 36°.
     let score = |degrees: f64| {
         let posture = Posture { knee_flexion: degrees.to_radians(), ..Posture::default() };

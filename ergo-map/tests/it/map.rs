@@ -21,7 +21,7 @@ fn anywhere() -> impl Strategy<Value = Vector3<f64>> {
 }
 
 #[test]
-fn the_map_covers_the_reachable_volume_and_says_where_it_ends() {
+fn the_map_covers_exactly_the_reachable_volume() {
     assert!(MAP.len() > 4000 && !MAP.is_empty(), "{}", MAP.len());
     let inside = Vector3::new(0.4, -0.2, 1.1);
     assert!(MAP.contains(&inside));
@@ -40,7 +40,7 @@ fn the_map_covers_the_reachable_volume_and_says_where_it_ends() {
 }
 
 #[test]
-fn nodes_hold_what_the_predictor_says() {
+fn nodes_contain_the_predicted_postures() {
     let predictor = PosturePredictor::new(&Person::average(), Side::Right);
     for node in MAP.nodes().step_by(97) {
         let prediction = predictor.predict(&HandTarget::point(node.position)).unwrap();
@@ -55,7 +55,7 @@ fn nodes_hold_what_the_predictor_says() {
 }
 
 #[test]
-fn between_nodes_the_map_is_close_to_the_prediction() {
+fn the_interpolated_map_is_close_to_predictions() {
     let predictor = PosturePredictor::new(&Person::average(), Side::Right);
     let zone = Region::work_zone(1.75, Side::Right);
     let mut random = Random(5);
@@ -85,7 +85,7 @@ fn between_nodes_the_map_is_close_to_the_prediction() {
 }
 
 #[test]
-fn progress_counts_to_the_end_and_threads_do_not_matter() {
+fn progress_is_complete_and_threads_are_irrelevant() {
     let options = MapOptions { spacing: 0.12, ..MapOptions::default() };
     let (calls, last) = (AtomicUsize::new(0), AtomicUsize::new(0));
     let progress = |done: usize, all: usize| {
@@ -104,7 +104,7 @@ fn progress_counts_to_the_end_and_threads_do_not_matter() {
 }
 
 #[test]
-fn one_map_serves_every_stature_of_the_same_proportions() {
+fn one_map_serves_every_stature_of_equal_proportions() {
     let region = |stature| Some(Region::work_zone(stature, Side::Right));
     let build = |stature| {
         let options =
@@ -161,7 +161,7 @@ fn a_saved_map_comes_back_the_same() {
     assert!(matches!(MAP.save("/nowhere/at/all.map"), Err(Error::Io { .. })));
 }
 
-/// What is said of a file that is no map.
+/// Message for a file that is not a map.
 const FOREIGN: &str = "it does not start with the mark of a map file";
 
 #[test]
@@ -186,7 +186,7 @@ fn foreign_and_damaged_files_are_told_apart() {
     assert_eq!(ErgonomicsMap::from_bytes(&bytes).unwrap().to_bytes(), bytes);
 }
 
-/// A file of this header and as many unreachable nodes, with its checksum.
+/// Returns a file with this header and as many unreachable nodes, with its checksum.
 fn file_of_nothing(size: [u32; 3]) -> Vec<u8> {
     let options = MapOptions { spacing: 0.2, ..MapOptions::default() };
     let bytes = ErgonomicsMap::build(&Person::average(), &options, None).unwrap().to_bytes();
@@ -201,7 +201,7 @@ fn file_of_nothing(size: [u32; 3]) -> Vec<u8> {
     [file, sum.to_le_bytes().to_vec()].concat()
 }
 
-/// CRC-32 of IEEE 802.3 bit by bit: the reflected polynomial is 0xedb88320.
+/// Computes CRC-32 of IEEE 802.3 bit by bit. The reflected polynomial is 0xedb88320.
 fn crc(bytes: &[u8]) -> u32 {
     !bytes.iter().fold(u32::MAX, |crc, byte| {
         (0..8).fold(crc ^ u32::from(*byte), |crc, _| {
@@ -211,7 +211,7 @@ fn crc(bytes: &[u8]) -> u32 {
 }
 
 #[test]
-fn a_map_takes_little_more_memory_than_its_file() {
+fn a_map_needs_little_more_than_its_file() {
     for (file, times) in [(file_of_nothing([2, 1000, 1000]), 5), (MAP.to_bytes(), 3)] {
         let length = file.len() as u64;
         let read = || assert!(ErgonomicsMap::from_bytes(&file).is_ok());
@@ -231,13 +231,13 @@ fn a_map_takes_little_more_memory_than_its_file() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_device_without_an_end_is_not_read_to_its_end() {
+fn an_endless_device_is_not_read_for_ever() {
     let load = || {
         let problem = FOREIGN.to_owned();
         assert_eq!(ErgonomicsMap::load("/dev/zero"), Err(Error::MapFile { problem }));
     };
     assert!(allocation_counter::measure(load).bytes_max < 1 << 16);
-    // Nor a map that goes on.
+    // Neither is a file read that continues after the map.
     let path = std::env::temp_dir().join(format!("ergo-map-long-{}.map", std::process::id()));
     let bytes = file_of_nothing([2, 2, 2]);
     std::fs::write(&path, [&bytes[..], &vec![0; 8 << 20]].concat()).unwrap();
@@ -262,15 +262,15 @@ fn a_map_file_names_its_person() {
     let map = ErgonomicsMap::build(&person, &options, None).unwrap();
     let read = ErgonomicsMap::from_bytes(&map.to_bytes()).unwrap();
     assert_eq!((read.person(), &read), (&person, &map));
-    // Of another stature, the proportions stay.
+    // Another stature keeps the proportions.
     let tall = read.for_stature(2.0).unwrap();
     let arm = tall.person().segments().upper_arm.unwrap();
     assert!((arm - 0.36 * 2.0 / 1.83).abs() < 1e-12 && tall.stature() == 2.0);
 }
 
-/// Version 1 had the stature alone.
+/// Version 1 contains only the stature.
 #[test]
-fn a_file_of_version_1_is_of_a_person_of_average_proportions() {
+fn a_version_1_file_has_average_proportions() {
     let options = MapOptions { spacing: 0.15, ..MapOptions::default() };
     let map = ErgonomicsMap::build(&Person::tall(), &options, None).unwrap();
     let bytes = map.to_bytes();
@@ -281,7 +281,7 @@ fn a_file_of_version_1_is_of_a_person_of_average_proportions() {
 }
 
 #[test]
-fn a_person_that_no_body_is_like_is_refused() {
+fn an_impossible_person_in_a_file_is_refused() {
     let good = file_of_nothing([2, 2, 2]);
     for (place, value, named) in [
         (0, 0.3, "stature"),
@@ -337,7 +337,7 @@ proptest! {
             else { continue };
             let (left, right) =
                 ((sample.score - low.score) / step, (high.score - sample.score) / step);
-            // Across a cell's face the two sides differ.
+            // The two sides differ at a cell's face.
             let between = (left.min(right) - 1e-5)..=(left.max(right) + 1e-5);
             prop_assert!(between.contains(&sample.gradient[axis]));
         }

@@ -8,7 +8,7 @@ use ergo_map::{
 use nalgebra::Vector3;
 use proptest::prelude::*;
 
-/// What a motion-capture session would record of a person who moves as predicted, with noise.
+/// Returns a motion-capture recording of a person who moves as predicted, with noise.
 fn recording(count: usize, noise: f64, seed: u64) -> Vec<MeasuredSample> {
     let predictor = PosturePredictor::new(&Person::average(), Side::Right);
     let zone = Region::work_zone(1.75, Side::Right);
@@ -26,7 +26,7 @@ fn recording(count: usize, noise: f64, seed: u64) -> Vec<MeasuredSample> {
 }
 
 #[test]
-fn a_recorded_map_agrees_with_the_person_it_recorded() {
+fn a_recorded_map_agrees_with_its_person() {
     let map =
         ErgonomicsMap::from_samples(1.75, &recording(3000, 0.05, 1), &MeasuredOptions::default())
             .unwrap();
@@ -45,7 +45,7 @@ fn a_recorded_map_agrees_with_the_person_it_recorded() {
 }
 
 #[test]
-fn where_nothing_was_recorded_the_map_has_no_answer() {
+fn the_map_has_no_answer_without_recordings() {
     let samples: Vec<_> = recording(2000, 0.0, 3).into_iter().filter(|s| s.hand.z < 1.1).collect();
     let map = ErgonomicsMap::from_samples(1.75, &samples, &MeasuredOptions::default()).unwrap();
     assert!(map.contains(&Vector3::new(0.45, -0.2, 0.95)));
@@ -89,7 +89,7 @@ fn a_table_is_read_in_any_order() {
 }
 
 #[test]
-fn a_bad_table_is_an_error_with_line_and_column() {
+fn a_bad_table_names_line_and_column() {
     let at = |table: &str| match read_samples(table.as_bytes()) {
         Err(Error::Samples { line, column, problem }) => {
             println!("line {line}, column {column:?}: {problem}");
@@ -131,7 +131,7 @@ fn lines_are_counted_as_an_editor_counts_them() {
     }
 }
 
-/// A table without an end, one line without an end, and more samples than anybody records.
+/// Reads an endless table, an endless line, and too many samples.
 #[test]
 fn tables_are_read_within_bounds() {
     let held = |table: &mut dyn std::io::BufRead| {

@@ -1,4 +1,4 @@
-//! Postures of people as detectors see them: upright, walking, squatting and seated.
+//! Postures of people as detectors measure them: upright, walking, squatting and seated.
 
 use ergo_map::{
     Conditions, JointPositions, LegSupport, MeasuredPosture, NeutralEstimate, NeutralPosture,
@@ -19,8 +19,8 @@ fn score(measured: &MeasuredPosture) -> Reba {
     Worksheet::from_posture(&measured.posture, conditions).score().unwrap()
 }
 
-/// Somebody upright, ears and shoulders as a real detector gives them; `ears` ahead of the shoulders and
-/// above them.
+/// Returns an upright person with ears and shoulders of a real detector. `ears` are ahead of the
+/// shoulders and above them.
 fn upright(ears: [f64; 2]) -> JointPositions {
     let [ahead, above] = ears;
     JointPositions {
@@ -37,7 +37,7 @@ fn upright(ears: [f64; 2]) -> JointPositions {
     }
 }
 
-/// The same, leaning from the hips by 25°; arms hang.
+/// Returns that person leaning from the hips by 25°, with hanging arms.
 fn leaning(ears: [f64; 2]) -> JointPositions {
     let straight = upright(ears);
     let (sin, cos) = 25_f64.to_radians().sin_cos();
@@ -57,7 +57,7 @@ fn leaning(ears: [f64; 2]) -> JointPositions {
     leaning
 }
 
-/// After two seconds.
+/// Returns the score after two seconds.
 fn filtered(joints: &JointPositions, side: Side, neutral: NeutralPosture) -> Reba {
     let mut filter = PostureFilter::new(side).with_neutral(neutral);
     let mut found = None;
@@ -67,11 +67,12 @@ fn filtered(joints: &JointPositions, side: Side, neutral: NeutralPosture) -> Reb
     score(&found.unwrap())
 }
 
-/// Ears ahead and above [m]: as on film, the two men who held it furthest ahead, and above the shoulders.
+/// Distances of the ears ahead and above [m]: as on film, of two men with the head far ahead, and
+/// above the shoulders.
 const EARS: [[f64; 2]; 4] = [[0.06, 0.13], [0.10, 0.13], [0.115, 0.12], [0.0, 0.13]];
 
 #[test]
-fn whoever_stands_upright_is_upright_and_whoever_leans_leans() {
+fn standing_is_upright_and_leaning_is_seen() {
     for ears in EARS {
         for side in [Side::Left, Side::Right] {
             let average = NeutralPosture::default();
@@ -93,7 +94,7 @@ fn whoever_stands_upright_is_upright_and_whoever_leans_leans() {
 }
 
 #[test]
-fn an_upright_trunk_that_leans_back_by_nine_degrees_is_upright_and_one_by_thirty_is_extended() {
+fn only_large_extension_of_the_trunk_counts() {
     for (degrees, trunk) in [(0.0_f64, 1), (9.0, 1), (14.0, 2), (30.0, 3)] {
         let (sin, cos) = degrees.to_radians().sin_cos();
         let (x, z) = (-0.5 * sin, 0.93 + 0.5 * cos);
@@ -108,9 +109,9 @@ fn an_upright_trunk_that_leans_back_by_nine_degrees_is_upright_and_one_by_thirty
     }
 }
 
-/// A bend of the neck by 30° is seen of everybody with a neutral posture of their own, and none by 10°.
+/// If a person's own neutral posture is known, a bend of the neck by 30° is seen, and 10° is not.
 #[test]
-fn a_neutral_posture_of_ones_own_tells_a_bent_neck() {
+fn an_own_neutral_posture_shows_a_bent_neck() {
     for ears in EARS {
         let mut estimate = NeutralEstimate::default();
         for _ in 0..40 {
@@ -146,7 +147,7 @@ fn one_ear_alone_bends_and_turns_no_head() {
     }
 }
 
-/// Legs of a thigh and a shank, turned about the left axis from hanging straight.
+/// Returns legs of thigh and shank, turned about the left axis from hanging straight.
 fn on_legs(thigh: f64, knee: f64) -> JointPositions {
     let (a, b) = (thigh.to_radians(), (thigh - knee).to_radians());
     let knees = Vector3::new(0.42 * a.sin(), 0.0, -0.42 * a.cos());
@@ -157,16 +158,16 @@ fn on_legs(thigh: f64, knee: f64) -> JointPositions {
 }
 
 #[test]
-fn a_seat_is_told_from_bent_knees_by_balance() {
+fn balance_distinguishes_a_seat_from_bent_knees() {
     for (thigh, knee, support, legs) in [
         (0.0, 0.0, LegSupport::Bilateral, 1),
         (25.0, 45.0, LegSupport::Bilateral, 2),
-        // Squats: the hips are over the heels, or nearly.
+        // The hips of a person who squats are over the heels, or nearly.
         (70.0, 110.0, LegSupport::Bilateral, 3),
         (90.0, 130.0, LegSupport::Bilateral, 3),
         (90.0, 90.0, LegSupport::Sitting, 1),
         (85.0, 70.0, LegSupport::Sitting, 1),
-        // Feet drawn back below a chair.
+        // The feet are drawn back below a chair.
         (90.0, 100.0, LegSupport::Sitting, 1),
     ] {
         let joints = on_legs(thigh, knee);
@@ -182,13 +183,13 @@ fn moved(joints: &JointPositions, by: Vector3<f64>) -> JointPositions {
 }
 
 #[test]
-fn knees_bend_in_walking_without_counting_and_count_in_standing() {
+fn bent_knees_count_only_in_standing() {
     for speed in [0.3, 0.6, 1.2] {
         let mut filter = PostureFilter::new(Side::Right);
         let mut legs = Vec::new();
         for frame in 0..200 {
             let time = 0.05 * f64::from(frame);
-            // Five seconds of steps, and five on bent knees.
+            // The person walks for five seconds, and stands on bent knees for five.
             let swing = if time < 5.0 { 25.0 - 25.0 * (6.0 * time).cos() } else { 45.0 };
             let way = Vector3::new(speed * time.min(5.0), 0.0, 0.0);
             let joints = moved(&on_legs(0.5 * swing, swing), way);
@@ -206,7 +207,7 @@ fn knees_bend_in_walking_without_counting_and_count_in_standing() {
     }
 }
 
-/// Film: the man walks upright and looks ahead of his feet, his knees bent by up to 60°.
+/// The man on film walks upright and looks ahead of his feet, with his knees bent by up to 60°.
 #[test]
 fn a_man_on_film_walks_upright() {
     let table = include_str!("../data/balance_beam.csv");
@@ -219,7 +220,7 @@ fn a_man_on_film_walks_upright() {
         let mut filter = PostureFilter::new(side);
         for (time, joints) in frames.clone() {
             let measured = filter.update(time, &joints, &COVARIANCES).unwrap();
-            // Until it has been seen that he walks.
+            // Walking is only detected after some time.
             if time < 0.5 {
                 continue;
             }

@@ -1,4 +1,4 @@
-//! Postures from joints, against the skeleton's forward kinematics.
+//! Comparison of postures from joints with the skeleton's forward kinematics.
 
 use ergo_map::{
     Conditions, JointAngles, JointPositions, NeutralPosture, Person, Posture, PostureFilter, Side,
@@ -7,7 +7,8 @@ use ergo_map::{
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use proptest::prelude::*;
 
-/// The joints of a skeleton, turned about the vertical; the trunk is rigid and the hips are level.
+/// Returns the joints of a skeleton, turned about the vertical. The trunk is rigid and the hips are
+/// level.
 fn joints(angles: &JointAngles, side: Side, turn: f64) -> JointPositions {
     let landmarks = Skeleton::new(&Person::average(), side).landmarks(angles).unwrap();
     let place = |point: Vector3<f64>| {
@@ -53,7 +54,7 @@ proptest! {
             ..JointAngles::default()
         };
         let expected = angles.posture();
-        // The model's own neutral: a trunk that stands straight, and no dead band.
+        // The model's own neutral posture has a straight trunk and no dead band.
         let neutral = NeutralPosture { trunk: 0.0, trunk_band: 0.0, ..NeutralPosture::default() };
         let measured = joints(&angles, side, turn).posture_from(side, &neutral).unwrap();
         for (name, found, expected) in [
@@ -70,7 +71,7 @@ proptest! {
         }
     }
 
-    /// Whatever positions are given, angles are finite.
+    /// Angles are finite for all positions.
     #[test]
     fn never_nan(values in prop::collection::vec(prop_oneof![-2.0..2.0_f64, Just(f64::NAN), Just(0.0), Just(f64::MAX)], 63)) {
         let point = |index: usize| {
@@ -134,35 +135,35 @@ proptest! {
 }
 
 #[test]
-fn what_is_not_seen_is_said() {
+fn unseen_angles_are_named() {
     let mut seen = joints(&JointAngles::default(), Side::Right, 0.0);
     let names = |joints: &JointPositions| -> Vec<_> {
         joints.posture(Side::Right).unwrap().unseen().collect()
     };
     let never = ["wrist_flexion", "wrist_deviation", "wrist_twist"];
     let of_neck = ["neck_flexion", "neck_side", "neck_twist"];
-    // A straight arm does not tell how it is turned.
+    // A straight arm does not show its rotation.
     let straight = [&of_neck[..], &["upper_arm_rotation"], &never].concat();
     assert_eq!(names(&seen), straight);
     seen.elbows = [None, None];
     assert!(names(&seen).contains(&"elbow_flexion"));
     seen.knees = [None, None];
     assert!(names(&seen).contains(&"knee_flexion"));
-    // The middle of the shoulders stands in for the neck.
+    // The midpoint of the shoulders replaces the neck.
     seen.neck = None;
     assert!(seen.posture(Side::Right).is_some());
     seen.shoulders[0] = None;
     assert!(seen.posture(Side::Right).is_none());
 }
 
-/// Joints off by 3 cm: frame by frame they make somebody who stands upright twist and bend, and followed
-/// over time they do not.
+/// Joints are off by 3 cm. Single frames of an upright person seem twisted and bent, but the
+/// filtered posture is not.
 #[test]
 fn noise_does_not_bend_an_upright_posture() {
     let upright = joints(&JointAngles::default(), Side::Right, 0.5);
     let covariances = [Matrix3::identity() * 0.03_f64.powi(2); JointPositions::LEN];
     let (mut filter, mut state) = (PostureFilter::new(Side::Right), 1_u64);
-    // Four uniform numbers make nearly a normal one of deviation 0.58.
+    // The sum of four uniform numbers is approximately normal, with deviation 0.58.
     let mut draw = || {
         (0..4).fold(-2.0, |sum, _| {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
@@ -187,7 +188,7 @@ fn noise_does_not_bend_an_upright_posture() {
 }
 
 #[test]
-fn an_angle_that_is_not_seen_is_kept_for_a_second() {
+fn an_unseen_angle_is_kept_for_a_second() {
     let seen = joints(&JointAngles { elbow: 1.2, ..JointAngles::default() }, Side::Right, 0.0);
     let hidden = JointPositions { wrists: [None, None], ..seen };
     let covariances = [Matrix3::identity() * 1e-4; JointPositions::LEN];

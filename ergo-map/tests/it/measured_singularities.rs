@@ -1,4 +1,5 @@
-//! Angles where coordinates break down: arms sideways, overhead and round, a trunk turned about its axis.
+//! Angles at singularities of the coordinates: arms sideways, overhead and round, and a trunk
+//! turned about its axis.
 
 use ergo_map::{
     Conditions, JointPositions, Posture, PostureFilter, RebaSubScores, RulaWorksheet, Side,
@@ -32,7 +33,7 @@ fn parts(posture: &Posture) -> RebaSubScores {
 }
 
 #[test]
-fn an_arm_straight_up_is_raised_by_more_than_ninety_degrees() {
+fn an_arm_straight_up_counts_as_raised() {
     for lean in [-0.05, 0.0, 0.0005, 0.05] {
         let leaning = JointPositions {
             neck: at(lean, 0.0, 1.5),
@@ -50,7 +51,7 @@ fn an_arm_straight_up_is_raised_by_more_than_ninety_degrees() {
 }
 
 #[test]
-fn an_arm_out_to_the_side_scores_the_same_a_centimetre_around() {
+fn a_sideways_arm_scores_consistently_within_a_centimetre() {
     let mut found = Vec::new();
     for (x, z) in [(0.0, 1.49), (0.0, 1.51), (0.02, 1.49), (-0.02, 1.49), (-0.01, 1.5)] {
         let joints = JointPositions { elbows: [None, at(x, -0.5, z)], ..upright() };
@@ -60,7 +61,7 @@ fn an_arm_out_to_the_side_scores_the_same_a_centimetre_around() {
         assert!(plane.abs() < 4.0, "to the side: {plane}");
         found.push(parts(&posture).upper_arm);
     }
-    // Abducted, and at the threshold of 90 degrees.
+    // The arm is abducted, and at the threshold of 90 degrees.
     assert!(found.iter().all(|score| [4, 5].contains(score)), "{found:?}");
 }
 
@@ -79,7 +80,8 @@ fn an_arm_behind_the_trunk_is_extended() {
     }
 }
 
-/// The trunk bent forward and turned about its own axis, the head with it.
+/// Returns joints with the trunk bent forward and turned about its own axis, together with the
+/// head.
 fn stooped(flexion: f64, twist: f64) -> JointPositions {
     let bend = Rotation3::from_axis_angle(&Vector3::y_axis(), flexion);
     let turn = bend * Rotation3::from_axis_angle(&Vector3::z_axis(), twist);
@@ -97,7 +99,7 @@ fn stooped(flexion: f64, twist: f64) -> JointPositions {
 }
 
 #[test]
-fn a_trunk_turned_about_its_own_axis_is_twisted_however_it_is_bent() {
+fn a_turned_trunk_is_twisted_when_bent_too() {
     for flexion in [0.0_f64, 30.0, 75.0, 90.0, 100.0] {
         for twist in [-60.0_f64, -45.0, 0.0, 45.0, 60.0] {
             let posture = posture(&stooped(flexion.to_radians(), twist.to_radians()));
@@ -122,7 +124,7 @@ fn direction(random: &mut Random) -> Vector3<f64> {
     }
 }
 
-/// Joints of a random posture: the trunk, the head and the legs within their ranges, the arms anywhere.
+/// Returns joints of a random posture: trunk, head and legs within their ranges, arms anywhere.
 fn random_joints(random: &mut Random) -> JointPositions {
     let turn = |axis: Unit<Vector3<f64>>, min: f64, max: f64, random: &mut Random| {
         Rotation3::from_axis_angle(&axis, random.uniform(min, max).to_radians())
@@ -159,9 +161,9 @@ fn random_joints(random: &mut Random) -> JointPositions {
     joints
 }
 
-/// Every joint a centimetre elsewhere: no sub-score differs by more than one.
+/// Every joint is displaced by a centimetre. No sub-score differs by more than one.
 #[test]
-fn postures_a_centimetre_apart_differ_by_at_most_one_in_each_sub_score() {
+fn a_centimetre_changes_sub_scores_by_one_only() {
     let mut random = Random(1);
     let mut changed = [0_u32; 5];
     for number in 0..100_000 {
@@ -185,7 +187,7 @@ fn postures_a_centimetre_apart_differ_by_at_most_one_in_each_sub_score() {
     assert!(changed.iter().all(|count| *count > 500), "{changed:?}");
 }
 
-/// Somebody upright, whose right arm swings round by an angle about an axis.
+/// Returns an upright person whose right arm has turned by an angle about an axis.
 fn swung(axis: &Unit<Vector3<f64>>, angle: f64) -> JointPositions {
     let along = Rotation3::from_axis_angle(axis, angle) * Vector3::new(0.0, 0.0, -1.0);
     let shoulder = Vector3::new(0.0, -0.2, 1.5);
@@ -196,10 +198,10 @@ fn swung(axis: &Unit<Vector3<f64>>, angle: f64) -> JointPositions {
     }
 }
 
-/// A whole turn in 2 s, forward over the head, backward, and sideways: no posture is refused, and the arm
-/// that hangs again hangs.
+/// The arm makes a full turn in 2 s: forward over the head, backward, and sideways. No posture is
+/// refused, and the arm hangs again at the end.
 #[test]
-fn an_arm_that_goes_round_ends_where_it_began() {
+fn a_full_turn_of_the_arm_closes() {
     let covariances = [Matrix3::identity() * 0.02_f64.powi(2); JointPositions::LEN];
     for axis in [-Vector3::y(), Vector3::y(), -Vector3::x(), Vector3::new(-1.0, -1.0, 0.0)] {
         let axis = Unit::new_normalize(axis);

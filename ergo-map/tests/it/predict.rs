@@ -8,7 +8,7 @@ use ergo_map::{
 use nalgebra::{Rotation3, Vector3};
 use proptest::prelude::*;
 
-/// A point of the work zone of a person of 1.75 m, from three fractions.
+/// Returns a point of the work zone of a person of 1.75 m, from three fractions.
 fn in_work_zone(t: [f64; 3], side: Side) -> Vector3<f64> {
     let zone = Region::work_zone(1.75, side);
     zone.min() + zone.size().component_mul(&Vector3::from(t))
@@ -19,7 +19,7 @@ fn start(random: &mut Random, person: &Person) -> JointAngles {
     JointAngles::from_array(core::array::from_fn(|i| random.uniform(min[i], max[i])))
 }
 
-/// Largest difference of two postures in the joints that matter for a point \[rad\].
+/// Returns the largest difference of two postures in the joints that affect a point \[rad\].
 fn apart(a: &Prediction, b: &Prediction) -> f64 {
     let pairs = a.angles.to_array().into_iter().zip(b.angles.to_array());
     pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
@@ -98,12 +98,13 @@ fn a_comfortable_point_gets_a_comfortable_posture() {
     let near = at(0.38, -0.2, 1.05).angles;
     assert!(near.posture().trunk_flexion.abs() < 0.06, "{near:?}");
     assert!((0.9..1.7).contains(&near.elbow), "{near:?}");
-    // Further away the arm stretches and the trunk leans; lower, the trunk leans more.
+    // The arm stretches and the trunk leans to reach a farther point. The trunk leans more for a
+    // lower point.
     let far = at(0.75, -0.2, 1.05).angles;
     assert!(far.elbow < near.elbow && far.posture().trunk_flexion > near.posture().trunk_flexion);
     let low = at(0.4, -0.2, 0.5).angles;
     assert!(low.posture().trunk_flexion > 0.5, "{low:?}");
-    // Overhead the arm rises.
+    // The arm rises to reach an overhead point.
     assert!(at(0.3, -0.2, 1.85).angles.shoulder_flexion > 1.2);
 }
 
@@ -130,13 +131,13 @@ proptest! {
         let person = Person::new(stature).unwrap();
         let target = in_work_zone(t, side) * (stature / 1.75);
         let predicted = PosturePredictor::new(&person, side).predict(&HandTarget::point(target));
-        // Only the corners of the work zone may be out of reach.
+        // Only corners of the work zone may be out of reach.
         if let Ok(prediction) = predicted {
             let body = Skeleton::new(&person, side).landmarks(&prediction.angles).unwrap();
             prop_assert!((body.hand - target).norm() <= 5e-4);
             prop_assert!(((body.hand - target).norm() - prediction.hand_error).abs() < 1e-9);
             prop_assert!(person.ranges().contains(&prediction.angles));
-            // Over the feet, with the tolerance of the guard.
+            // The centre of mass is over the feet, within the tolerance of the guard.
             let foot = person.segments().foot.unwrap();
             let x = body.centre_of_mass.x;
             prop_assert!((-0.25 * foot - 0.01..=0.75 * foot + 0.01).contains(&x), "{x}");
@@ -146,7 +147,7 @@ proptest! {
     }
 
     #[test]
-    fn people_of_the_same_proportions_take_the_same_posture(
+    fn people_of_equal_proportions_take_equal_postures(
         t in proptest::array::uniform3(0.1..0.9_f64),
         stature in 1.4..2.1_f64,
     ) {
@@ -160,7 +161,7 @@ proptest! {
     }
 
     #[test]
-    fn the_left_hand_is_the_mirror_of_the_right(t in proptest::array::uniform3(0.1..0.9_f64)) {
+    fn the_left_hand_mirrors_the_right(t in proptest::array::uniform3(0.1..0.9_f64)) {
         let right = in_work_zone(t, Side::Right);
         let left = Vector3::new(right.x, -right.y, right.z);
         let person = Person::average();
@@ -192,7 +193,7 @@ proptest! {
     ) {
         let side = if left { Side::Left } else { Side::Right };
         let person = Person::average();
-        // From the orientation the hand has by itself, turned a little.
+        // The target is the orientation that the hand has by itself, turned a little.
         let position = in_work_zone(t, side);
         let predictor = PosturePredictor::new(&person, side);
         let free = predictor.predict(&HandTarget::point(position)).unwrap();
@@ -206,7 +207,7 @@ proptest! {
                 prop_assert!((hand.hand - position).norm() <= 5e-4);
                 prop_assert!(hand.hand_orientation.angle_to(&orientation) < 2e-3);
                 prop_assert!(person.ranges().contains(&prediction.angles));
-                // Asked for what it does anyway, the hand gains the wrist's freedom.
+                // If the orientation is the hand's own, the freedom of the wrist lowers the effort.
                 if turn == [0.0; 3] {
                     prop_assert!(prediction.effort <= free.effort + 1e-6);
                 }

@@ -8,21 +8,21 @@ use ergo_map::{
 use nalgebra::{Matrix3, Vector3};
 use proptest::prelude::*;
 
-/// The error of a Hessian with a negative eigenvalue.
+/// Matches the error of a Hessian with a negative eigenvalue.
 macro_rules! not_convex {
     () => {
         Error::Value { what: "the smallest eigenvalue of the Hessian", .. }
     };
 }
 
-/// The error of a Hessian that is not its transpose.
+/// Matches the error of a Hessian that is not its transpose.
 macro_rules! not_symmetric {
     () => {
         Error::Value { what: "the difference between the Hessian and its transpose", .. }
     };
 }
 
-/// The floors of the work zone, for one person and one hand.
+/// Checks the quality requirements of the work zone, for one person and one hand.
 fn meets_the_floors(person: &Person, side: Side, spacing: f64) {
     let stature = person.stature();
     let zone = Region::work_zone(stature, side);
@@ -194,7 +194,7 @@ fn refusal(hessian: Matrix3<f64>) -> Option<Error> {
 }
 
 #[test]
-fn a_small_block_beside_a_large_entry_is_judged_by_itself() {
+fn small_blocks_are_judged_by_their_own_size() {
     for (entry, size) in [(1e10, 1.0), (1.0, 1e-12), (1e-12, 1e10)] {
         let with = |a: f64, b: f64, c: f64, d: f64| {
             refusal(Matrix3::new(entry, 0.0, 0.0, 0.0, a * size, b * size, 0.0, c * size, d * size))
@@ -209,7 +209,7 @@ fn a_small_block_beside_a_large_entry_is_judged_by_itself() {
     }
 }
 
-/// Weighted squared error of any quadratic on points.
+/// Returns the squared error of a quadratic on points.
 fn loss(points: &[ScoredPoint], h: &Matrix3<f64>, g: &Vector3<f64>, c: f64) -> f64 {
     let e = |x: &Vector3<f64>| 0.5 * x.dot(&(h * x)) + g.dot(x) + c;
     points.iter().map(|p| (e(&p.position) - p.score).powi(2)).sum()
@@ -223,7 +223,7 @@ fn vector(size: f64) -> impl Strategy<Value = Vector3<f64>> {
     proptest::array::uniform3(-size..size).prop_map(Vector3::from)
 }
 
-/// Random points whose scores come from any quadratic, concave ones included, with noise.
+/// Returns random points whose scores come from a quadratic, possibly concave, with noise.
 fn cloud(h: &Matrix3<f64>, g: &Vector3<f64>, noise: f64, seed: u64) -> Vec<ScoredPoint> {
     let mut random = Random(seed);
     (0..200)
@@ -247,7 +247,7 @@ proptest! {
         m in matrix(), units in proptest::array::uniform3(-6.0..6.0_f64),
         at in (0..3_usize, 0..3_usize), change in prop_oneof![Just(0.0_f64), -0.1..-1e-6, 1e-6..0.1],
     ) {
-        // Of rank 2, so that less curvature is none.
+        // The rank is 2, so that a smaller diagonal entry makes it indefinite.
         let flat = m * Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, 0.0));
         let mut hessian = flat * flat.transpose();
         let largest = (hessian[(at.0, at.0)] * hessian[(at.1, at.1)]).sqrt();
@@ -263,7 +263,7 @@ proptest! {
         }
     }
 
-    /// What a rotation leaves of a flat quadratic's curvature is small, and never negative.
+    /// The curvature that a rotation leaves of a flat quadratic is small, and never negative.
     #[test]
     fn a_quadratic_stays_convex_wherever_it_is_placed(
         m in matrix(), rank in 0..4_usize, p in vector(5.0), heading in -10.0..10.0_f64,
@@ -281,7 +281,7 @@ proptest! {
     }
 
     #[test]
-    fn the_smallest_eigenvalue_keeps_the_bound_on_any_data(
+    fn the_smallest_eigenvalue_always_keeps_the_bound(
         m in matrix(),
         g in vector(5.0),
         noise in 0.0..2.0_f64,
@@ -321,13 +321,14 @@ proptest! {
         let options = FitOptions { region: None, temperature: f64::INFINITY, min_curvature: 0.01 };
         let (fit, _) = ErgonomicsQuadratic::fit(&points, &options).unwrap();
         let best = loss(&points, fit.hessian(), fit.gradient(), fit.constant());
-        // Towards any feasible Hessian, and any slope and constant.
+        // The step goes towards any feasible Hessian, with any slope and constant.
         let target = other * other.transpose() + Matrix3::identity() * 0.01;
         let h = fit.hessian() * (1.0 - step) + target * step;
         let g = fit.gradient() + way * step;
         let candidate = loss(&points, &h, &g, fit.constant() + shift * step);
         prop_assert!(candidate >= best * (1.0 - 1e-7), "{candidate} {best}");
-        // And with the best slope and constant for that Hessian, by refitting the rest.
+        // The comparison also uses the best slope and constant for that Hessian, by a fit of the
+        // rest.
         let rest: Vec<ScoredPoint> = points
             .iter()
             .map(|p| ScoredPoint {
@@ -364,7 +365,7 @@ proptest! {
     }
 
     #[test]
-    fn gradients_are_derivatives_and_terms_are_the_quadratic_in_the_velocity(
+    fn gradients_and_task_terms_match_the_quadratic(
         m in matrix(), g in vector(5.0), x in vector(2.0), v in vector(2.0), tau in 1e-3..1.0_f64,
     ) {
         let quadratic = ErgonomicsQuadratic::new(m * m.transpose(), g, -0.3).unwrap();

@@ -1,33 +1,32 @@
-//! How well `e_s` and the graded total order random postures, by what is random.
+//! Rank correlations of `e_s` and the graded total on random postures of several kinds.
 //!
-//! The order depends on the postures: the more alike they are, the more of the integer score's order
-//! is decided by which side of a threshold an angle is on. The book's page on this crate lists the
-//! figures.
+//! They depend on the postures. The more alike these are, the more of the integer score's order
+//! depends on the side of a threshold. The book's page on this crate lists the numbers.
 
 use crate::support::{MAP, Random, spearman};
 use ergo_map::{Conditions, ContinuousReba, LegSupport, Mode, Posture, Worksheet};
 
 const POSTURES: usize = 4000;
 
-/// Rank correlations of `e_s` with the graded total, of `e_s` with the integer score, and of the
-/// graded total with the integer score.
+/// Rank correlations: `e_s` with the graded total, `e_s` with the integer score, and the graded
+/// total with the integer score.
 type Ranking = [f64; 3];
 
-/// The scores of a posture or a sheet: `e_s`, graded total, integer score.
+/// Scores of a posture or a sheet: `e_s`, graded total, integer score.
 type Scores = [f64; 3];
 
 fn scores(graded: &ContinuousReba, sheet: &Worksheet) -> Scores {
     [graded.contributions().mean(), graded.reba, f64::from(sheet.score().unwrap().reba)]
 }
 
-/// Of a posture: adjustments grow with their angles.
+/// Returns the scores of a posture, whose adjustments grow with their angles.
 fn of_posture(posture: &Posture) -> Scores {
     let conditions = Conditions::default();
     let graded = ContinuousReba::of_posture(posture, &conditions, Mode::Graded).unwrap();
     scores(&graded, &Worksheet::from_posture(posture, conditions))
 }
 
-/// Of a sheet: boxes are ticked or not.
+/// Returns the scores of a sheet, whose boxes are ticked or not.
 fn of_sheet(sheet: &Worksheet) -> Scores {
     scores(&ContinuousReba::of_worksheet(sheet, Mode::Graded).unwrap(), sheet)
 }
@@ -41,20 +40,21 @@ fn ranking(kind: &str, scores: impl Iterator<Item = Scores>) -> Ranking {
     ranking
 }
 
-/// How the six angles of a sheet are drawn.
+/// Distribution of the six angles of a sheet.
 #[derive(Clone, Copy)]
 enum Angles {
     /// Independent and uniform over the ranges of motion.
     Uniform,
-    /// The same, times a uniform severity.
+    /// Uniform angles, multiplied by a uniform severity.
     EasyToExtreme,
     /// Independent and normal around a working posture.
     Working,
 }
 
-/// Random sheets, each of seven boxes ticked with a probability.
+/// Generates random sheets. Each of seven boxes is ticked with a probability.
 fn sheets(angles: Angles, ticked: f64) -> impl Iterator<Item = Worksheet> {
-    // Trunk, neck, knee, upper arm, elbow, wrist [°]: ranges of motion; mean and deviation at work.
+    // Trunk, neck, knee, upper arm, elbow, wrist [°]: ranges of motion, and mean and deviation at
+    // work.
     const RANGES: [[f64; 2]; 6] =
         [[-30.0, 100.0], [-45.0, 45.0], [0.0, 130.0], [-60.0, 180.0], [0.0, 145.0], [-75.0, 75.0]];
     const WORKING: [[f64; 2]; 6] =
@@ -101,9 +101,9 @@ fn assert_at_least(kind: &str, [total, integer, _]: Ranking, floors: [f64; 2]) {
     assert!(integer >= floors[1], "{kind}: {integer} with the integer score");
 }
 
-/// The floors of the crate: .96 with the continuous total, .88 with the integer.
+/// The crate requires .96 with the continuous total, and .88 with the integer score.
 #[test]
-fn postures_from_easy_to_extreme_and_those_of_reaching_meet_both_floors() {
+fn extreme_and_reaching_postures_meet_both_floors() {
     const FLOORS: [f64; 2] = [0.96, 0.88];
     for (kind, ticked) in [("no box", 0.0), ("a fifth", 0.2), ("half of the boxes", 0.5)] {
         let kind = format!("easy to extreme, {kind}");
@@ -120,10 +120,11 @@ fn postures_from_easy_to_extreme_and_those_of_reaching_meet_both_floors() {
     assert_at_least("reaching", ranking("reaching", postures), FLOORS);
 }
 
-/// Independent uniform angles crowd at high scores, where arms and table C saturate and `e_s` does
-/// not: the integer's floor is met, that of the continuous total is missed by little.
+/// Independent uniform angles concentrate at high scores, where arms and table C saturate and `e_s`
+/// does not. The integer score's requirement is met, and that of the continuous total is missed by
+/// little.
 #[test]
-fn independent_uniform_angles_meet_the_floor_for_the_integer() {
+fn uniform_angles_meet_the_integer_floor() {
     for (kind, ticked) in [("no box", 0.0), ("a fifth", 0.2), ("half of the boxes", 0.5)] {
         let kind = format!("uniform, {kind}");
         let sheets = sheets(Angles::Uniform, ticked);
@@ -135,10 +136,10 @@ fn independent_uniform_angles_meet_the_floor_for_the_integer() {
     assert_at_least(kind, ranking(kind, postures), [0.93, 0.88]);
 }
 
-/// Around one working posture the integer score takes few values, and no score that varies within
-/// them can order postures as it does: the graded total itself misses the floor.
+/// The integer score takes few values around one working posture. A score that varies within them
+/// cannot order postures as it does. Even the graded total misses the requirement.
 #[test]
-fn around_one_posture_e_s_orders_nearly_as_well_as_the_total() {
+fn around_one_posture_e_s_nearly_matches_totals() {
     let kind = "around a working posture, no box";
     let [total, integer, limit] = ranking(kind, sheets(Angles::Working, 0.0).map(|s| of_sheet(&s)));
     assert!(total >= 0.85 && integer >= 0.78 && limit < 0.88, "{total} {integer} {limit}");

@@ -1,4 +1,5 @@
-//! REBA against an independent implementation (tests/golden/make.py) and against its own rules.
+//! Comparison of REBA with an independent implementation (tests/golden/make.py) and with its own
+//! rules.
 
 use crate::support::{number, rows, ticked, whole};
 use ergo_map::{
@@ -7,7 +8,7 @@ use ergo_map::{
 use proptest::prelude::*;
 
 #[test]
-fn every_combination_of_sub_scores_matches_the_golden_tables() {
+fn all_sub_scores_match_the_golden_tables() {
     let mut count = 0;
     for row in rows(include_str!("../golden/reba_combinations.csv")) {
         let sub_scores = RebaSubScores {
@@ -27,7 +28,7 @@ fn every_combination_of_sub_scores_matches_the_golden_tables() {
 }
 
 #[test]
-fn random_sheets_match_the_golden_scores_in_every_column() {
+fn random_sheets_match_the_golden_scores() {
     for row in rows(include_str!("../golden/reba_sheets.csv")) {
         let degrees = |name| number(&row, name).to_radians();
         let sheet = Worksheet {
@@ -108,7 +109,7 @@ fn the_neutral_posture_scores_one() {
 }
 
 #[test]
-fn sitting_forgives_bent_knees_and_support_lowers_the_arm_to_one_at_least() {
+fn sitting_and_arm_support_lower_their_sub_scores() {
     let mut sheet = Worksheet { knee_flexion: 1.6, ..Worksheet::default() };
     assert_eq!(sheet.score().unwrap().sub_scores.legs, 3);
     sheet.conditions.support = LegSupport::Sitting;
@@ -157,7 +158,7 @@ proptest! {
     #[test]
     fn a_worse_part_never_lowers_the_score(parts in sub_scores(), part in 0..6_usize) {
         let mut worse = parts;
-        worse[part] += 1; // beyond the table: counts as its last row
+        worse[part] += 1; // beyond the table, where it counts as its last row
         let (before, after) = (reba_of(parts), reba_of(worse));
         prop_assert!(after.table_a >= before.table_a);
         prop_assert!(after.table_b >= before.table_b);

@@ -1,4 +1,5 @@
-//! RULA against an independent implementation (tests/golden/make.py) and against its own rules.
+//! Comparison of RULA with an independent implementation (tests/golden/make.py) and with its own
+//! rules.
 
 use std::collections::HashSet;
 
@@ -65,7 +66,7 @@ fn every_cell_of_table_c_matches() {
 }
 
 #[test]
-fn random_sheets_match_the_golden_scores_in_every_column() {
+fn random_sheets_match_the_golden_scores() {
     for row in rows(include_str!("../golden/rula_sheets.csv")) {
         let degrees = |name| number(&row, name).to_radians();
         let sheet = RulaWorksheet {
@@ -117,7 +118,7 @@ fn random_sheets_match_the_golden_scores_in_every_column() {
 }
 
 #[test]
-fn an_easy_posture_is_acceptable_and_bad_numbers_are_named() {
+fn easy_postures_are_acceptable_and_nan_is_named() {
     let easy = Posture { elbow_flexion: 1.4, ..Posture::default() };
     assert_eq!(RulaWorksheet::from_posture(&easy).score().unwrap().rula, 1);
     let sheet = RulaWorksheet { wrist_flexion: f64::NAN, ..RulaWorksheet::default() };

@@ -1,15 +1,15 @@
-//! Shared by the integration tests: reading golden tables, and random numbers that repeat.
+//! Helpers of the integration tests: reading golden tables, and reproducible random numbers.
 
 use std::{collections::HashMap, sync::LazyLock};
 
 use ergo_map::{ErgonomicsMap, MapOptions, Person, Posture};
 
-/// The map of the average person with default options, built once.
+/// Map of the average person with default options, built once.
 pub(crate) static MAP: LazyLock<ErgonomicsMap> = LazyLock::new(|| {
     ErgonomicsMap::build(&Person::average(), &MapOptions::default(), None).unwrap()
 });
 
-/// Rows of a golden table by column name.
+/// Returns the rows of a golden table by column name.
 pub(crate) fn rows(
     table: &'static str,
 ) -> impl Iterator<Item = HashMap<&'static str, &'static str>> {
@@ -18,22 +18,22 @@ pub(crate) fn rows(
     lines.map(move |line| header.iter().copied().zip(line.split(',')).collect())
 }
 
-/// A number of a row.
+/// Returns a number of a row.
 pub(crate) fn number(row: &HashMap<&str, &str>, name: &str) -> f64 {
     row[name].parse().unwrap()
 }
 
-/// A small whole number of a row.
+/// Returns a small integer of a row.
 pub(crate) fn whole(row: &HashMap<&str, &str>, name: &str) -> u8 {
     row[name].parse().unwrap()
 }
 
-/// A box of a row.
+/// Returns a box of a row.
 pub(crate) fn ticked(row: &HashMap<&str, &str>, name: &str) -> bool {
     whole(row, name) == 1
 }
 
-/// SplitMix64.
+/// SplitMix64 generator.
 pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
@@ -46,13 +46,13 @@ impl Random {
         min + (max - min) * ((z >> 11) as f64 / (1_u64 << 53) as f64)
     }
 
-    /// A posture from easy to extreme: a uniform one scaled by a uniform severity.
+    /// Returns a posture from easy to extreme: a uniform one scaled by a uniform severity.
     pub(crate) fn graded_posture(&mut self) -> Posture {
         let severity = self.uniform(0.0, 1.0);
         Posture::from_array(self.posture().to_array().map(|angle| angle * severity))
     }
 
-    /// A posture with every angle uniform over (about) its range of motion.
+    /// Returns a posture with every angle uniform over approximately its range of motion.
     pub(crate) fn posture(&mut self) -> Posture {
         const DEGREES: [(f64, f64); Posture::LEN] = [
             (-25.0, 90.0),
@@ -74,7 +74,7 @@ impl Random {
     }
 }
 
-/// Spearman's rank correlation; tied values share their mean rank.
+/// Returns Spearman's rank correlation. Tied values share their mean rank.
 pub(crate) fn spearman(a: &[f64], b: &[f64]) -> f64 {
     let rank = |values: &[f64]| -> Vec<f64> {
         let mut sorted = values.to_vec();

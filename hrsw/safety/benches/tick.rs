@@ -1,4 +1,4 @@
-//! The rows of one control tick, beside brute-force queries by parry.
+//! Time of the rows of one control tick, compared with brute-force queries by parry.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 use ahqp_core::{AugmentedState, Level, Limits, MotionState, Rows};
@@ -20,7 +20,7 @@ fn main() {
     divan::main();
 }
 
-/// Four capsules of an arm and five of a person, a metre away: 20 pairs.
+/// Returns four capsules of an arm and five of a person, a metre away: 20 pairs.
 fn bodies() -> (Vec<RobotBody>, Vec<PersonBody>) {
     let capsule = |from: [f64; 3], to: [f64; 3], radius| {
         Capsule::new(Vector3::from(from), Vector3::from(to), radius).unwrap()
@@ -152,7 +152,7 @@ fn distances_of_20_pairs(bencher: Bencher) {
     });
 }
 
-/// Nearest points alone, without gradients or rows.
+/// Computes only the nearest points, without gradients or rows.
 #[divan::bench]
 fn parry_closest_points_of_20_pairs(bencher: Bencher) {
     let (robot, person) = bodies();

@@ -1,8 +1,8 @@
-//! How old something that was seen is.
+//! Age of an observation.
 
 use crate::error::{Error, not_negative};
 
-/// How long ago something was seen \[s\]: never negative and never NaN.
+/// Time since something was seen \[s\]. It is never negative and never NaN.
 ///
 /// ```
 /// use hrsw_safety::Age;
@@ -16,25 +16,26 @@ use crate::error::{Error, not_negative};
 pub struct Age(f64);
 
 impl Age {
-    /// The age of what was not seen yet: older than everything.
+    /// Age of something that was never seen. It is greater than every other age.
     pub const NEVER: Self = Self(f64::INFINITY);
 
-    /// An age in seconds.
+    /// Creates an age from seconds.
     ///
     /// # Errors
-    /// [`Error::Value`] for one that is negative, infinite or NaN.
+    /// [`Error::Value`] if the age is negative, infinite or NaN.
     pub fn new(seconds: f64) -> Result<Self, Error> {
         Ok(Self(not_negative("an age", seconds)?))
     }
 
-    /// At the time `now` of what was stamped `stamp`, both on one clock \[s\]; zero where the stamp
-    /// is ahead, [`NEVER`](Self::NEVER) where either is no finite number.
+    /// Returns the age at the time `now` of an observation stamped `stamp`, both on one clock
+    /// \[s\]. A stamp ahead of `now` gives zero. A time that is not finite gives
+    /// [`NEVER`](Self::NEVER).
     pub(crate) fn since(stamp: f64, now: f64) -> Self {
         let age = now - stamp;
         if age.is_finite() { Self(age.max(0.0)) } else { Self::NEVER }
     }
 
-    /// In seconds; infinite for [`NEVER`](Self::NEVER).
+    /// Returns the age in seconds, infinite for [`NEVER`](Self::NEVER).
     pub fn seconds(self) -> f64 {
         self.0
     }

@@ -1,4 +1,4 @@
-//! Rows that bound how fast bodies of the robot approach others.
+//! Constraint rows that bound the speed at which bodies of the robot approach other bodies.
 
 mod bodies;
 mod body_motion;
@@ -34,15 +34,19 @@ use places::Places;
 use reach::Reach;
 use undercut::Undercut;
 
-/// Writes a block of rows, −∂d/∂q q̇ ≤ v_max(d), for the pairs of bodies that come nearest to
-/// their largest speed of approach, or exceed it most, at the last commanded velocity.
+/// Writes a block of rows, −∂d/∂q q̇ ≤ v_max(d), that bound the speed of approach of pairs of
+/// bodies.
 ///
-/// Rest and retreat are always admitted. Where acceleration limits admit neither, as when
-/// somebody steps in front of a moving robot, there are two ways to keep the problem feasible:
-/// as the first level of the hierarchy, `Level::least_squares(rows)`, the rows are exceeded by
-/// as little as can be; as hard constraints they are relaxed to admit
-/// [`JointMotion::braking`]. The first keeps them wherever they can be kept, the second costs
-/// no level. A block holds `capacity` rows; those not needed bound nothing.
+/// The block holds `capacity` rows. They go to the pairs with the least headroom between the
+/// largest allowed speed of approach and the speed at the last commanded velocity. Rows that are
+/// not needed bound nothing.
+///
+/// Rest and retreat are always admitted. Acceleration limits may admit neither, for instance when a
+/// person steps in front of a moving robot. Two ways keep the problem feasible then:
+/// - As the first level of the hierarchy, `Level::least_squares(rows)`, the rows are violated as
+///   little as possible. They hold wherever they can hold, but cost a level.
+/// - As hard constraints the rows are relaxed to admit [`JointMotion::braking`]. This costs no
+///   level.
 ///
 /// ```
 /// use ahqp_core::AugmentedState;
@@ -89,38 +93,38 @@ pub struct ApproachRows {
     capacity: usize,
     candidates: Vec<Candidate>,
     places: Places,
-    /// Of the parts of which distances are remembered.
+    /// Speeds of the person's parts whose distances are remembered.
     speeds: Vec<PartSpeeds>,
     changes: JointChanges,
     nearest: Option<Nearest>,
     mobility: Mobility,
-    /// Pairs with less room than this are looked for \[m\].
+    /// Pairs with less room than this are searched for \[m\].
     watched_room: f64,
     bounds: DistanceBounds,
-    /// The pair that is nearest, and its distance \[m\].
+    /// The nearest pair. Its distance \[m\] is `least_distance`.
     closest: Option<(usize, usize)>,
     least_distance: f64,
-    /// Whether the mass of the robot decided what a contact permits.
+    /// True if the robot's mass decided the speed that a contact allows.
     needs_inertia: bool,
-    /// Whether a pair got no row that needs one.
+    /// True if a pair that needs a row got none.
     crowded: bool,
     undercut: Undercut,
 }
 
-/// What rounding may make of a speed of approach \[m/s\].
+/// Rounding error of a speed of approach \[m/s\].
 const ROUNDING: f64 = 1e-7;
-/// A pair whose speed of approach is so near to what it may be is at its limit \[m/s\].
+/// A pair counts as at its limit if its speed of approach is within this of the limit \[m/s\].
 const AT_LIMIT: f64 = 0.05;
 
-/// Bodies of robot and person of which the distances are remembered.
+/// Numbers of bodies of the robot and of parts of people whose distances are remembered.
 const BODIES: usize = 32;
 const PARTS: usize = 48;
 
 impl ApproachRows {
-    /// For the layout of χ, with room for `capacity` pairs.
+    /// Creates rows for the layout of χ, with room for `capacity` pairs.
     ///
     /// # Errors
-    /// [`Error::Value`] for settings out of range.
+    /// [`Error::Value`] if a setting is out of range.
     pub fn new(
         state: AugmentedState,
         settings: SeparationSettings,
@@ -149,14 +153,15 @@ impl ApproachRows {
         })
     }
 
-    /// The same, but with [`JointMotion::change`] pairs with less room than this are found as well, so that
-    /// the nearest of them is the one with the least \[m\]. Default 0.
+    /// Watches pairs with less room than `room` \[m\], even where [`JointMotion::change`] shows
+    /// that they need no row. [`write`](Self::write) then returns the pair with the least room if
+    /// that is below `room`. Default 0.
     #[must_use]
     pub fn watching(self, room: f64) -> Self {
         Self { watched_room: room, ..self }
     }
 
-    /// The block, bounding nothing yet.
+    /// Returns the block of rows, which bounds nothing yet.
     pub fn rows(&self) -> Rows {
         let mut rows = Rows::zeros(self.capacity, self.state.len());
         rows.lower_mut().fill(f64::NEG_INFINITY);
@@ -164,17 +169,17 @@ impl ApproachRows {
         rows
     }
 
-    /// The settings.
+    /// Returns the settings.
     pub fn settings(&self) -> &SeparationSettings {
         &self.settings
     }
 
-    /// Writes the rows for the robot and the person into a block made by [`rows`](Self::rows),
-    /// and returns, of the pairs that may not touch, the one with the least room. Allocates nothing.
+    /// Writes the rows for the robot and the person into a block made by [`rows`](Self::rows).
+    /// Returns the pair with the least room among those that may not touch. Allocates nothing.
     ///
     /// # Errors
-    /// [`Error::Size`] for a block, Jacobian or velocities that do not fit; [`Error::Value`].
-    /// The block then bounds what it did before.
+    /// [`Error::Size`] if the block, the Jacobian or the velocities do not fit. [`Error::Value`] if
+    /// a number is not finite or out of range. The block is unchanged after an error.
     pub fn write(
         &mut self,
         motion: &JointMotion<'_>,
@@ -218,8 +223,8 @@ impl ApproachRows {
         self.write_candidates(motion, rows)
     }
 
-    /// Finds the first part of the person, from this one on, that may be near enough to a body of the robot to
-    /// matter, and up to which distance it does.
+    /// Finds the next part of the person, from index `from` on, that may be near enough to a body
+    /// of the robot. Returns its index, the part, and the distance up to which it matters \[m\].
     fn find_in_sight<'a>(
         &self,
         robot: usize,
@@ -242,15 +247,15 @@ impl ApproachRows {
         Some((other, part, speeds.farthest(moves, reach)))
     }
 
-    /// Keeps, of the pairs that may not touch, the one with the least room.
+    /// Keeps the pair with the least room.
     fn see(&mut self, pair: Nearest) {
         if self.nearest.is_none_or(|other| pair.room() < other.room()) {
             self.nearest = Some(pair);
         }
     }
 
-    /// Returns true if a pair of the rows written last comes nearer about as fast as it may, with this velocity of the
-    /// joints, n \[m/s or rad/s\].
+    /// Returns true if a pair of the rows written last approaches at nearly its largest speed.
+    /// `velocity` holds the velocities of the joints, n \[m/s or rad/s\].
     pub fn is_at_limit(&self, rows: &Rows, velocity: &[f64]) -> bool {
         let mut written = self.places.candidates().zip(rows.iter());
         written.any(|(candidate, (row, _, upper))| {
@@ -259,13 +264,14 @@ impl ApproachRows {
         })
     }
 
-    /// The least share of the way from `velocity` to `braking`, each n, after which every pair of the rows written last
-    /// comes nearer no faster than it may, or than with `braking` \[-\]. Rows that contradict each other, as between two
-    /// people, are then not weighed against one another.
+    /// Returns the smallest share of the way from `velocity` to `braking`, each n, that satisfies
+    /// the rows written last \[-\]. After it every pair approaches no faster than its row allows,
+    /// or than it does with `braking`. Rows that contradict each other, for instance between two
+    /// people, are not weighed against each other.
     ///
-    /// If a person is nearer than a robot at rest should be, the robot must surely come no nearer, wherever they are:
-    /// they have moved since they were seen, and may have done so otherwise than measured. Where it would, all of the
-    /// way is needed.
+    /// If a person is inside the protective distance, the robot must not approach any of their
+    /// possible positions. The person has moved since they were seen, and perhaps not as measured.
+    /// If `velocity` would approach one of these positions, the share is 1.
     pub fn braking_share(
         &self,
         motion: &JointMotion<'_>,
@@ -289,25 +295,26 @@ impl ApproachRows {
         if is_left && (share == 0.0 || self.undercut.is_empty()) { share.min(1.0) } else { 1.0 }
     }
 
-    /// Returns true if a pair that may not touch is nearer than what is not known of both places: no
-    /// direction is surely away then, and the robot must stand.
+    /// Returns true if a pair that may not touch is closer than the uncertainty of both positions.
+    /// No direction surely leads away then, so the robot must stand still.
     pub fn is_too_near_to_tell(&self) -> bool {
         self.undercut.is_too_near()
     }
 
-    /// Returns true if [`JointMotion::inverse_inertia`] has decided how fast a pair written last may come
-    /// nearer, or would have: elsewhere even a robot that does not give way may move as fast as it can.
+    /// Returns true if [`JointMotion::inverse_inertia`] decided, or would have decided, the speed
+    /// limit of a pair written last. All other pairs allow full speed even to a robot of infinite
+    /// mass.
     pub fn needs_inertia(&self) -> bool {
         self.needs_inertia
     }
 
-    /// Returns true if more pairs are at their limits than there are rows: the robot must then brake, which
-    /// keeps them all.
+    /// Returns true if more pairs are at their limits than there are rows. The robot must then
+    /// brake, which satisfies the limits of all pairs.
     pub fn is_crowded(&self) -> bool {
         self.crowded || self.undercut.overflows()
     }
 
-    /// The least distance of the pairs written last \[m\]; infinite for none.
+    /// Returns the smallest distance of the pairs written last \[m\], infinite if there are none.
     pub fn least_distance(&self) -> f64 {
         self.least_distance
     }
@@ -320,7 +327,8 @@ impl ApproachRows {
         self.undercut.clear();
     }
 
-    /// Measures the pair that was nearest last, which bounds the least distance from above.
+    /// Measures the pair that was nearest last. Its distance bounds the smallest distance from
+    /// above.
     fn find_closest(&mut self, robot: &[RobotBody], person: &[PersonBody]) {
         let Some((i, j)) = self.closest.take() else { return };
         if let (Some(body), Some(part)) = (robot.get(i), person.get(j)) {
@@ -347,8 +355,8 @@ impl ApproachRows {
         motion.check(self.state.joints)
     }
 
-    /// How far a body that approaches by no more than `speed`, and in this tick by no more than `change`
-    /// faster, has to look for pairs.
+    /// Returns how far to search for pairs, for a body that approaches at `speed` or less. Within
+    /// this tick it gets faster by `change` at most.
     fn reach(&self, speed: f64, change: f64) -> Reach {
         let headroom = match self.candidates.last() {
             _ if self.capacity == 0 => 0.0,
@@ -384,7 +392,7 @@ impl ApproachRows {
     }
 
     fn leave_out(&mut self, candidate: &Candidate) {
-        // Within a tick it could reach its limit.
+        // Within this tick the pair could reach its limit.
         self.crowded |= !candidate.contact || candidate.headroom < 0.0;
     }
 

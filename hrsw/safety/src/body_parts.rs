@@ -1,4 +1,4 @@
-//! The parts of a person's body, as capsules between joints, and how far each reaches.
+//! Parts of a person's body as capsules between joints, and bounds for the parts that are not seen.
 
 use hrsw::Capsule;
 use nalgebra::Vector3;
@@ -8,37 +8,37 @@ use crate::body_region::BodyRegion;
 use crate::measured_velocity::MeasuredVelocity;
 use crate::separation::SeparationSettings;
 
-/// What kind of speed is assumed of a part where none is measured.
+/// Kind of speed that is assumed for a part whose velocity is not measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Limb {
-    /// That of walking.
+    /// The speed of walking.
     Body,
-    /// That of reaching.
+    /// The speed of reaching.
     Arm,
 }
 
-/// Where a part is that is not seen, by joints that are \[m\].
+/// Bound of the place of a part that is not seen, relative to joints that are seen \[m\].
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Reach {
-    /// No point of its axis is farther from the joint.
+    /// Every point of the axis is within this distance of the joint.
     About(Body25, f64),
-    /// No point of its axis is farther from the line between the joints.
+    /// Every point of the axis is within this distance of the line between the joints.
     Between(Body25, Body25, f64),
-    /// No point of its axis is farther from the joint, or above it.
+    /// Every point of the axis is within this distance of the joint, and not above it.
     Under(Body25, f64),
-    /// The joint is a hip, or between them, of somebody who stands, walks or sits: below the height of the knee,
-    /// and no farther aside.
+    /// Every point of the axis is below the height of the knee, and within this horizontal distance
+    /// of the joint. The joint is a hip or the mid hip of a person who stands, walks or sits.
     Below(Body25, f64),
 }
 
-/// The height of the knee over that of the hip (Drillis and Contini, 1966).
+/// Height of the knee as a share of that of the hip (Drillis and Contini, 1966).
 const KNEE_HEIGHT: f64 = 0.285 / 0.530;
 
-/// How much lower than its edge the middle is of what holds everything below a height \[m\]: the lower, the less of it
-/// is above that height, and the wider it is.
+/// Depth of the centre of a bounding shape below the edge that it must reach \[m\]. A larger depth
+/// makes the shape wider, and less of it lies above the edge.
 const LOWER: f64 = 0.2;
 
-/// A capsule between two joints, continued past the second by a length \[m\].
+/// A capsule between two joints, extended past the second joint by `beyond` \[m\].
 #[derive(Clone, Copy)]
 pub(super) struct Part {
     pub(super) from: Body25,
@@ -46,9 +46,9 @@ pub(super) struct Part {
     beyond: f64,
     pub(super) radius: f64,
     pub(super) limb: Limb,
-    /// The region of the body of which the limits count.
+    /// The region of the body whose contact limits apply.
     pub(super) region: BodyRegion,
-    /// Of joints nearer to the trunk, or in it.
+    /// Bounds by joints that are nearer to the trunk, or in it.
     pub(super) reaches: &'static [Reach],
 }
 
@@ -64,7 +64,7 @@ const fn part(
 }
 
 impl Reach {
-    /// The joints, the same twice if it is one.
+    /// Returns the joints. A single joint is returned twice.
     pub(super) fn joints(self) -> [Body25; 2] {
         match self {
             Self::About(joint, _) | Self::Under(joint, _) | Self::Below(joint, _) => [joint; 2],
@@ -72,10 +72,12 @@ impl Reach {
         }
     }
 
-    /// What holds the part, of this radius, if the joints are at `places` in the world \[m\].
+    /// Returns a capsule that contains the part, for joints at `places` in the world \[m\].
+    /// `radius` is that of the part.
     pub(super) fn capsule(self, places: &[Vector3<f64>; 2], radius: f64) -> Option<Capsule> {
         let [place, other] = places;
-        // A circle, and what is within its sphere and below it, is within any sphere through it that is centred lower.
+        // A sphere through a circle that is centred below it also contains what is below the circle
+        // and inside its sphere.
         let through = |circle: f64| radius + circle.hypot(LOWER);
         match self {
             Self::About(_, reach) => Capsule::sphere(*place, radius + reach).ok(),
@@ -93,7 +95,7 @@ impl Reach {
 }
 
 impl Part {
-    /// Between two joints, wider by `growth` \[m\].
+    /// Returns the capsule between the two joints, with the radius increased by `growth` \[m\].
     pub(super) fn capsule(
         &self,
         from: &Vector3<f64>,
@@ -104,8 +106,9 @@ impl Part {
         Capsule::new(*from, to + beyond, self.radius + growth).ok()
     }
 
-    /// Its velocity, with joints at `from` and `to` \[m\] that have the velocities `ends`: the mean of both of its
-    /// ends, with an uncertainty that holds for all of its points.
+    /// Returns the velocity of the part for joints at `from` and `to` \[m\] with the velocities of
+    /// `ends`. It is the mean velocity of both ends of the part, with an uncertainty that covers
+    /// all points of the part.
     pub(super) fn velocity(
         &self,
         from: &Vector3<f64>,
@@ -119,8 +122,8 @@ impl Part {
         MeasuredVelocity { mean: near.mean + across, uncertainty }
     }
 
-    /// How much less is known of its end beyond the second joint than of the joints \[m\]: in the root mean square it
-    /// is as far off as both make it, each with an error of its own.
+    /// Returns how much less certain the end beyond the second joint is than the joints themselves
+    /// \[m\]. The errors of the joints are independent, so they add as a root of squares.
     pub(super) fn uncertainty_beyond(
         &self,
         from: &Vector3<f64>,
@@ -137,9 +140,10 @@ impl Part {
     }
 }
 
-/// Radii and reaches are those of a large adult, 2 m tall, with 3 cm for the noise of the joints; segments as
-/// fractions of stature by Drillis and Contini (1966). Hands and feet are the continuation of forearm and
-/// shank, and a forearm bears less than its hand.
+/// Parts of the body. Radii and reaches are those of a large adult, 2 m tall, plus 3 cm for the
+/// noise of the joints. Lengths of segments are fractions of the stature by Drillis and Contini
+/// (1966). Hands and feet extend forearm and shank. The contact limits of a forearm are lower than
+/// those of its hand.
 pub(super) const PARTS: [Part; 12] = {
     use crate::body_region::BodyRegion::{
         Back, Chest, Face, Forearm, LowerLeg, Pelvis, Thigh, UpperArm,

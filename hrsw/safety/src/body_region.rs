@@ -1,4 +1,4 @@
-//! The regions of a person's body, and what a contact with each may do.
+//! Regions of a person's body and their contact limits.
 
 #[cfg(feature = "serde")]
 mod contact_limits_table;
@@ -9,7 +9,7 @@ use contact_limits_table::ContactLimitsTable;
 use crate::contact::ContactLimit;
 use crate::error::{Error, not_negative, positive};
 
-/// A region of the body that tables of power and force limits tell apart.
+/// Region of the body in tables of power and force limits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum BodyRegion {
@@ -40,10 +40,10 @@ pub enum BodyRegion {
 }
 
 impl BodyRegion {
-    /// How many there are.
+    /// Number of regions.
     pub const COUNT: usize = Self::ALL.len();
 
-    /// All, from head to foot.
+    /// All regions, from head to foot.
     pub const ALL: [Self; 12] = [
         Self::Skull,
         Self::Face,
@@ -59,42 +59,43 @@ impl BodyRegion {
         Self::LowerLeg,
     ];
 
-    /// Returns true for head, face and neck, with which no contact is ever planned.
+    /// Returns true for skull, face and neck. No contact with them is ever planned.
     pub fn is_of_the_head(self) -> bool {
         matches!(self, Self::Skull | Self::Face | Self::Neck)
     }
 }
 
-/// What a region bears, and how it gives way.
+/// Contact limits of a region, and its mechanical properties.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct RegionLimits {
-    /// F, the largest force of a quasi-static contact \[N\]. Zero: no contact is planned.
+    /// Largest force F of a quasi-static contact \[N\]. Zero means that no contact is planned.
     pub force: f64,
-    /// p, the largest pressure of one \[Pa\].
+    /// Largest pressure p of a quasi-static contact \[Pa\].
     pub pressure: f64,
-    /// k, how stiff the region is \[N/m\].
+    /// Stiffness k of the region \[N/m\].
     pub stiffness: f64,
-    /// m_H, what of the person moves with it \[kg\].
+    /// Effective mass m_H of the region, the part of the person's mass that moves with it \[kg\].
     pub mass: f64,
 }
 
-/// How long a contact lasts.
+/// Duration of a contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum ContactKind {
-    /// The part may be clamped between the robot and something else. No controller alone excludes that.
+    /// The part may be clamped between the robot and something else. No controller alone can
+    /// exclude that.
     #[default]
     QuasiStatic,
-    /// The part is pushed away at once: forces and pressures may be twice as large. Only where a risk
-    /// assessment excludes clamping.
+    /// The part is pushed away at once. Forces and pressures may be twice as large. Only for
+    /// applications in which a risk assessment excludes clamping.
     Transient,
 }
 
 impl ContactKind {
-    /// By which limits of quasi-static contacts are multiplied.
+    /// Returns the factor on the limits of quasi-static contacts.
     fn factor(self) -> f64 {
         match self {
             Self::QuasiStatic => 1.0,
@@ -103,10 +104,10 @@ impl ContactKind {
     }
 }
 
-/// The limits of power and force limiting, region by region.
+/// Limits of power and force limiting for each region of the body.
 ///
-/// The defaults follow open data for ISO 10218-2:2025, Annex M (formerly ISO/TS 15066, Annex A), of each
-/// range the lower end. **They are no risk assessment**: replace them by yours.
+/// The defaults follow open data for ISO 10218-2:2025, Annex M (formerly ISO/TS 15066, Annex A).
+/// The lower end of each range is used. **They are no risk assessment**: replace them by your own.
 ///
 /// ```
 /// use hrsw_safety::{BodyRegion, ContactLimits};
@@ -129,7 +130,8 @@ pub struct ContactLimits {
 
 impl Default for ContactLimits {
     fn default() -> Self {
-        /// Force in N, pressure in N/cm², stiffness in N/mm, mass in kg.
+        /// Force in N, pressure in N/cm², stiffness in N/mm, mass in kg, in the order of
+        /// [`BodyRegion::ALL`].
         const TABLE: [[f64; 4]; BodyRegion::COUNT] = [
             [130.0, 110.0, 150.0, 4.4],
             [65.0, 110.0, 75.0, 4.4],
@@ -155,12 +157,12 @@ impl Default for ContactLimits {
 }
 
 impl ContactLimits {
-    /// The same with other limits of a region. Those of head, face and neck are kept, but no contact with
-    /// them is ever planned.
+    /// Replaces the limits of a region. Limits of skull, face and neck can be stored, but no
+    /// contact with them is ever planned.
     ///
     /// # Errors
-    /// [`Error::Value`] for a force that is negative, a pressure, stiffness or mass that is not
-    /// positive, and what is not finite.
+    /// [`Error::Value`] if the force is negative, if pressure, stiffness or mass is not positive,
+    /// or if a number is not finite.
     pub fn with(mut self, region: BodyRegion, limits: RegionLimits) -> Result<Self, Error> {
         not_negative("the largest force on a region", limits.force)?;
         positive("the largest pressure on a region", limits.pressure)?;
@@ -172,22 +174,22 @@ impl ContactLimits {
         Ok(self)
     }
 
-    /// The same for a robot that touches with at least this area \[m²\]. Default 2 cm², rounded covers.
+    /// Sets the smallest contact area of the robot \[m²\]. Default 2 cm², for rounded covers.
     ///
     /// # Errors
-    /// [`Error::Value`] unless it is positive and finite.
+    /// [`Error::Value`] if the area is not positive and finite.
     pub fn with_area(self, area: f64) -> Result<Self, Error> {
         Ok(Self { area: positive("the area of a contact", area)?, ..self })
     }
 
-    /// The same for contacts of another kind. Default quasi-static.
+    /// Sets the kind of contacts. Default quasi-static.
     #[must_use]
     pub fn with_kind(self, kind: ContactKind) -> Self {
         Self { kind, ..self }
     }
 
-    /// What a contact with a region may do; none where no contact is planned: at head, face and neck, and
-    /// where the force allowed is zero.
+    /// Returns the limits of a contact with a region. None if no contact is planned: for skull,
+    /// face and neck, and for an allowed force of zero.
     pub fn of(&self, region: BodyRegion) -> Option<ContactLimit> {
         let limits = self.regions.get(region as usize)?;
         let force = self.kind.factor() * limits.force.min(limits.pressure * self.area);

@@ -1,4 +1,4 @@
-//! The people beside the one who works with the robot.
+//! People in view other than the one who works with the robot.
 
 use vision_models::{Body, Percept};
 
@@ -8,20 +8,20 @@ use crate::person_bodies::PersonBodies;
 use crate::separation::SeparationSettings;
 use crate::settings::PersonBodySettings;
 
-/// How many there is room for.
+/// Largest number of other people that are tracked.
 pub const MOST: usize = 4;
 
-/// Everybody in view but the person who works with the robot. Nobody of them may be touched. Who is missed in a frame, or leaves the view, counts as long as the
-/// person does who works with the robot.
+/// People in view other than the person who works with the robot. None of them may be touched. A
+/// person who is not seen is remembered as long as the person who works with the robot would be.
 #[derive(Debug, Clone)]
 pub(super) struct Bystanders {
     people: [PersonBodies; MOST],
 }
 
 impl Bystanders {
-    /// Nobody, of whom these settings and limits hold.
+    /// Creates an empty list with these settings and limits.
     pub(super) fn new(settings: PersonBodySettings, limits: &ContactLimits) -> Self {
-        // A clone would have no room for the parts, and get it in the control loop.
+        // Clones would not keep the capacity, and would allocate in the control loop.
         Self { people: std::array::from_fn(|_| PersonBodies::new(settings, limits)) }
     }
 
@@ -30,14 +30,15 @@ impl Bystanders {
         MOST * PersonBodies::ROOM
     }
 
-    /// Forgets everybody.
+    /// Forgets all people.
     pub(super) fn forget(&mut self) {
         self.people.iter_mut().for_each(PersonBodies::forget);
     }
 
-    /// Takes the bodies of a frame: each goes to the nearest of those who can have gone there and have none of this
-    /// frame yet, or is somebody new. Who works with the robot from now on is nobody of them any more. Returns how
-    /// many there is no room for.
+    /// Takes the bodies of a frame. Each body goes to the nearest person who can have moved there
+    /// and has no body of this frame yet. Otherwise it becomes a new person. A person who is at the
+    /// place of the one who works with the robot is forgotten. Returns the number of bodies for
+    /// which there was no room.
     pub(super) fn observe(&mut self, percept: &Percept, bodies: &[Body]) -> usize {
         let time = percept.time;
         let mut taken = [false; MOST];
@@ -55,7 +56,7 @@ impl Bystanders {
             match slot {
                 Some((person, taken)) => {
                     person.see(time, body);
-                    // A body of which nothing is seen is nobody.
+                    // A body without visible joints is no person.
                     *taken = !person.is_empty();
                 }
                 None => left_out += 1,
@@ -70,7 +71,7 @@ impl Bystanders {
         left_out
     }
 
-    /// Adds their capsules at the time `now` to `bodies`.
+    /// Appends the capsules of these people at the time `now` to `bodies`.
     pub(super) fn place(
         &mut self,
         now: f64,

@@ -1,27 +1,27 @@
-//! The one clock of a control loop: its ticks, and the stamps of camera frames.
+//! Clock of a control loop: times of ticks and stamps of camera frames.
 
 use crate::age::Age;
 use crate::error::{Error, not_negative, positive};
 use crate::fault::{ClockFault, Fault, FrameFault};
 
-/// How far times may differ from what is expected.
+/// Tolerances of times.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct ClockSettings {
-    /// By which share of the period a tick may come before it is due, or after; sooner is an early
-    /// tick, later a late one \[-\]. Default 0.5.
+    /// Share of the period by which a tick may be early or late \[-\]. Earlier is an early tick,
+    /// later a late one. Default 0.5.
     pub tolerance: f64,
-    /// How much later than a period after the one before a tick may come; beyond that the clock was
-    /// set, or the loop stood \[s\]. Default 0.1.
+    /// Largest delay of a tick beyond one period after the tick before \[s\]. A longer delay means
+    /// that the clock was set or the loop stood still. Default 0.1.
     pub gap: f64,
-    /// How far a frame's stamp may lie ahead of the ticks, for clocks that agree only nearly \[s\].
-    /// Below a day. Default 0.005.
+    /// Largest time by which a frame's stamp may be ahead of the ticks \[s\], for clocks that agree
+    /// only approximately. Below a day. Default 0.005.
     pub ahead: f64,
 }
 
-/// Stamp and tick that differ by more count from different origins \[s\]: a day. No frame is so old, and
-/// seconds since 1970 and since the start of a machine differ by decades.
+/// A stamp and a tick that differ by more have different origins \[s\]. No frame is a day old.
+/// Seconds since 1970 and seconds since the start of a machine differ by decades.
 const EPOCH: f64 = 86_400.0;
 
 impl Default for ClockSettings {
@@ -31,10 +31,10 @@ impl Default for ClockSettings {
 }
 
 impl ClockSettings {
-    /// Checks the ranges, for a control `period` \[s\].
+    /// Checks the ranges for a control `period` \[s\].
     ///
     /// # Errors
-    /// [`Error::Value`] names the first that is out of its range.
+    /// [`Error::Value`] names the first setting that is out of its range.
     pub fn validate(&self, period: f64) -> Result<(), Error> {
         positive("the control period", period)?;
         if !(self.tolerance > 0.0 && self.tolerance < 1.0) {
@@ -55,40 +55,40 @@ impl ClockSettings {
     }
 }
 
-/// Two ticks that are nearer than this share of the period are at the same time.
+/// Two ticks closer than this share of the period have the same time.
 const STANDING: f64 = 1e-3;
-/// Two ticks are a period apart when their times differ from it by less than this share: times in
-/// seconds since 1970 are that coarse.
+/// Two ticks are one period apart if the difference is within this share of the period. Times in
+/// seconds since 1970 have no better resolution.
 const ROUNDING: f64 = 1e-3;
-/// A tick that comes less than this share of the period before it is due comes when it is due.
+/// A tick that is early by less than this share of the period counts as on time.
 const NEAR: f64 = 0.02;
-/// The weight of a tick in the share of late ones: about the last twenty count.
+/// Weight of a tick in the share of late ticks. About the last twenty ticks count.
 const NEWEST: f64 = 0.05;
-/// A loop is late above this share of late ticks: half of them, and what the newest make of it.
+/// Share of late ticks above which a loop is late: half, and what the newest ticks add.
 const MOST: f64 = 0.6;
 
-/// What the time of a tick says.
+/// Result of a tick's time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tick {
-    /// The time since the tick before \[s\]; the period where the clock does not say.
+    /// Time since the tick before \[s\], or the period if the clock has no valid time.
     pub elapsed: f64,
-    /// What is wrong with it.
+    /// Fault of the tick's time.
     pub fault: Option<Fault>,
-    /// Whether all frames taken so far count no longer, because they lie after this tick, or in
-    /// another epoch: what came of them is to be forgotten.
+    /// True if all frames taken so far must be forgotten. They lie after this tick or in another
+    /// epoch.
     pub forgets: bool,
 }
 
-/// Checks the times of ticks and frames, all of them in seconds on one clock, of any origin, that
-/// neither stands still nor is set.
+/// Checks the times of ticks and frames. All times are in seconds on one clock of any origin, which
+/// must not stand still or be set.
 ///
-/// Ticks are due once a period, and one that is missed is not made up for. A tick is early that comes before
-/// it is due, by more than the tolerance; after a late tick the next is due at its own time all the same. A
-/// tick that is late is no fault. It is one that most of the last ticks were: the loop is then slower than
-/// its period.
+/// Ticks are due once a period, and a missed tick is not made up for. A tick is early if it comes
+/// before its due time by more than the tolerance. After a late tick the next tick is still due at
+/// its own time. One late tick is no fault. It is a fault if most of the last ticks were late,
+/// since the loop is then slower than its period.
 ///
-/// Frames are stamped with the time at which the camera took them, arrive
-/// later, and each is newer than the one before; one that is not is refused and leaves no trace.
+/// Frames are stamped with the time at which the camera took them, and arrive later. Each must be
+/// newer than the one before. A frame that is not is refused and changes nothing.
 ///
 /// ```
 /// use hrsw_safety::{ClockSettings, FrameFault, LoopClock};
@@ -109,20 +109,21 @@ pub struct LoopClock {
     settings: ClockSettings,
     period: f64,
     now: Option<f64>,
-    /// The time, where it was told before the tick \[s\].
+    /// Current time, if it was set before the tick \[s\].
     present: Option<f64>,
-    /// How long before the last tick it was due, less than a period; negative for one that came just before \[s\].
+    /// Time from the due time to the last tick \[s\]. Less than a period, negative for a slightly
+    /// early tick.
     behind: f64,
-    /// Of the last ticks.
+    /// Share of late ticks among the last ones.
     late_share: f64,
     newest: Option<f64>,
 }
 
 impl LoopClock {
-    /// Before the first tick, for a control `period` \[s\].
+    /// Creates a clock before its first tick, for a control `period` \[s\].
     ///
     /// # Errors
-    /// [`Error::Value`] for settings out of range.
+    /// [`Error::Value`] if a setting is out of range.
     pub fn new(period: f64, settings: ClockSettings) -> Result<Self, Error> {
         settings.validate(period)?;
         Ok(Self {
@@ -136,8 +137,8 @@ impl LoopClock {
         })
     }
 
-    /// Takes the time `now` \[s\] before the tick: frames that are taken until then are judged by it, and not by the
-    /// last tick, which may be long ago.
+    /// Sets the time `now` \[s\] before the tick. Frames taken until the tick are judged by it
+    /// instead of by the last tick, which may be long ago.
     pub fn set_present(&mut self, now: f64) {
         self.present = Some(now).filter(|now| now.is_finite());
     }
@@ -158,7 +159,7 @@ impl LoopClock {
         Tick { elapsed, fault: fault.or(stale.map(Fault::from)), forgets: stale.is_some() }
     }
 
-    /// The time since the last tick, as it is to be used, and what is wrong with it.
+    /// Returns the time since the last tick, as it is to be used, and its fault.
     fn judge(&mut self, elapsed: f64) -> (f64, Option<Fault>) {
         let Self { settings, period, .. } = *self;
         let fault = if elapsed < 0.0 {
@@ -177,10 +178,12 @@ impl LoopClock {
         let is_late = elapsed > (1.0 + settings.tolerance + ROUNDING) * period;
         self.late_share += NEWEST * (f64::from(u8::from(is_late)) - self.late_share);
         let before_due = period - self.behind.max(0.0) - elapsed;
-        // After the first due time that no tick has come for yet. Of those that have passed it stands for the last.
+        // Time since the first due time without a tick. A late tick takes the place of the last due
+        // time that has passed.
         let after = self.behind + elapsed - period;
         let missed = (after / period + NEAR).floor();
-        // The clock may be faster than the period by the tolerance: an earlier tick moves the due times.
+        // The clock may be faster than the period within the tolerance. An earlier tick moves the
+        // due times.
         self.behind = if missed < 0.0 { 0.0 } else { after - missed * period };
         let exact = (elapsed - period).abs() <= ROUNDING * period;
         let fault = if before_due > (settings.tolerance + ROUNDING) * period {
@@ -193,10 +196,11 @@ impl LoopClock {
 
     /// Takes the stamp of a frame that has arrived \[s\].
     ///
-    /// Until the first tick the present is not known; the tick then judges what has come.
+    /// Before the first tick the current time is not known. The first tick then judges the newest
+    /// frame.
     ///
     /// # Errors
-    /// Why the frame counts as no data; the clock is then as it was.
+    /// The reason why the frame counts as no data. The clock is then unchanged.
     pub fn frame(&mut self, stamp: f64) -> Result<(), FrameFault> {
         if !stamp.is_finite() {
             return Err(FrameFault::NotFinite);
@@ -215,7 +219,8 @@ impl LoopClock {
         }
     }
 
-    /// What is wrong with a stamp against a tick at `now`; a frame may be taken until the next tick.
+    /// Returns the fault of a stamp relative to a tick at `now`. A frame may be taken until the
+    /// next tick.
     fn misplaced(&self, stamp: f64, now: f64) -> Option<FrameFault> {
         let ClockSettings { tolerance, ahead, .. } = self.settings;
         let latest = now + (1.0 + tolerance) * self.period + ahead;
@@ -228,17 +233,18 @@ impl LoopClock {
         }
     }
 
-    /// The age of the newest frame at the last tick; [`Age::NEVER`] before the first of either.
+    /// Returns the age of the newest frame at the last tick. It is [`Age::NEVER`] before the first
+    /// frame or tick.
     pub fn age(&self) -> Age {
         self.newest.zip(self.now).map_or(Age::NEVER, |(stamp, now)| Age::since(stamp, now))
     }
 
-    /// The time of the last tick that had one \[s\].
+    /// Returns the time of the last tick that had a finite time \[s\].
     pub fn now(&self) -> Option<f64> {
         self.now
     }
 
-    /// The stamp of the newest frame \[s\].
+    /// Returns the stamp of the newest frame \[s\].
     pub fn newest(&self) -> Option<f64> {
         self.newest
     }

@@ -1,15 +1,16 @@
-//! Power and force limiting: how fast a robot may touch a part of a person, following ISO 10218-2:2025,
-//! Annex M (formerly ISO/TS 15066, Annex A).
+//! Power and force limiting: the speed at which a robot may touch a part of a person, following ISO
+//! 10218-2:2025, Annex M (formerly ISO/TS 15066, Annex A).
 
 use nalgebra::{DMatrix, Matrix6, Matrix6xX, Vector6};
 
 use crate::error::{Error, not_negative, positive};
 use crate::measured_velocity::MeasuredVelocity;
 
-/// What a contact with a part of a body may do.
+/// Limit of a contact with a part of a body.
 ///
-/// Robot and part are two masses with a spring between them. They meet at a relative speed v, and the spring
-/// takes the energy of their relative motion: F = v √(k μ) with 1/μ = 1/m_H + 1/m_R.
+/// Robot and part are two masses with a spring between them. They meet at a relative speed v, and
+/// the spring takes the energy of their relative motion. The force is F = v √(k μ) with 1/μ = 1/m_H
+/// + 1/m_R.
 ///
 /// ```
 /// use hrsw_safety::ContactLimit;
@@ -22,22 +23,22 @@ use crate::measured_velocity::MeasuredVelocity;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactLimit {
-    /// The largest force \[N\].
+    /// Largest force \[N\].
     pub force: f64,
-    /// k, how stiff the part is \[N/m\].
+    /// Stiffness k of the part \[N/m\].
     pub stiffness: f64,
-    /// m_H, what of the person moves with the part \[kg\].
+    /// Effective mass m_H of the part, the part of the person's mass that moves with it \[kg\].
     pub mass: f64,
 }
 
 impl ContactLimit {
-    /// The relative speed at which a contact with `robot_mass` \[kg\] reaches the largest force \[m/s\];
-    /// infinite mass is a robot that does not give way.
+    /// Returns the relative speed at which a contact with `robot_mass` \[kg\] reaches the largest
+    /// force \[m/s\]. An infinite mass stands for a robot that does not give way.
     pub fn speed(&self, robot_mass: f64) -> f64 {
         self.force / self.impedance(robot_mass)
     }
 
-    /// √(k μ) \[N s/m\].
+    /// Returns √(k μ) \[N s/m\].
     fn impedance(&self, robot_mass: f64) -> f64 {
         (self.stiffness / (1.0 / self.mass + 1.0 / robot_mass)).sqrt()
     }
@@ -45,7 +46,7 @@ impl ContactLimit {
     /// Checks the ranges.
     ///
     /// # Errors
-    /// [`Error::Value`] names the first that is out of its range.
+    /// [`Error::Value`] names the first field that is out of its range.
     pub fn validate(&self) -> Result<(), Error> {
         positive("the largest force of a contact", self.force)?;
         positive("the stiffness of a part of the body", self.stiffness)?;
@@ -54,24 +55,27 @@ impl ContactLimit {
     }
 }
 
-/// A part of a person that the robot may touch now.
+/// Conditions under which the robot may touch a part of a person now.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact {
-    /// What that may do.
+    /// Limit of the contact.
     pub limit: ContactLimit,
-    /// How fast the two may come nearer to each other at most, as measured, whatever the limit allows
-    /// \[m/s\]: the speed of working together, or less while that begins and ends.
+    /// Largest measured speed at which the two may approach each other, whatever the limit allows
+    /// \[m/s\]. It is the speed of working together, or less while working together begins and
+    /// ends.
     pub fastest: f64,
-    /// How the part moves as far as that is known, for contacts only: with the trunk, say, of an arm that
-    /// may reach out at any time, of which [`PersonBody::velocity`](crate::PersonBody::velocity) knows
-    /// nothing. None where that holds here, too.
+    /// Velocity of the part that counts for contacts only. An arm that may reach out at any time,
+    /// for instance, is assumed to move with the trunk. None if
+    /// [`PersonBody::velocity`](crate::PersonBody::velocity) counts here too.
     pub velocity: Option<MeasuredVelocity>,
 }
 
 impl Contact {
-    /// How fast the robot may come nearer to the part, which comes nearer to the robot at `measured`, and
-    /// at `worst` if the measurement is as wrong as it may be \[m/s\]. A part that leaves counts only as far as it surely
-    /// does: noise would let the robot come faster.
+    /// Returns the largest speed of the robot towards the part \[m/s\].
+    ///
+    /// The part approaches the robot at `measured`, and at `worst` in the worst case of the
+    /// measurement. A part that recedes counts only by the speed at which it surely recedes.
+    /// Otherwise noise would allow a faster robot.
     pub(crate) fn approach_limit(&self, robot_mass: f64, measured: f64, worst: f64) -> f64 {
         let coming = measured.max(0.0) + worst.min(0.0);
         (self.limit.speed(robot_mass) - worst).min(self.fastest - coming)
@@ -84,7 +88,7 @@ impl Contact {
     }
 }
 
-/// How light the robot is where it is touched: Λ⁻¹ = J M⁻¹ Jᵀ of a point that the first k joints move, for
+/// Mobility Λ⁻¹ = J M⁻¹ Jᵀ of the robot at a point that the first k joints move. It is computed for
 /// each k that is asked for.
 #[derive(Debug, Clone)]
 pub(crate) struct Mobility {
@@ -92,7 +96,7 @@ pub(crate) struct Mobility {
 }
 
 impl Mobility {
-    /// For a robot with so many joints.
+    /// Creates an empty table for a robot with this number of joints.
     pub(crate) fn new(joints: usize) -> Self {
         Self { by_joints: vec![None; joints + 1] }
     }
@@ -102,9 +106,9 @@ impl Mobility {
         self.by_joints.fill(None);
     }
 
-    /// 1/(wᵀ Λ⁻¹ w), the mass behind a unit force of which `wrench` is the force and its moment about the
-    /// origin of the Jacobian \[kg\]; infinite without the inverse of the joint-space inertia, or where no
-    /// joint gives way.
+    /// Returns the effective mass 1/(wᵀ Λ⁻¹ w) along a unit force \[kg\]. `wrench` is the force and
+    /// its moment about the origin of the Jacobian. The mass is infinite without an inverse
+    /// inertia, or where no joint gives way.
     pub(crate) fn mass(
         &mut self,
         jacobian: &Matrix6xX<f64>,

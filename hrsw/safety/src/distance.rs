@@ -1,23 +1,23 @@
-//! The distance of two capsules, and how it changes when they move.
+//! Distance of two capsules and its gradient.
 
 use nalgebra::{Vector3, Vector6};
 
 use hrsw::Capsule;
 
-/// Where two capsules are nearest.
+/// Nearest points of two capsules.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Proximity {
-    /// Between the surfaces \[m\]; negative where they overlap.
+    /// Distance between the surfaces \[m\]. Negative if they overlap.
     pub distance: f64,
-    /// From the second to the first, of length 1.
+    /// Unit vector from the second capsule to the first.
     pub normal: Vector3<f64>,
-    /// The nearest point on the segment of the first.
+    /// Nearest point on the segment of the first capsule.
     pub on_first: Vector3<f64>,
-    /// The nearest point on the segment of the second.
+    /// Nearest point on the segment of the second capsule.
     pub on_second: Vector3<f64>,
 }
 
-/// The distance of two capsules. Allocates nothing.
+/// Computes the distance of two capsules. Allocates nothing.
 ///
 /// ```
 /// use hrsw_safety::{Capsule, proximity};
@@ -40,14 +40,14 @@ pub fn proximity(first: &Capsule, second: &Capsule) -> Proximity {
 }
 
 impl Proximity {
-    /// The gradient of the distance with respect to the twist of the first capsule, linear at
-    /// `origin`, then angular, in world axes: [n; (p − o) × n].
+    /// Returns the gradient of the distance with respect to the twist of the first capsule, [n; (p
+    /// − o) × n]. The twist is linear at `origin`, then angular, in world axes.
     pub fn gradient_first(&self, origin: &Vector3<f64>) -> Vector6<f64> {
         wrench(&self.normal, &(self.on_first - origin))
     }
 
-    /// The gradient of the distance with respect to the twist of the second capsule, as
-    /// [`gradient_first`](Self::gradient_first).
+    /// Returns the gradient of the distance with respect to the twist of the second capsule. Its
+    /// layout is that of [`gradient_first`](Self::gradient_first).
     pub fn gradient_second(&self, origin: &Vector3<f64>) -> Vector6<f64> {
         wrench(&-self.normal, &(self.on_second - origin))
     }
@@ -58,7 +58,7 @@ fn wrench(normal: &Vector3<f64>, arm: &Vector3<f64>) -> Vector6<f64> {
     Vector6::new(normal.x, normal.y, normal.z, turning.x, turning.y, turning.z)
 }
 
-/// minimise ‖(a + s u) − (b + t w)‖² over s, t in \[0, 1\], a convex problem.
+/// Solves the convex problem: minimise ‖(a + s u) − (b + t w)‖² over s, t in \[0, 1\].
 fn nearest_on_segments(first: &Capsule, second: &Capsule) -> (Vector3<f64>, Vector3<f64>) {
     let (a, b) = (first.start(), second.start());
     let (u, w) = (first.end() - a, second.end() - b);
@@ -73,7 +73,8 @@ fn nearest_on_segments(first: &Capsule, second: &Capsule) -> (Vector3<f64>, Vect
         let (s, t) = nearest_on_sides((a, &u), (b, &w));
         return (a + u * s, b + w * t);
     }
-    // The best s where t is free; then the best t for it, and the best s for that where t is bounded.
+    // The best s for a free t, then the best t for that s. If t is at a bound, the best s for that
+    // bound.
     let s = ((uw * wb - ww * ub) / determinant).clamp(0.0, 1.0);
     let t = (uw * s + wb) / ww;
     let (s, t) = if t < 0.0 {
@@ -86,13 +87,14 @@ fn nearest_on_segments(first: &Capsule, second: &Capsule) -> (Vector3<f64>, Vect
     (a + u * s, b + w * t)
 }
 
-/// Where a line of this squared length comes nearest to a point, as a share of it.
+/// Returns the share of a line of this squared length at which it comes nearest to a point.
 fn share(along: f64, length_squared: f64) -> f64 {
     if length_squared > 0.0 { (along / length_squared).clamp(0.0, 1.0) } else { 0.5 }
 }
 
-/// The same for parallel segments, or where one is a point: the minimum lies on one of the four sides. Where
-/// several are as good all between them are, and the middle moves least as the segments turn.
+/// Solves the same problem for parallel segments, or if one is a point. The minimum lies on one of
+/// the four sides. If several sides are equally good, so are all points between them. Their mean
+/// moves least as the segments turn.
 fn nearest_on_sides(
     (a, u): (&Vector3<f64>, &Vector3<f64>),
     (b, w): (&Vector3<f64>, &Vector3<f64>),
@@ -120,7 +122,7 @@ fn nearest_on_sides(
     (s / count, t / count)
 }
 
-/// A direction that separates capsules whose segments meet.
+/// Returns a direction that separates capsules whose segments meet.
 fn way_out(first: &Capsule, second: &Capsule) -> Vector3<f64> {
     let (u, w) = (first.end() - first.start(), second.end() - second.start());
     let across = u.cross(&w).try_normalize(1e-12);

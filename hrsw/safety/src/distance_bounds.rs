@@ -1,26 +1,27 @@
-//! Lower bounds of many distances, carried from tick to tick, so that few are computed.
+//! Lower bounds of distances that are carried from tick to tick, so that few distances are
+//! computed.
 
 use hrsw::Capsule;
 
-/// What rounding may take from a bound in a tick \[m\].
+/// Largest effect of rounding on a bound in a tick \[m\].
 const ROUNDING: f64 = 1e-12;
 
-/// For the capsules of two lists a lower bound of the distance of each pair.
+/// Lower bounds of the distances of all pairs of capsules of two lists.
 ///
-/// A distance falls by no more than its capsules move, and they move by no more than their ends do and
-/// their radii grow. So a distance that was computed once bounds those of later ticks, whatever the
-/// capsules are then capsules of.
+/// A distance falls by no more than its capsules move. A capsule moves by no more than its ends
+/// move and its radius grows. A distance that was computed once therefore bounds the distances of
+/// later ticks. This holds even if an index refers to another body later.
 #[derive(Debug, Clone)]
 pub(crate) struct DistanceBounds {
     first: Capsules,
     second: Capsules,
-    /// Whether the second list was the first in the tick before.
+    /// True if both lists were the same in the tick before.
     is_own: bool,
-    /// A row for each of the first list, with room for the second.
+    /// A row for each capsule of the first list, with room for the second list.
     bounds: Vec<f64>,
 }
 
-/// The capsules of a list as they were last, and how far each has moved since.
+/// The last capsules of a list, and the displacement of each since then.
 #[derive(Debug, Clone)]
 struct Capsules {
     room: usize,
@@ -59,7 +60,7 @@ impl Capsules {
 }
 
 impl DistanceBounds {
-    /// With room for so many capsules of each list; of more nothing is known.
+    /// Creates bounds for this many capsules of each list. Nothing is known of further capsules.
     pub(crate) fn new(first: usize, second: usize) -> Self {
         Self {
             first: Capsules::new(first),
@@ -69,7 +70,7 @@ impl DistanceBounds {
         }
     }
 
-    /// Goes to the capsules of a tick. Allocates nothing.
+    /// Moves the bounds on to the capsules of a tick. Allocates nothing.
     pub(crate) fn advance<'a>(
         &mut self,
         first: impl Iterator<Item = &'a Capsule>,
@@ -81,7 +82,7 @@ impl DistanceBounds {
         self.lower();
     }
 
-    /// The same where both lists are the same. Allocates nothing.
+    /// Moves the bounds on if both lists are the same. Allocates nothing.
     pub(crate) fn advance_own<'a>(&mut self, own: impl Iterator<Item = &'a Capsule> + Clone) {
         self.first.advance(own.clone());
         if self.is_own {
@@ -93,7 +94,7 @@ impl DistanceBounds {
         self.lower();
     }
 
-    /// Lowers all bounds by what the capsules have moved.
+    /// Lowers all bounds by the displacements of the capsules.
     fn lower(&mut self) {
         let rows = self.bounds.chunks_exact_mut(self.second.room.max(1));
         for (row, of_first) in rows.zip(&self.first.moved) {
@@ -103,20 +104,21 @@ impl DistanceBounds {
         }
     }
 
-    /// The bounds of one capsule of the first list, with as many of the second as are remembered \[m\].
+    /// Returns the bounds of one capsule of the first list to the remembered capsules of the second
+    /// list \[m\].
     pub(crate) fn of(&self, first: usize) -> &[f64] {
         let start = first * self.second.room;
         let count = if first < self.first.moved.len() { self.second.moved.len() } else { 0 };
         self.bounds.get(start..start + count).unwrap_or_default()
     }
 
-    /// The bound of a pair \[m\].
+    /// Returns the bound of a pair \[m\].
     pub(crate) fn get(&self, first: usize, second: usize) -> f64 {
         let index = self.index(first, second);
         index.and_then(|index| self.bounds.get(index)).copied().unwrap_or(f64::NEG_INFINITY)
     }
 
-    /// Takes the distance of a pair in this tick \[m\].
+    /// Sets the bound of a pair to its distance in this tick \[m\].
     pub(crate) fn set(&mut self, first: usize, second: usize, distance: f64) {
         if let Some(bound) = self.index(first, second).and_then(|index| self.bounds.get_mut(index))
         {
@@ -130,7 +132,7 @@ impl DistanceBounds {
     }
 }
 
-/// How far no point of a capsule has to go farther to one of the other.
+/// Returns an upper bound of the displacement of every point of a capsule.
 fn displacement(last: &Capsule, now: &Capsule) -> f64 {
     let start = (now.start() - last.start()).norm_squared();
     let end = (now.end() - last.end()).norm_squared();

@@ -1,21 +1,21 @@
-//! What can be wrong with bodies, people and settings.
+//! Errors of bodies, people and settings.
 
 use hrsw::Capsule;
 
 use crate::fault::FrameFault;
 
-/// Misuse of the crate, or people as they cannot be.
+/// Misuse of the crate, or observations of people that are impossible.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// A number is not finite or out of its range.
     #[error("{what} is {got}; it must be {wanted}")]
     Value {
-        /// The parameter or the item that holds the number.
+        /// Name of the parameter or of the item that contains the number.
         what: &'static str,
         /// The number.
         got: f64,
-        /// The range it must lie in.
+        /// The allowed range.
         wanted: &'static str,
     },
 
@@ -30,36 +30,37 @@ pub enum Error {
         wanted: usize,
     },
 
-    /// More people are in view than are kept apart.
+    /// There is no room to track all people in view.
     #[error(
         "{got} people are in view beside the one who may work with the robot, {left_out} more than are kept \
          apart with those of the frames before: there is room for {most}"
     )]
     TooManyPeople {
-        /// How many were given.
+        /// Number of bodies that were given.
         got: usize,
-        /// How many of them there was no room for.
+        /// Number of bodies for which there was no room.
         left_out: usize,
-        /// How many there is room for.
+        /// Number of people that there is room for.
         most: usize,
     },
 
-    /// A camera frame counts as no data: nobody can have come so far since the frame before.
+    /// The camera frame counts as no data, since nobody can have moved so far since the frame
+    /// before.
     #[error(
         "{}: they would have moved at {speed:.1} m/s or more since the frame before; give metres and seconds",
         FrameFault::ImpossibleSpeed
     )]
     BodySpeed {
-        /// The least speed that explains it \[m/s\].
+        /// The smallest speed that explains it \[m/s\].
         speed: f64,
     },
 
-    /// The solver's crate refused the rows.
+    /// The rows were refused by `ahqp-core`.
     #[error(transparent)]
     Hierarchy(#[from] ahqp_core::Error),
 }
 
-/// More rows of one kind than a hierarchy is solved with in time.
+/// Largest number of rows of one kind with which a hierarchy is solved in time.
 const MOST_ROWS: usize = 1000;
 
 pub(crate) fn positive(what: &'static str, got: f64) -> Result<f64, Error> {
@@ -78,7 +79,7 @@ pub(crate) fn not_negative(what: &'static str, got: f64) -> Result<f64, Error> {
     }
 }
 
-/// Checks a number of rows, before memory is taken for them.
+/// Checks a number of rows before memory is allocated for them.
 pub(crate) fn check_count(what: &'static str, count: usize) -> Result<(), Error> {
     if count > MOST_ROWS {
         #[expect(clippy::cast_precision_loss, reason = "it is shown")]
@@ -102,16 +103,17 @@ pub(crate) fn check_all<'a>(
     }
 }
 
-/// The same of numbers in one piece, quicker.
+/// Checks numbers in one slice, faster than [`check_all`].
 pub(crate) fn check_slice(what: &'static str, values: &[f64]) -> Result<(), Error> {
     let fine = values.iter().fold(true, |fine, value| fine & value.is_finite());
     if fine { Ok(()) } else { check_all(what, values.iter()) }
 }
 
-/// Placed by a pose that is not finite, a capsule is not either.
+/// Checks that a capsule is finite. A capsule that is placed by a pose that is not finite is not
+/// finite either.
 pub(crate) fn check_capsule(what: &'static str, capsule: &Capsule) -> Result<(), Error> {
     let (start, end) = (capsule.start(), capsule.end());
-    // The sum of finite numbers is not finite at most where they are very large.
+    // The sum can overflow if finite numbers are very large. These are checked one by one.
     if (start + end).sum().is_finite() {
         return Ok(());
     }

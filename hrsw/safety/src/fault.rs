@@ -1,57 +1,57 @@
-//! What can go wrong in a control loop, and what each fault asks of the robot.
+//! Faults of a control loop, and the reaction of the robot to each.
 
 use crate::safety_state::SafetyState;
 
-/// Why the time of a tick cannot be used.
+/// Reason why the time of a tick cannot be used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, thiserror::Error)]
 #[non_exhaustive]
 pub enum ClockFault {
-    /// It is NaN or infinite.
+    /// The time is NaN or infinite.
     #[error("clock not finite")]
     NotFinite,
-    /// It is that of the tick before.
+    /// The time is that of the tick before.
     #[error("clock standing still")]
     StandsStill,
-    /// It lies before that of the tick before.
+    /// The time is before that of the tick before.
     #[error("clock set back")]
     SetBack,
-    /// It lies far after that of the tick before: the clock was set, or the loop stood.
+    /// The time is far after that of the tick before: the clock was set, or the loop stood still.
     #[error("clock set ahead")]
     SetAhead,
 }
 
-/// Why a camera frame is refused: it counts as no data.
+/// Reason why a camera frame is refused and counts as no data.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, thiserror::Error)]
 #[non_exhaustive]
 pub enum FrameFault {
-    /// Its stamp is NaN or infinite.
+    /// The stamp is NaN or infinite.
     #[error("frame without a time")]
     NotFinite,
-    /// It is stamped after the present.
+    /// The stamp is after the current time.
     #[error("frame from the future")]
     Future,
-    /// Its stamp counts from another origin than the ticks do, such as seconds since 1970 against
+    /// The stamp has another origin than the ticks, for instance seconds since 1970 instead of
     /// seconds since the start.
     #[error("frame of another epoch")]
     ForeignEpoch,
-    /// It is stamped like the newest one.
+    /// The stamp equals that of the newest frame.
     #[error("frame repeated")]
     Repeated,
-    /// It is stamped before the newest one.
+    /// The stamp is before that of the newest frame.
     #[error("frame out of order")]
     OutOfOrder,
-    /// A joint in it is farther away than anything in a room: it is in other units, such as millimetres.
+    /// A joint is farther away than anything in a room. It is in other units, such as millimetres.
     #[error("frame in other units")]
     Units,
-    /// It shows a body that nobody has.
+    /// The frame shows a body with impossible proportions.
     #[error("frame of an impossible body")]
     ImpossibleBody,
-    /// It shows a person where nobody can have gone since the frame before.
+    /// The frame shows a person at a place that nobody can have reached since the frame before.
     #[error("frame of an impossible speed")]
     ImpossibleSpeed,
 }
 
-/// Something that went wrong in the control loop.
+/// A fault of the control loop.
 ///
 /// ```
 /// use hrsw_safety::{Fault, FrameFault, SafetyState};
@@ -67,47 +67,48 @@ pub enum Fault {
     /// The time of a tick cannot be used.
     #[error(transparent)]
     Clock(#[from] ClockFault),
-    /// A tick came too soon after the one before.
+    /// A tick came before it was due.
     #[error("tick early")]
     EarlyTick,
-    /// A tick came too late after the one before.
+    /// Most of the last ticks came late: the loop is slower than its period.
     #[error("tick late")]
     LateTick,
     /// A camera frame was refused.
     #[error(transparent)]
     Frame(#[from] FrameFault),
-    /// More people are in view than the robot can keep its distance from.
+    /// More people are in view than the robot can track.
     #[error("too many people")]
     TooManyPeople,
     /// The measured state is not finite, or of the wrong size.
     #[error("bad measurement")]
     BadMeasurement,
-    /// The robot measures nothing: what is known of it is too old to control it by.
+    /// The robot sends no measurements, and its last known state is too old to control it.
     #[error("measurement missing")]
     MissingMeasurement,
-    /// What the robot measures does not change although it must.
+    /// The measurements do not change although they must.
     #[error("measurement frozen")]
     FrozenMeasurement,
-    /// The robot does not take the commands that it is sent: they are lost on the way.
+    /// The robot does not receive the commands that are sent to it.
     #[error("command lost")]
     LostCommand,
-    /// The robot does not follow: measured and commanded state are farther apart than they may be,
-    /// because it is held or pushed.
+    /// Measured and commanded state differ by more than the following-error limit, because the
+    /// robot is held or pushed.
     #[error("following error")]
     FollowingError,
-    /// The robot says that it takes no commands: it stopped by itself, for packets that were lost, say.
+    /// The robot reports that it takes no commands. It stopped by itself, for instance because
+    /// packets were lost.
     #[error("robot stopped")]
     RobotStopped,
-    /// Something pushes the robot harder than anything should: a collision, or somebody is clamped.
+    /// The force on the robot from outside is too large: a collision, or a person is clamped.
     #[error("contact force")]
     ContactForce,
-    /// The tool carries a weight that nobody told the robot of.
+    /// The tool carries a weight that the robot does not know.
     #[error("unknown payload")]
     UnknownPayload,
     /// The solver found no command.
     #[error("no solution")]
     NoSolution,
-    /// The solver's iterations, or its time, ran out before the optimum; the constraints hold.
+    /// The solver ran out of iterations or time before the optimum. The constraints hold.
     #[error("iteration limit")]
     IterationLimit,
     /// A number that the loop computed is not finite.
@@ -116,13 +117,13 @@ pub enum Fault {
     /// A limit of the robot was violated.
     #[error("limit violated")]
     LimitViolated,
-    /// Somebody, or the program around the loop, asked the robot to stop.
+    /// A person or the program around the loop asked the robot to stop.
     #[error("stop requested")]
     StopRequested,
 }
 
 impl Fault {
-    /// Every fault.
+    /// All faults.
     pub const ALL: [Self; 28] = [
         Self::Clock(ClockFault::NotFinite),
         Self::Clock(ClockFault::StandsStill),
@@ -154,10 +155,11 @@ impl Fault {
         Self::StopRequested,
     ];
 
-    /// The state that it puts the robot into at once, unless that is in a worse one.
+    /// Returns the safety state that the robot enters at once, unless it is in a stricter state.
     ///
-    /// Reduced where the loop goes on with what it has: a frame that is lost or comes twice, a
-    /// tick that is late or ends before the optimum. If frames stay away their age stops the robot.
+    /// The state is reduced if the loop continues with what it has. Examples are a frame that is
+    /// lost or repeated, and a tick that is late or ends before the optimum. If frames stay away,
+    /// their age stops the robot.
     pub fn state(self) -> SafetyState {
         match self {
             Self::LateTick
@@ -172,8 +174,9 @@ impl Fault {
         }
     }
 
-    /// Returns true if its stop waits for an acknowledgement. Else the robot recovers when it has not come
-    /// again for the dwell time: what the loop itself sees to be over needs nobody to look.
+    /// Returns true if the stop for this fault waits for an acknowledgement. Otherwise the robot
+    /// recovers when the fault has not come again for the dwell time. The loop itself sees that
+    /// such a fault is over.
     pub fn waits(self) -> bool {
         match self {
             Self::EarlyTick

@@ -1,15 +1,20 @@
-//! How far a shared workspace falls behind somebody who walks away from the robot.
+//! Distance by which a shared workspace falls behind a person who walks away from the robot.
 
 use crate::error::{Error, check_all, not_negative, positive};
 use crate::separation::SeparationSettings;
 
-/// How far a robot that follows somebody stays behind, beyond where it works with them.
+/// Distance that a robot keeps behind a person whom it follows, beyond the place where it works
+/// with them.
 ///
-/// At speed v it needs S_p(v) in front of it, to stop in time if they stand still. As much of that as is not there
-/// where it works, its `clearance`, it keeps as headway h. The robot may learn T_r late where the person is, so that
-/// who walks away seems to be nearer by up to v T_r. It follows no faster than S_p allows at the distance that it
-/// sees: dh/dt = v − v_r with S_p(v_r) = `clearance` + h − v T_r. So a workspace that is moved out by h never asks for
-/// a motion away from the person, nor, behind somebody with an even pace, for a speed that S_p forbids.
+/// At speed v the robot needs the distance S_p(v) in front of it, to stop in time if the person
+/// stands still. At its place of work it has the distance `clearance`. The rest is the headway h.
+///
+/// The robot may learn the person's position late by up to T_r. A person who walks away then seems
+/// nearer by up to v T_r. The robot follows no faster than S_p allows at the distance that it sees:
+/// dh/dt = v − v_r with S_p(v_r) = `clearance` + h − v T_r.
+///
+/// A workspace that is moved out by h therefore never demands a motion away from the person. Behind
+/// a person who walks at a constant speed it never demands a speed that S_p forbids.
 ///
 /// ```
 /// use hrsw_safety::{Headway, SeparationSettings};
@@ -32,11 +37,12 @@ pub struct Headway {
 }
 
 impl Headway {
-    /// None yet. The first joints of a robot with a base are what follows, so that their braking counts.
-    /// `clearance` is how far the robot, where it works, is from the nearest part that it may not touch \[m\].
+    /// Creates a headway of zero. If the robot has a base, the braking of the base counts, since
+    /// the base follows. `clearance` is the distance from the robot at its place of work to the
+    /// nearest part that it may not touch \[m\].
     ///
     /// # Errors
-    /// [`Error::Value`] for terms out of range.
+    /// [`Error::Value`] if a term is out of range.
     pub fn new(separation: SeparationSettings, clearance: f64) -> Result<Self, Error> {
         separation.validate()?;
         not_negative("the clearance of a headway", clearance)?;
@@ -47,11 +53,12 @@ impl Headway {
         Ok(Self { separation, clearance, distance: 0.0 })
     }
 
-    /// Goes on by `period` \[s\], with the person going away from the robot at `speed` \[m/s\]; coming nearer
-    /// counts as standing. Allocates nothing.
+    /// Advances by `period` \[s\] while the person moves away from the robot at `speed` \[m/s\].
+    /// Approaching counts as standing. Allocates nothing.
     ///
     /// # Errors
-    /// [`Error::Value`] for a speed that is not finite or a period that is not positive; the headway then stays.
+    /// [`Error::Value`] if the speed is not finite or the period is not positive. The headway is
+    /// then unchanged.
     pub fn advance(&mut self, speed: f64, period: f64) -> Result<(), Error> {
         check_all("the speed of a person", [&speed].into_iter())?;
         positive("the period", period)?;
@@ -60,23 +67,24 @@ impl Headway {
         let seen = self.clearance + self.distance - self.seen_nearer(speed);
         let follows = self.separation.approach_limit(seen, 0.0);
         let next = self.distance + (speed - follows) * period;
-        // It comes to rest where the two are as fast as each other, however long the period.
+        // The headway settles where robot and person are equally fast, however long the period.
         self.distance = if self.distance < settled { next.min(settled) } else { next.max(settled) };
         Ok(())
     }
 
-    /// How far the robot stays behind, beyond where it works \[m\].
+    /// Returns the headway, the distance that the robot stays behind beyond its place of work
+    /// \[m\].
     pub fn distance(&self) -> f64 {
         self.distance
     }
 
-    /// The same behind somebody who goes away at `speed` \[m/s\] all the time \[m\].
+    /// Returns the headway behind a person who moves away at `speed` \[m/s\] all the time \[m\].
     pub fn at(&self, speed: f64) -> f64 {
         let needed = self.separation.protective_distance(0.0, speed) + self.seen_nearer(speed);
         (needed - self.clearance).max(0.0)
     }
 
-    /// How much nearer somebody who goes away at `speed` may seem to be than they are \[m\].
+    /// Returns how much nearer a person who moves away at `speed` may seem than they are \[m\].
     fn seen_nearer(&self, speed: f64) -> f64 {
         speed.max(0.0) * self.separation.reaction_time
     }

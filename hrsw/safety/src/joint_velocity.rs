@@ -1,4 +1,4 @@
-//! How fast the joints of a person move, from where they are seen in camera frames and nothing else.
+//! Velocities of a person's joints, from their positions in camera frames alone.
 
 use nalgebra::{Matrix3, Vector3};
 use vision_models::{Body, Body25};
@@ -6,47 +6,47 @@ use vision_models::{Body, Body25};
 use crate::measured_velocity::MeasuredVelocity;
 use crate::settings::PersonBodySettings;
 
-/// How long errors of joints with known covariances last \[s\].
+/// Correlation time of the errors of joints with known covariances \[s\].
 const CORRELATION_TIME: f64 = 0.05;
 
-/// The acceleration of who surely moves is as large as their speed times this \[1/s\], or as the acceleration seen so
-/// far times that.
+/// Factors of the acceleration of a joint that surely moves: on its speed \[1/s\], and on the
+/// acceleration so far.
 const SPEED_CHANGE: f64 = 6.0;
 const ACCELERATION_CHANGE: f64 = 2.0;
-/// A speed, or an acceleration, is sure beyond so many of its standard deviations.
+/// A speed or an acceleration is certain beyond this many standard deviations.
 const SURE: f64 = 2.5;
-/// Elbows and wrists, and knees and ankles, accelerate so much more than trunk and head.
+/// Factors on the acceleration of trunk and head, for elbows and wrists, and for knees and ankles.
 const ARM: f64 = 5.0;
 const LEG: f64 = 2.0;
 
-/// How long an acceleration lasts \[s\].
+/// Time constant with which an acceleration fades \[s\].
 const LASTS: f64 = 0.3;
 
-/// No joint accelerates more than this \[m/s²\].
+/// Largest acceleration of a joint \[m/s²\].
 const MOST: f64 = 25.0;
 
-/// Joints that move alike \[-\]: the first is the one of which the velocity is asked for.
+/// Joints that move alike. The velocity that is asked for is that of the first one.
 #[derive(Debug, Clone)]
 struct Group {
     joints: &'static [Body25],
     kind: Kind,
-    /// Where each is expected \[m\].
+    /// Expected place of each joint \[m\].
     places: [Option<Vector3<f64>>; LARGEST],
-    /// The state that they share \[m/s, m/s²\].
+    /// Common state of the joints \[m/s, m/s²\].
     velocity: Vector3<f64>,
     acceleration: Vector3<f64>,
-    /// Of place, velocity and acceleration, the same for each axis.
+    /// Covariance of place, velocity and acceleration, the same for each axis.
     covariance: Matrix3<f64>,
-    /// When it was seen last, and since when without a gap \[s\].
+    /// Times of the first and the last observation without a gap \[s\].
     seen: Option<Span>,
 }
 
-/// How joints accelerate.
+/// Model of the accelerations of joints.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Kind {
-    /// As those of somebody who may do anything, so much more than trunk and head.
+    /// A person who may do anything. The factor is relative to trunk and head.
     Any(f64),
-    /// As evenly as the trunk of somebody who works.
+    /// The steady trunk of a person who works.
     Even,
 }
 
@@ -56,17 +56,17 @@ struct Span {
     last: f64,
 }
 
-/// The most joints of a group.
+/// Largest number of joints of a group.
 const LARGEST: usize = 6;
 
-/// The joints of the trunk, which move alike as long as somebody stands or walks upright.
+/// Joints of the trunk, which move alike while a person stands or walks upright.
 const TRUNK: &[Body25] = {
     use Body25::{LeftHip, LeftShoulder, MidHip, Neck, RightHip, RightShoulder};
     &[Neck, MidHip, LeftShoulder, RightShoulder, LeftHip, RightHip]
 };
 
-/// Which joints move alike. Eyes and ears move as the nose does but for a turn of the head; neck and mid hip as the
-/// mean of shoulders and hips.
+/// Groups of joints that move alike. Eyes and ears move like the nose except for turns of the head.
+/// The neck moves like the mean of the shoulders, and the mid hip like the mean of the hips.
 const GROUPS: [&[Body25]; 15] = {
     use Body25::{
         LeftAnkle, LeftEar, LeftElbow, LeftEye, LeftHip, LeftKnee, LeftShoulder, LeftWrist, MidHip,
@@ -92,12 +92,14 @@ const GROUPS: [&[Body25]; 15] = {
     ]
 };
 
-/// The velocities of a person's joints, by a Kalman filter for each group of joints that move alike.
+/// Velocities of a person's joints, by a Kalman filter for each group of joints that move alike.
 ///
-/// State: place, velocity and acceleration, which fades within [`LASTS`] (Singer, 1970). The acceleration has the
-/// standard deviation √(a₀² + (6 v / s)² + (2 a)²), with a₀ of the settings and v and a as filtered, beyond what noise
-/// makes of them: who stands may begin to move, and who moves may stop or turn back. A joint alone has an innovation of its own; a group the mean of
-/// those of its joints that are seen.
+/// The state is place, velocity and acceleration, which fades within [`LASTS`] (Singer, 1970). The
+/// standard deviation of the acceleration is √((f a₀)² + (6 v / s)² + (2 a)²), at most [`MOST`].
+/// Here a₀ is from the settings and f is the factor of the limb. v and a are the filtered values
+/// less what noise explains. A person who stands may begin to move, and a person who moves may stop
+/// or turn back. A single joint has its own innovation. The innovation of a group is the mean over
+/// its joints that are seen.
 #[derive(Debug, Clone)]
 pub(super) struct JointVelocities {
     groups: [Group; GROUPS.len()],
@@ -112,12 +114,12 @@ impl JointVelocities {
         }
     }
 
-    /// Forgets all of them.
+    /// Forgets all velocities.
     pub(super) fn forget(&mut self) {
         self.groups.iter_mut().chain([&mut self.trunk]).for_each(|group| group.seen = None);
     }
 
-    /// Takes a frame. `place` says where a joint is that is seen and believed \[m\].
+    /// Takes a frame. `place` gives the position of a joint that is seen and believed \[m\].
     pub(super) fn observe(
         &mut self,
         time: f64,
@@ -130,8 +132,9 @@ impl JointVelocities {
         }
     }
 
-    /// The velocity of a joint at the time `now`, where it is measured: followed for long enough, seen of late, and known
-    /// better than to the speed `assumed` of a joint of which nothing is known \[m/s\].
+    /// Returns the velocity of a joint at the time `now`, if it is measured. The joint must have
+    /// been followed for long enough and seen recently. The uncertainty must be below the `assumed`
+    /// speed of an unknown joint \[m/s\].
     pub(super) fn of(
         &self,
         joint: Body25,
@@ -143,9 +146,9 @@ impl JointVelocities {
         group.velocity(now, settings).filter(|velocity| velocity.uncertainty < assumed)
     }
 
-    /// The velocity of a part that is `own`, as far as that is measured, for contacts: that of the trunk, or the
-    /// nearest to it that the part may have. A trunk has more joints than a part, and is known the better
-    /// \[m/s\].
+    /// Returns the velocity of a part that counts for contacts \[m/s\]. It is the velocity of the
+    /// trunk. If the part's `own` velocity is measured, it is the nearest to the trunk's that the
+    /// part may have. The trunk has more joints than a part, so its velocity is more certain.
     pub(super) fn for_contact(
         &self,
         own: Option<MeasuredVelocity>,
@@ -218,7 +221,7 @@ impl Group {
         }
         let (innovation, variance) = (innovation / count, variance / (count * count));
         if innovation.norm() > settings.limb_gate {
-            // Elsewhere at once: that is no motion.
+            // Such a jump is no motion.
             self.begin(settings);
             for (&joint, expected) in self.joints.iter().zip(&mut self.places) {
                 *expected = place(joint);
@@ -233,13 +236,13 @@ impl Group {
         self.acceleration += innovation * gain.z;
         for (&joint, expected) in self.joints.iter().zip(&mut self.places) {
             let Some(expected) = expected else { continue };
-            // Each joint keeps its place among the others, which the frames show better and better.
+            // Each joint keeps its own place in the group, which more frames show more exactly.
             let own = place(joint).map_or(innovation, |seen| seen - *expected);
             *expected += own * gain.x;
         }
     }
 
-    /// As of joints of which nothing is known but where they are.
+    /// Resets the filter to joints of which only the places are known.
     fn begin(&mut self, settings: &PersonBodySettings) {
         self.places = [None; LARGEST];
         self.velocity = Vector3::zeros();
@@ -252,7 +255,7 @@ impl Group {
         self.seen = None;
     }
 
-    /// Goes on by a time \[s\].
+    /// Predicts the state after a time \[s\].
     fn predict(&mut self, elapsed: f64, settings: &PersonBodySettings) {
         let Transition { state, noise } = Transition::over(elapsed);
         let moved = self.velocity * elapsed + self.acceleration * state[(0, 2)];
@@ -286,13 +289,13 @@ impl Group {
         is_measured.then_some(MeasuredVelocity { mean: self.velocity, uncertainty })
     }
 
-    /// The standard deviation of the velocity, each axis \[m/s\].
+    /// Returns the standard deviation of the velocity for each axis \[m/s\].
     fn deviation(&self) -> f64 {
         self.covariance[(1, 1)].max(0.0).sqrt()
     }
 }
 
-/// The variance of where a joint is seen, each axis \[m²\].
+/// Returns the variance of the measured place of a joint for each axis \[m²\].
 fn noise(body: &Body, joint: Body25, interval: f64, settings: &PersonBodySettings) -> f64 {
     let assumed = settings.position_sigma.powi(2);
     let Some(covariance) = body.covariance(joint) else { return assumed };
@@ -302,16 +305,16 @@ fn noise(body: &Body, joint: Body25, interval: f64, settings: &PersonBodySetting
     if variance.is_finite() && variance > 0.0 { variance } else { assumed }
 }
 
-/// What an elapsed time does to place, velocity and acceleration, and what accelerations of unit variance that fade
-/// add to their covariance.
+/// Transition of place, velocity and acceleration over a time. `noise` is the covariance that
+/// fading accelerations of unit variance add.
 struct Transition {
     state: Matrix3<f64>,
     noise: Matrix3<f64>,
 }
 
 impl Transition {
-    /// Singer, "Estimating optimal tracking filter performance for manned maneuvering targets" (1970), equations
-    /// for white noise of density 2/τ that drives the acceleration.
+    /// Uses the equations of Singer, "Estimating optimal tracking filter performance for manned
+    /// maneuvering targets" (1970). White noise of density 2/τ drives the acceleration.
     fn over(elapsed: f64) -> Self {
         let (t, tau) = (elapsed, LASTS);
         let x = t / tau;
@@ -360,18 +363,18 @@ mod tests {
 
     const FRAME: f64 = 0.05;
 
-    /// Nearly normal, of deviation 1: twelve uniform numbers.
+    /// Returns an approximately normal number of deviation 1: the sum of twelve uniform ones.
     fn normal(draw: &mut ChaCha8Rng) -> f64 {
         (0..12).map(|_| draw.random_range(-0.5..0.5_f64)).sum()
     }
 
-    /// Place and velocity along x of somebody who stands, moves with the least jerk and stands again, each time with
-    /// at most this acceleration \[m, m/s\]; frame by frame.
+    /// Returns place and velocity along x for each frame \[m, m/s\]. The person stands, moves with
+    /// the least jerk and stands again, with at most the given acceleration.
     fn bows(most: f64, draw: &mut ChaCha8Rng) -> Vec<(f64, f64)> {
         let (mut frames, mut begin, mut from, mut side) = (Vec::new(), 1.0, 0.0, 1.0);
         while frames.len() < 400 {
             let time: f64 = draw.random_range(0.6..1.4);
-            // The largest acceleration of the least jerk is 10/√3 D/T².
+            // The largest acceleration of the motion with the least jerk is 10/√3 D/T².
             let way =
                 side * most * draw.random_range(0.3..1.0) * time * time * 3.0_f64.sqrt() / 10.0;
             let end = begin + time + draw.random_range(0.3..2.0);
@@ -385,7 +388,8 @@ mod tests {
         frames
     }
 
-    /// The share of frames in which the claim about the head holds, and what it is in the mean \[m/s\].
+    /// Returns the share of frames in which the uncertainty of the head holds, and the mean
+    /// uncertainty \[m/s\].
     fn holds(most: f64, sigma: f64) -> (f64, f64) {
         let settings = PersonBodySettings::default();
         let mut draw = ChaCha8Rng::seed_from_u64(7);
@@ -414,13 +418,13 @@ mod tests {
     }
 
     #[test]
-    fn who_stands_is_known_to_half_a_metre_a_second() {
+    fn a_standing_persons_velocity_uncertainty_is_small() {
         let (kept, uncertainty) = holds(0.0, 0.02);
         assert!(kept > 0.998 && uncertainty < 0.55, "{kept} {uncertainty}");
     }
 
     #[test]
-    fn the_claim_about_a_head_that_leans_holds() {
+    fn the_velocity_uncertainty_of_a_leaning_head_holds() {
         for most in [1.0, 3.0, 4.5] {
             let (kept, _) = holds(most, 0.02);
             assert!(kept >= 0.995, "{kept} at {most} m/s²");
@@ -430,7 +434,7 @@ mod tests {
     }
 
     #[test]
-    fn who_is_not_seen_long_enough_or_no_more_is_not_measured() {
+    fn only_recently_followed_joints_have_a_measured_velocity() {
         let settings = PersonBodySettings::default();
         let mut velocities = JointVelocities::new();
         for frame in 0..20_u32 {

@@ -1,11 +1,11 @@
-//! Separation of a robot from people: their bodies from camera frames, distances, protective distances, limits of
-//! contacts, and a supervisor that is told of every fault.
+//! Separation of a robot from people: their bodies from camera frames, distances and protective
+//! distances, contact limits, and a supervisor that collects all faults.
 //!
-//! Speed and separation monitoring follows ISO/TS 15066, the limits of contacts ISO 10218-2. **This is not
-//! safety-rated software.**
+//! Speed and separation monitoring follows ISO/TS 15066, and contact limits follow ISO 10218-2.
+//! **This is not safety-rated software.**
 //!
-//! A [`Safety`] keeps the distances of any robot of which the bodies are capsules. Here a carriage on a rail carries a
-//! lift, and a person stands ahead:
+//! [`Safety`] keeps the distances of any robot whose bodies are capsules. In this example a
+//! carriage on a rail carries a lift, and a person stands ahead:
 //!
 //! ```
 //! use ahqp_core::AugmentedState;
@@ -104,7 +104,7 @@ pub use settings::{PersonBodySettings, SafetySettings};
 pub use speed_cap::SpeedCap;
 pub use supervisor::{Cause, Observation, Supervisor, SupervisorSettings};
 
-/// The program of the crate's README.
+/// Compiles the program of the crate's README.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;

@@ -1,4 +1,4 @@
-//! The robot's bodies, capsules fixed to its links.
+//! Capsules fixed to the robot's links.
 
 use hrsw::Capsule;
 
@@ -7,8 +7,8 @@ use hrsw::Capsule;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct LinkCapsule {
-    /// The link's name in the URDF.
+    /// Name of the link in the URDF.
     pub link: String,
-    /// In the link's frame \[m\].
+    /// Capsule in the link's frame \[m\].
     pub capsule: Capsule,
 }

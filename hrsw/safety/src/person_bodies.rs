@@ -1,4 +1,4 @@
-//! The person's capsules, from the keypoints that the camera sees.
+//! The person's capsules, from the keypoints of camera frames.
 
 use hrsw::Capsule;
 use nalgebra::Vector3;
@@ -13,15 +13,18 @@ use crate::joint_velocity::JointVelocities;
 use crate::separation::SeparationSettings;
 use crate::settings::PersonBodySettings;
 
-/// How far a standing trunk may seem to move from frame to frame, all of its joints alike \[m\].
+/// Largest apparent motion of a standing trunk from frame to frame, common to all its joints \[m\].
 const NOISE: f64 = 0.03;
-/// How much farther at most where its joints disagree, and by how many standard deviations \[m\].
+/// Largest additional motion if the joints disagree \[m\], and the number of their standard
+/// deviations that count.
 const MOST_SPREAD: f64 = 0.15;
 const DEVIATIONS: f64 = 3.0;
-/// Faster than anybody ran \[m/s\]: 12.4 m/s over 20 m of the world record of 100 m, Berlin 2009 (IAAF's analysis).
+/// Speed that nobody reaches \[m/s\]: 12.4 m/s over 20 m of the world record of 100 m, Berlin 2009
+/// (IAAF's analysis).
 const FASTEST: f64 = 12.5;
-/// Of a median of n values with the median absolute deviation 1 from it, the standard deviation is this over
-/// √n: 1.4826 makes a standard deviation of that of a normal distribution, √(π/2) that of its median.
+/// Standard deviation of a median of n values with median absolute deviation 1, times √n. The
+/// factor 1.4826 turns it into the standard deviation of a normal distribution, and √(π/2) into
+/// that of the median.
 const MEDIAN_DEVIATION: f64 = 1.4826 * 1.2533;
 
 /// Joints that move with the pelvis.
@@ -30,30 +33,30 @@ const ROOT: [Body25; 6] = {
     [Neck, MidHip, LeftShoulder, RightShoulder, LeftHip, RightHip]
 };
 
-/// Where the joints are, as far as they were seen \[m\].
+/// Places of the joints that were seen \[m\].
 type Places = [Option<Vector3<f64>>; Body25::COUNT];
 
-/// A joint where it was seen last, and when \[m, s\].
+/// Last place of a joint and its time \[m, s\].
 #[derive(Debug, Clone, Copy)]
 struct Seen {
     place: Vector3<f64>,
-    /// Where the frame before that one showed it, moved along with the trunk.
+    /// Place in the frame before, moved along with the trunk.
     before: Vector3<f64>,
     time: f64,
-    /// How far it may be from where it was seen, where a frame tells \[m\].
+    /// Largest error of the place, if the frame contains a covariance \[m\].
     spread: f64,
-    /// Where it was seen in the newest frame, too far away to believe at once.
+    /// Place in the newest frame, if it is too far away to be believed at once.
     doubtful: Option<Vector3<f64>>,
 }
 
 impl Seen {
-    /// A joint that was not seen before.
+    /// Creates a joint that is seen for the first time.
     fn first(place: Vector3<f64>, time: f64, spread: f64) -> Self {
         Self { place, before: place, time, spread, doubtful: None }
     }
 
-    /// Takes where the joint is in a frame, if it is there; `moved` is how far the trunk moved
-    /// since the frame before. A joint that is missing or doubted moves along with the trunk.
+    /// Takes the place of the joint in a frame, if it is seen there. `moved` is the motion of the
+    /// trunk since the frame before. A joint that is missing or doubted moves along with the trunk.
     fn update(
         &mut self,
         place: Option<Vector3<f64>>,
@@ -74,25 +77,27 @@ impl Seen {
     }
 }
 
-/// The person's capsules, and what is known of their motion.
+/// The person's capsules and their velocities.
 #[derive(Debug, Clone)]
 pub(super) struct PersonBodies {
     settings: PersonBodySettings,
     joints: [Option<Seen>; Body25::COUNT],
     velocities: JointVelocities,
-    /// Somebody who was seen where nobody can have gone since the frame before: not believed alone, but there
-    /// may be somebody.
+    /// A person seen at a place that nobody can have reached since the frame before. One frame
+    /// alone is not believed, but a person may be there.
     doubtful: Option<Sighting>,
     newest: f64,
-    /// When the newest frame was taken that shows nobody, or somebody who can have come there \[s\].
+    /// Time of the newest frame that shows no person, or a person at a place that they can have
+    /// reached \[s\].
     plausible: f64,
-    /// What a contact with each part may do.
+    /// Contact limits of each part.
     contacts: [Option<ContactLimit>; PARTS.len()],
     bodies: Vec<PersonBody>,
 }
 
 impl PersonBodies {
-    /// Bodies of one person at most: each part as believed, as the frame before showed it, and as doubted.
+    /// Largest number of capsules of one person. Each part may be believed, as in the frame before,
+    /// and doubted.
     pub(super) const ROOM: usize = 3 * PARTS.len();
 
     pub(super) fn new(settings: PersonBodySettings, limits: &ContactLimits) -> Self {
@@ -108,7 +113,7 @@ impl PersonBodies {
         }
     }
 
-    /// Forgets what was seen, and when.
+    /// Forgets all observations.
     pub(super) fn forget(&mut self) {
         self.joints = [None; Body25::COUNT];
         self.velocities.forget();
@@ -118,50 +123,51 @@ impl PersonBodies {
         self.bodies.clear();
     }
 
-    /// How long ago the newest plausible frame was taken: in which nobody is seen, or a person who is where
-    /// somebody can have gone since the frame before.
+    /// Returns the age of the newest plausible frame. A frame is plausible if it shows no person,
+    /// or a person at a place that they can have reached since the frame before.
     pub(super) fn age(&self, now: f64) -> Age {
         Age::new((now - self.plausible).max(0.0)).unwrap_or(Age::NEVER)
     }
 
-    /// Takes a camera frame. Returns the least speed \[m/s\] that would have brought the person where it shows
-    /// them, if nobody is that fast.
+    /// Takes a camera frame. If nobody is fast enough to have reached the place that it shows,
+    /// returns the smallest speed that would explain it \[m/s\].
     pub(super) fn observe(&mut self, percept: &Percept) -> Option<f64> {
         let Some(body) = &percept.body else {
-            // A frame without anybody says nothing of who was seen before.
+            // A frame without a person does not change what is known of the person seen before.
             self.plausible = percept.time;
             return None;
         };
         self.see(percept.time, body)
     }
 
-    /// Whether nobody is known here.
+    /// Returns true if no person is known here.
     pub(super) fn is_empty(&self) -> bool {
         self.joints.iter().all(Option::is_none)
     }
 
-    /// How far a body of a frame of this time is from where the person was seen last, if they can have gone
-    /// there \[m\].
+    /// Returns the distance from the last place of the person to a body of a frame of this time
+    /// \[m\]. None if the person cannot have gone there.
     pub(super) fn way_to(&self, time: f64, body: &Body) -> Option<f64> {
         let (places, least) = (self.places(), self.settings.least_confidence);
-        // By the trunk, or by what else is seen.
+        // Uses the trunk, or else all joints.
         let by = |joints: &[Body25]| Displacement::of(joints, body, &places, least);
         let moved = by(&ROOT).or_else(|| by(&Body25::ALL))?;
         moved.is_within(self.reach(time - self.newest)).then(|| moved.median.norm())
     }
 
-    /// Returns true if a body of a frame of this time is where the person was seen last.
+    /// Returns true if a body of a frame of this time is at the person's last place.
     pub(super) fn is_where(&self, time: f64, body: &Body) -> bool {
         self.way_to(time, body).is_some_and(|way| way <= self.settings.agreement)
     }
 
-    /// How far a person may go in this time [s] \[m\].
+    /// Returns how far a person may go in a time \[s\] \[m\].
     fn reach(&self, elapsed: f64) -> f64 {
         self.settings.jump_speed * elapsed
     }
 
-    /// Takes the body of a frame. Joints that it misses move along with the trunk. Returns the least speed \[m/s\]
-    /// that would have brought it there, if nobody is that fast: it is then doubted.
+    /// Takes the body of a frame. Joints that are missing move along with the trunk. If nobody is
+    /// fast enough to have reached its place, the body is doubted, and the smallest speed that
+    /// explains it \[m/s\] is returned.
     pub(super) fn see(&mut self, time: f64, body: &Body) -> Option<f64> {
         let doubtful = self.doubtful.take();
         let least = self.settings.least_confidence;
@@ -204,8 +210,8 @@ impl PersonBodies {
         None
     }
 
-    /// The capsules at the time `now`; at `contact_speed` they may be touched where their region allows
-    /// it, never at the head.
+    /// Computes the capsules at the time `now`. If `contact_speed` is positive, they may be touched
+    /// where their region allows it, but never at the head.
     pub(super) fn place(
         &mut self,
         now: f64,
@@ -233,7 +239,7 @@ impl PersonBodies {
             let velocity = velocity.map(|ends| part.velocity(&from.place, &to.place, ends));
             let touched = self.velocities.for_contact(velocity, now, &self.settings);
             let fastest = velocity.map_or(assumed, |v| v.mean.norm() + v.uncertainty);
-            // Z_d stands for what frames do not tell.
+            // Z_d covers what frames without covariances do not show.
             let growth = |seen: &Seen| {
                 let untold = (seen.spread - separation.human_uncertainty).max(0.0);
                 fastest * beyond_reaction(now - seen.time, separation) + untold
@@ -244,7 +250,8 @@ impl PersonBodies {
             let within = self.within_reach(part, growth);
             let smaller = within
                 .filter(|reach| grown.is_none_or(|capsule| reach.radius() < capsule.radius()));
-            // Of what may not be touched one frame alone is not believed: it may show it too far away.
+            // One frame alone is not believed for a part that must not be touched. It may show the
+            // part too far away.
             let before = part
                 .capsule(&from.before, &to.before, growth(&from).max(growth(&to)) + beyond)
                 .filter(|_| limit.is_none() && smaller.is_none());
@@ -264,7 +271,7 @@ impl PersonBodies {
         }
     }
 
-    /// The thinnest capsule about joints within which a part is that hangs on them.
+    /// Returns the thinnest capsule around visible joints that contains a part attached to them.
     fn within_reach(&self, part: &Part, growth: impl Fn(&Seen) -> f64) -> Option<Capsule> {
         let capsules = part.reaches.iter().filter_map(|&reach| {
             let [one, other] = reach.joints().map(|joint| self.joints[joint as usize]);
@@ -275,7 +282,8 @@ impl PersonBodies {
         capsules.min_by(|a, b| a.radius().total_cmp(&b.radius()))
     }
 
-    /// The capsules of who was seen where nobody can have gone: nobody may touch them.
+    /// Adds the capsules of a person at a place that nobody can have reached. They must not be
+    /// touched.
     fn place_doubtful(&mut self, now: f64, separation: &SeparationSettings) {
         let Some(seen) = &self.doubtful else { return };
         let elapsed = now - seen.time;
@@ -299,25 +307,25 @@ impl PersonBodies {
         }
     }
 
-    /// As placed last.
+    /// Returns the capsules computed last.
     pub(super) fn placed(&self) -> &[PersonBody] {
         &self.bodies
     }
 
-    /// Where it is measured, the velocity of the pelvis along the floor \[m/s\]; else zero.
+    /// Returns the velocity of the pelvis along the floor \[m/s\], zero if it is not measured.
     pub(super) fn velocity(&self, now: f64, separation: &SeparationSettings) -> Vector3<f64> {
         let pelvis =
             self.velocities.of(Body25::MidHip, now, separation.human_speed, &self.settings);
         pelvis.map_or(Vector3::zeros(), |velocity| velocity.mean.xy().push(0.0))
     }
 
-    /// Where the joints were seen last.
+    /// Returns the last places of the joints.
     fn places(&self) -> Places {
         self.joints.map(|seen| seen.map(|seen| seen.place))
     }
 }
 
-/// How fast a part may be of which no velocity is measured \[m/s\].
+/// Returns the largest speed of a part whose velocity is not measured \[m/s\].
 fn assumed_speed(part: &Part, separation: &SeparationSettings) -> f64 {
     match part.limb {
         Limb::Body => separation.human_speed,
@@ -325,7 +333,7 @@ fn assumed_speed(part: &Part, separation: &SeparationSettings) -> f64 {
     }
 }
 
-/// Where a joint is seen, if it is seen well enough.
+/// Returns the place of a joint, if its confidence is sufficient.
 fn place(body: &Body, joint: Body25, least_confidence: f64) -> Option<Vector3<f64>> {
     let keypoint = body.get(joint)?;
     let place = keypoint.position.coords;
@@ -334,40 +342,42 @@ fn place(body: &Body, joint: Body25, least_confidence: f64) -> Option<Vector3<f6
     good.then_some(place)
 }
 
-/// How far a joint may be from where a frame shows it, where the frame tells its covariance; else zero \[m\].
+/// Returns the largest error of a joint's place \[m\], zero if the frame has no covariance.
 fn spread(body: &Body, joint: Body25) -> f64 {
     let variance = body.covariance(joint).map_or(0.0, |known| known.symmetric_eigenvalues().max());
     DEVIATIONS * variance.max(0.0).sqrt()
 }
 
-/// Where a person was seen in one frame, and when \[m, s\].
+/// Places of a person in one frame, and its time \[m, s\].
 #[derive(Debug, Clone, Copy)]
 struct Sighting {
     joints: Places,
     time: f64,
 }
 
-/// The age of what was seen, beyond what the reaction time covers: it may be anywhere near.
+/// Returns the part of an age that the reaction time does not cover. In that time the person may
+/// have moved anywhere near.
 fn beyond_reaction(age: f64, separation: &SeparationSettings) -> f64 {
     (age - separation.reaction_time).max(0.0)
 }
 
-/// The age of what was seen, as far as the reaction time covers it.
+/// Returns the part of an age that the reaction time covers.
 fn covered_by_reaction(age: f64, separation: &SeparationSettings) -> f64 {
     age.clamp(0.0, separation.reaction_time)
 }
 
-/// How far a body is from where it was before.
+/// Displacement of a body between two frames.
 #[derive(Debug, Clone, Copy, Default)]
 struct Displacement {
-    /// The median of the joints seen both times, by axis, so that one that is misplaced does not count.
+    /// Median over the joints seen both times, for each axis. A single misplaced joint does not
+    /// change it.
     median: Vector3<f64>,
-    /// What the camera's noise may make of it, as far as the joints disagree.
+    /// Largest effect of the camera's noise, by the disagreement of the joints.
     noise: f64,
 }
 
 impl Displacement {
-    /// How far `joints` of a body are from where they were `before`.
+    /// Computes the displacement of `joints` of a body from their places `before`.
     fn of(joints: &[Body25], body: &Body, before: &Places, least_confidence: f64) -> Option<Self> {
         let mut moved = [Vector3::zeros(); Body25::COUNT];
         let mut count = 0;
@@ -396,12 +406,12 @@ impl Displacement {
         Some(Self { median: middle, noise: (DEVIATIONS * deviation).min(MOST_SPREAD) })
     }
 
-    /// Returns true if somebody who moves by no more than `way` \[m\] may be seen so far from where they were.
+    /// Returns true if the displacement can belong to a person who moves by `way` \[m\] at most.
     fn is_within(&self, way: f64) -> bool {
         self.beyond_noise() <= way
     }
 
-    /// How far they must have moved at least \[m\].
+    /// Returns the smallest motion that explains the displacement \[m\].
     fn beyond_noise(&self) -> f64 {
         self.median.norm() - NOISE - self.noise
     }

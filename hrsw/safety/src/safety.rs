@@ -1,4 +1,4 @@
-//! What keeps the robot away from people and from itself: rows for the stack, and a supervisor.
+//! Separation of the robot from people and from itself: rows for the stack, and a supervisor.
 
 use ahqp_core::{AugmentedState, Rows};
 use nalgebra::Vector3;
@@ -17,69 +17,73 @@ use crate::settings::SafetySettings;
 use crate::speed_cap::SpeedCap;
 use crate::supervisor::{Observation, Supervisor, SupervisorSettings};
 
-/// The rows of the safety levels, for a stack of tasks.
+/// Rows of the safety levels for a stack of tasks.
 #[derive(Debug, Clone, Copy)]
 pub struct SafetyRows<'a> {
-    /// Hard: the tool's speed near people. Braking is always admitted.
+    /// Hard constraints on the tool's speed near people. They always admit braking.
     pub cap: &'a Rows,
-    /// The first objective: the robot keeps its protective distances.
+    /// First objective: the protective distances.
     pub separation: &'a Rows,
-    /// The second: the robot's own bodies keep apart.
+    /// Second objective: the distances between the robot's own bodies.
     pub own: &'a Rows,
 }
 
-/// What the robot can do.
+/// Limits of the robot.
 #[derive(Debug, Clone, Copy)]
 pub struct RobotLimits<'a> {
-    /// The largest accelerations of the joints, n \[m/s² or rad/s²\].
+    /// Largest accelerations of the joints, n \[m/s² or rad/s²\].
     pub accelerations: &'a [f64],
-    /// How fast the robot leaves somebody with its joints at their full speeds \[m/s\]: that of its base, if it has one.
+    /// Speed at which the robot can leave a person with its joints at full speed \[m/s\]: that of
+    /// its base, if it has one.
     pub speed: f64,
 }
 
-/// What a tick knows of robot and person.
+/// Inputs of a tick.
 #[derive(Debug, Clone, Copy)]
 pub struct SafetyInput {
-    /// The time of the tick \[s\].
+    /// Time of the tick \[s\].
     pub now: f64,
-    /// The time since the tick before \[s\].
+    /// Time since the tick before \[s\].
     pub elapsed: f64,
-    /// The age of the newest camera frame.
+    /// Age of the newest camera frame.
     pub age: Age,
-    /// Whether person and robot work together.
+    /// True if person and robot work together.
     pub together: bool,
-    /// Whether a contact would be noticed: the force from outside was measured for this tick.
+    /// True if a contact would be noticed, because the force from outside was measured for this
+    /// tick.
     pub feels: bool,
 }
 
-/// Speed and separation monitoring of the robot's bodies against the person's, self-collision,
-/// the speed cap and the supervisor.
+/// Speed and separation monitoring between robot and people, with self-collision avoidance, the
+/// speed cap and the supervisor.
 ///
-/// Every tick: [`measure`](Self::measure) finds the distances, and [`decide`](Self::decide) tells the
-/// supervisor, which says how fast the robot may be. From that follow the velocities that the joints may take.
-/// [`bound`](Self::bound) gives the rows, of which the hard ones must admit the slowest of them.
+/// In every tick, [`measure`](Self::measure) computes the distances. [`decide`](Self::decide)
+/// updates the supervisor, which limits the robot's speed. From that limit follow the velocities
+/// that the joints may take. [`bound`](Self::bound) returns the rows. Its hard rows admit the
+/// slowest of these velocities.
 #[derive(Debug, Clone)]
 pub struct Safety {
     settings: SafetySettings,
     person: PersonBodies,
     others: Bystanders,
-    /// The bodies of all of them in this tick.
+    /// The capsules of all people in this tick.
     people: Vec<PersonBody>,
-    /// Of the joints.
+    /// Largest accelerations of the joints.
     acceleration_limits: Vec<f64>,
-    /// Speed of the robot that leaves somebody \[m/s\].
+    /// Speed at which the robot can leave a person \[m/s\].
     full_speed: f64,
-    /// By how much the joints' velocities may change in this tick.
+    /// Largest change of each joint's velocity in this tick.
     velocity_change: Vec<f64>,
     contact_speed: f64,
     person_velocity: Vector3<f64>,
-    /// How much faster than the supervisor says a robot in retreat leaves: as fast as the person comes \[m/s\].
+    /// Speed of the approaching person, which is added to the supervisor's speed in retreat
+    /// \[m/s\].
     leaving_speed: f64,
     nearest: Option<Nearest>,
     supervisor: Supervisor,
     separation: ApproachRows,
     own: ApproachRows,
-    /// Those of the settings, and those of what is held.
+    /// Pairs of the settings, then those of a held object.
     own_pairs: Vec<(usize, usize)>,
     separation_rows: Rows,
     own_rows: Rows,
@@ -87,11 +91,13 @@ pub struct Safety {
 }
 
 impl Safety {
-    /// For the layout of χ and a robot with these limits, with the control period \[s\].
+    /// Creates the monitoring for the layout of χ, a robot with these limits, and a control period
+    /// \[s\].
     ///
     /// # Errors
-    /// [`Error::Value`] for settings or limits out of range, [`Error::Size`] for accelerations of other joints or a
-    /// pair of bodies that the settings do not have.
+    /// [`Error::Value`] if a setting or limit is out of range. [`Error::Size`] if the number of
+    /// accelerations is not that of the joints, or if a pair has an index beyond the bodies of the
+    /// settings.
     pub fn new(
         state: AugmentedState,
         settings: SafetySettings,
@@ -138,8 +144,8 @@ impl Safety {
         })
     }
 
-    /// What the robot holds is kept apart from what the hand is kept apart from, too; `bodies` are
-    /// those of the robot with what it holds as the last.
+    /// Adds the held object to the self-collision pairs of the hand. `bodies` are those of the
+    /// robot, with the held object as the last.
     pub fn hold(&mut self, bodies: &[RobotBody]) {
         self.release();
         let Some((held, own)) = bodies.split_last() else { return };
@@ -156,7 +162,7 @@ impl Safety {
         }
     }
 
-    /// The robot holds nothing.
+    /// Removes the pairs of the held object.
     pub fn release(&mut self) {
         self.own_pairs.truncate(self.settings.own_pairs.len());
     }
@@ -164,16 +170,18 @@ impl Safety {
     /// Takes a camera frame.
     ///
     /// # Errors
-    /// [`Error::BodySpeed`] for a person who is where nobody can have gone since the frame before. The robot keeps
-    /// its distance from there, and from where they were.
+    /// [`Error::BodySpeed`] if the person is at a place that nobody can have reached since the
+    /// frame before. The robot keeps its distance from that place, and from the one before.
     pub fn observe(&mut self, percept: &Percept) -> Result<(), Error> {
         self.person.observe(percept).map_or(Ok(()), |speed| Err(Error::BodySpeed { speed }))
     }
 
-    /// Takes the bodies of the other people in the frame of a percept: the robot keeps its distance from each.
+    /// Takes the bodies of the other people in the frame of a percept. The robot keeps its distance
+    /// from each of them.
     ///
     /// # Errors
-    /// [`Error::TooManyPeople`] for more than it has room for; those it does not know of.
+    /// [`Error::TooManyPeople`] if there is no room for all of them. The robot does not know of the
+    /// rest.
     pub fn observe_others(&mut self, percept: &Percept, bodies: &[Body]) -> Result<(), Error> {
         match self.others.observe(percept, bodies) {
             0 => Ok(()),
@@ -181,23 +189,24 @@ impl Safety {
         }
     }
 
-    /// Forgets what was seen of people, for frames whose times turned out to be wrong.
+    /// Forgets all observations of people, for frames whose times turned out to be wrong.
     pub fn forget(&mut self) {
         self.person.forget();
         self.others.forget();
         self.nearest = None;
     }
 
-    /// Tells the supervisor what went wrong in the loop.
+    /// Reports a fault of the loop to the supervisor.
     pub fn report(&mut self, fault: Fault) {
         self.supervisor.report(fault);
     }
 
-    /// Measures the distances of a tick. Allocates nothing. Of `motion` neither `braking` nor `change` counts.
+    /// Measures the distances of a tick. Ignores `braking` and `change` of `motion`. Allocates
+    /// nothing.
     ///
     /// # Errors
-    /// [`Error::Size`] for a robot with other joints or bodies than the layout and the settings have,
-    /// [`Error::Value`] for numbers that are not finite.
+    /// [`Error::Size`] if the robot has other joints or bodies than the layout and the settings.
+    /// [`Error::Value`] if a number is not finite.
     pub fn measure(
         &mut self,
         motion: &JointMotion<'_>,
@@ -226,11 +235,11 @@ impl Safety {
         Ok(())
     }
 
-    /// Measures the distances from people once more, with an inverse inertia that was not known in
+    /// Measures the distances from people again, with an inverse inertia that was not known in
     /// [`measure`](Self::measure). Allocates nothing.
     ///
     /// # Errors
-    /// As [`measure`](Self::measure).
+    /// Those of [`measure`](Self::measure).
     pub fn measure_people(
         &mut self,
         motion: &JointMotion<'_>,
@@ -243,13 +252,15 @@ impl Safety {
         Ok(())
     }
 
-    /// Returns true if [`JointMotion::inverse_inertia`] has decided how fast a person measured last may be touched, or
-    /// would have. Most ticks do not ask for it; one that does is mostly followed by others.
+    /// Returns true if [`JointMotion::inverse_inertia`] decided, or would have decided, the speed
+    /// limit of a contact with a person measured last. Most ticks do not need it. A tick that does
+    /// is usually followed by others.
     pub fn needs_inertia(&self) -> bool {
         self.separation.needs_inertia()
     }
 
-    /// Tells the supervisor what was measured, with the robot's bodies of [`measure`](Self::measure). Allocates nothing.
+    /// Reports the measured distances to the supervisor. `bodies` are those of
+    /// [`measure`](Self::measure). Allocates nothing.
     pub fn decide(&mut self, bodies: &[RobotBody], input: &SafetyInput) {
         let age = self.person.age(input.now);
         self.wait(if age > input.age { age } else { input.age }, input.elapsed);
@@ -259,8 +270,8 @@ impl Safety {
         };
     }
 
-    /// How fast the person comes towards the body of the robot that is nearest to its protective distance, as
-    /// far as that is measured \[m/s\].
+    /// Returns the measured speed of the person towards the robot's body that is nearest to its
+    /// protective distance \[m/s\].
     fn speed_of_who_comes(&self, bodies: &[RobotBody]) -> f64 {
         let pair = self.nearest.and_then(|nearest| {
             let (body, part) = (bodies.get(nearest.robot)?, self.people.get(nearest.other)?);
@@ -272,17 +283,17 @@ impl Safety {
         })
     }
 
-    /// Tells the supervisor of a tick in which no distances could be measured: those of the last
-    /// count.
+    /// Updates the supervisor for a tick without measured distances. Those of the last tick count.
     pub fn wait(&mut self, age: Age, elapsed: f64) {
         self.supervisor.update(&Observation { nearest: self.nearest, age }, elapsed);
     }
 
-    /// The rows of the tick; the hard ones admit [`JointMotion::braking`], the velocities nearest to rest that the
-    /// joints may take. Allocates nothing.
+    /// Returns the rows of the tick. The hard rows admit [`JointMotion::braking`], the velocities
+    /// nearest to rest that the joints may take. Allocates nothing.
     ///
     /// # Errors
-    /// [`Error::Size`] for other joints than the layout has, [`Error::Value`] for numbers that are not finite.
+    /// [`Error::Size`] if the joints are not those of the layout. [`Error::Value`] if a number is
+    /// not finite.
     pub fn bound(&mut self, motion: &JointMotion<'_>) -> Result<SafetyRows<'_>, Error> {
         let cap = self.settings.speed_cap.limit(self.separation.least_distance());
         SpeedCap::write(motion, &self.person_velocity, cap, &mut self.cap_rows)?;
@@ -290,22 +301,25 @@ impl Safety {
         Ok(SafetyRows { cap, separation: &self.separation_rows, own })
     }
 
-    /// The share of the way from the velocities of `motion` to `braking`, each n, that the distances ask for \[-\]. See
-    /// [`ApproachRows::braking_share`].
+    /// Returns the share of the way from the velocities of `motion` to `braking`, each n, that the
+    /// distances demand \[-\]. See [`ApproachRows::braking_share`].
     pub fn braking_share(&self, motion: &JointMotion<'_>, braking: &[f64]) -> f64 {
         self.separation.braking_share(motion, &self.separation_rows, motion.velocity, braking)
     }
 
-    /// Returns true if the robot comes about as near to people as it may, with this velocity of the joints, n
-    /// \[m/s or rad/s\]. See [`ApproachRows::is_at_limit`].
+    /// Returns true if the robot approaches people at nearly its largest speed with these joint
+    /// velocities, n \[m/s or rad/s\]. See [`ApproachRows::is_at_limit`].
     pub fn is_at_limit(&self, velocity: &[f64]) -> bool {
         self.separation.is_at_limit(&self.separation_rows, velocity)
     }
 
-    /// The share of their speeds that the joints may use: at once zero in a stop for a fault, while the
-    /// robot moves towards somebody who is too close, and where more pairs are at their limit than there
-    /// are rows or one is nearer than can be told; else the supervisor's, in retreat more by the speed at
-    /// which the person comes. At most 1.
+    /// Returns the share of their speeds that the joints may use, at most 1.
+    ///
+    /// It is zero at once in a stop for a fault, and during motion towards a person who is too
+    /// close. It is also zero if more pairs are at their limits than there are rows, or if a person
+    /// is closer than the uncertainty. Otherwise it is the supervisor's share. In retreat the speed
+    /// at which the person approaches is added.
+    /// person approaches is added.
     pub fn speed_scale(&self) -> f64 {
         let separation = &self.separation;
         let brakes = separation.is_crowded()
@@ -318,32 +332,32 @@ impl Safety {
         }
     }
 
-    /// The safety state and what brought it there.
+    /// Returns the supervisor, with the safety state and its cause.
     pub fn supervisor(&self) -> &Supervisor {
         &self.supervisor
     }
 
-    /// The same, to acknowledge a stop.
+    /// Returns the supervisor, to acknowledge a stop.
     pub fn supervisor_mut(&mut self) -> &mut Supervisor {
         &mut self.supervisor
     }
 
-    /// The pair with the least room above its protective distance.
+    /// Returns the pair with the least room above its protective distance.
     pub fn nearest(&self) -> Option<&Nearest> {
         self.nearest.as_ref()
     }
 
-    /// How fast the robot may now come nearer to the person it works with \[m/s\].
+    /// Returns the speed at which the robot may now approach the person who works with it \[m/s\].
     pub fn contact_speed(&self) -> f64 {
         self.contact_speed
     }
 
-    /// The bodies of the person who may work with the robot as they are taken to be, in the world.
+    /// Returns the capsules of the person who may work with the robot, in the world frame.
     pub fn person_bodies(&self) -> &[PersonBody] {
         self.person.placed()
     }
 
-    /// The bodies of everybody as they are taken to be, in the world: first those of
+    /// Returns the capsules of all people in the world frame, first those of
     /// [`person_bodies`](Self::person_bodies).
     pub fn all_bodies(&self) -> &[PersonBody] {
         &self.people

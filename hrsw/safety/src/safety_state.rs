@@ -1,6 +1,6 @@
-//! How much the robot may do.
+//! Safety states of the robot.
 
-/// How much the robot may do.
+/// Safety state: how much the robot may do, from least to most strict.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub enum SafetyState {
     /// Full speed.
@@ -8,8 +8,8 @@ pub enum SafetyState {
     Normal,
     /// Reduced speed.
     Reduced,
-    /// Somebody is nearer than the protective distance: the robot comes no nearer, and leaves slowly.
+    /// A person is inside the protective distance. The robot does not approach, and leaves slowly.
     Retreat,
-    /// At rest, still under control.
+    /// Standstill, still under control.
     ProtectiveStop,
 }

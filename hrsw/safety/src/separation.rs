@@ -3,22 +3,22 @@
 
 use crate::error::{Error, not_negative, positive};
 
-/// How the mobile base under an arm brakes.
+/// Braking of the mobile base under an arm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct BaseBraking {
-    /// How many of the joints, from the first, are the base's.
+    /// Number of the base's joints, counted from the first.
     pub joints: usize,
-    /// With which they brake \[m/s²\].
+    /// Deceleration of the base's joints \[m/s²\].
     pub deceleration: f64,
 }
 
-/// Below this speed of approach a robot counts as one of which the base moves: what moves next is not
-/// known \[m/s\].
+/// Below this speed of approach the base counts as moving, since it is not known which joints move
+/// next \[m/s\].
 const CREEP: f64 = 0.02;
 
-/// The terms of the protective separation distance.
+/// Terms of the protective separation distance.
 ///
 /// ```
 /// use hrsw_safety::SeparationSettings;
@@ -32,19 +32,20 @@ const CREEP: f64 = 0.02;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct SeparationSettings {
-    /// v_h, the speed of a person's body towards the robot where it is not measured \[m/s\]. Default 1.6,
-    /// the speed of walking of ISO 13855.
+    /// v_h, the speed of a person's body towards the robot if it is not measured \[m/s\]. Default
+    /// 1.6, the speed of walking of ISO 13855.
     pub human_speed: f64,
-    /// The same of hands and arms \[m/s\]. Default 2.0, the speed of reaching of ISO 13855.
+    /// Speed of hands and arms towards the robot if it is not measured \[m/s\]. Default 2.0, the
+    /// speed of reaching of ISO 13855.
     pub arm_speed: f64,
-    /// T_r, from the person's motion to the robot's first reaction, the perception's latency
-    /// included \[s\]. Default 0.15: a 20 Hz frame and 0.1 s of recognition.
+    /// T_r, the time from the person's motion to the robot's first reaction, including the latency
+    /// of perception \[s\]. Default 0.15: a frame at 20 Hz and 0.1 s of recognition.
     pub reaction_time: f64,
-    /// a, with which the robot brakes along the line between the two \[m/s²\]. Default 2.0.
+    /// a, the deceleration of the robot along the line between the two \[m/s²\]. Default 2.0.
     pub deceleration: f64,
-    /// The first joints, where they brake otherwise than the others. Default none.
+    /// Braking of the first joints, if it differs from that of the others. Default none.
     pub base: Option<BaseBraking>,
-    /// C, how far a part of the body may reach in before it is seen \[m\]. Default 0.1.
+    /// C, the distance that a part of the body may reach in before it is seen \[m\]. Default 0.1.
     pub intrusion: f64,
     /// Z_d, the uncertainty of the person's position \[m\]. Default 0.05.
     pub human_uncertainty: f64,
@@ -68,8 +69,9 @@ impl Default for SeparationSettings {
 }
 
 impl SeparationSettings {
-    /// For two bodies of one robot: nobody moves unseen, and the reaction takes a `period` \[s\];
-    /// `margin` \[m\] stays between them, with braking at `deceleration` \[m/s²\].
+    /// Creates terms for two bodies of one robot. Nobody moves unseen, and the reaction takes one
+    /// `period` \[s\]. `margin` \[m\] remains between the bodies, which brake at `deceleration`
+    /// \[m/s²\].
     pub fn between_own_bodies(period: f64, deceleration: f64, margin: f64) -> Self {
         Self {
             human_speed: 0.0,
@@ -86,7 +88,7 @@ impl SeparationSettings {
     /// Checks the ranges.
     ///
     /// # Errors
-    /// [`Error::Value`] names the first that is out of its range.
+    /// [`Error::Value`] names the first term that is out of its range.
     pub fn validate(&self) -> Result<(), Error> {
         not_negative("the human speed", self.human_speed)?;
         not_negative("the speed of an arm", self.arm_speed)?;
@@ -101,10 +103,12 @@ impl SeparationSettings {
         Ok(())
     }
 
-    /// The same for a pair that comes nearer at `base_speed` by the motion of the base and at `arm_speed`
-    /// by that of the other joints \[m/s\]: 1/a is the mean of theirs, weighed by their speeds. The
-    /// stopping distance is then no less than v_b²/(2a_b) + v_a²/(2a_a), and the stopping time no less
-    /// than that of either.
+    /// Returns the settings for a pair that approaches at `base_speed` by the base and `arm_speed`
+    /// by the other joints \[m/s\].
+    ///
+    /// 1/a is the mean of the reciprocal decelerations, weighted by the speeds. The stopping
+    /// distance is then no less than v_b²/(2a_b) + v_a²/(2a_a). The stopping time is no less than
+    /// that of either part.
     #[must_use]
     pub fn braking_by_parts(&self, base_speed: f64, arm_speed: f64) -> Self {
         let Some(base) = &self.base else { return *self };
@@ -113,15 +117,16 @@ impl SeparationSettings {
         Self { deceleration: (base_speed + arm_speed) / time, ..*self }
     }
 
-    /// The same for the joints that brake worst.
+    /// Returns the settings with the smallest deceleration of all joints.
     pub(crate) fn braking_worst(&self) -> Self {
         let worst = self.base.map_or(f64::INFINITY, |base| base.deceleration);
         Self { deceleration: self.deceleration.min(worst), ..*self }
     }
 
-    /// S_p = v_h(T_r + T_s) + v_r T_r + v_r²/(2a) + C + Z_d + Z_r with T_s = v_r/a: the distance at
-    /// which a person at `human_speed` towards the robot and a robot at `robot_speed` towards
-    /// the person \[m/s\] still end apart \[m\]. Receding counts as standing.
+    /// Returns S_p = v_h(T_r + T_s) + v_r T_r + v_r²/(2a) + C + Z_d + Z_r with T_s = v_r/a \[m\].
+    ///
+    /// At this distance a person at `human_speed` towards the robot and a robot at `robot_speed`
+    /// towards the person \[m/s\] still end apart. Receding counts as standing.
     pub fn protective_distance(&self, human_speed: f64, robot_speed: f64) -> f64 {
         let (human, robot) = (human_speed.max(0.0), robot_speed.max(0.0));
         let stopping = robot / self.deceleration;
@@ -131,23 +136,25 @@ impl SeparationSettings {
             + self.margin()
     }
 
-    /// The largest speed of the robot towards the person at `distance` \[m\] from them,
-    /// v_r ≤ −(aT_r + v_h) + √((aT_r + v_h)² + 2aK) with K = d − C − Z_d − Z_r − v_h T_r; zero where
-    /// even a robot at rest is too near.
+    /// Returns the largest speed v_r of the robot towards the person at `distance` \[m\] from them
+    /// \[m/s\].
+    ///
+    /// v_r = −(aT_r + v_h) + √((aT_r + v_h)² + 2aK) with K = d − C − Z_d − Z_r − v_h T_r. The speed
+    /// is zero where even a robot at rest is too near.
     pub fn approach_limit(&self, distance: f64, human_speed: f64) -> f64 {
         let human = human_speed.max(0.0);
         let room = distance - self.margin() - human * self.reaction_time;
         if room > 0.0 {
             let slope = self.deceleration * self.reaction_time + human;
             let reach = 2.0 * self.deceleration * room;
-            // The root, written without the difference of near numbers.
+            // The root in a form that does not subtract nearly equal numbers.
             reach / (slope + (slope * slope + reach).sqrt())
         } else {
             0.0
         }
     }
 
-    /// C + Z_d + Z_r \[m\].
+    /// Returns C + Z_d + Z_r \[m\].
     fn margin(&self) -> f64 {
         self.intrusion + self.human_uncertainty + self.robot_uncertainty
     }

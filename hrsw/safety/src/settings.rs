@@ -1,4 +1,4 @@
-//! How the robot keeps its distance.
+//! Settings of the separation from people.
 
 use crate::body_region::ContactLimits;
 use crate::error::{Error, check_count, not_negative, positive};
@@ -7,41 +7,45 @@ use crate::separation::SeparationSettings;
 use crate::speed_cap::SpeedCap;
 use crate::supervisor::SupervisorSettings;
 
-/// How the person's body is made of what the camera sees.
+/// How the person's body is computed from camera frames.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct PersonBodySettings {
-    /// Keypoints with less confidence are as good as missing \[-\]. Default 0.5.
+    /// Smallest confidence of a keypoint that counts as seen \[-\]. Default 0.5.
     pub least_confidence: f64,
-    /// A joint that moved farther against the trunk since the frame before counts as missing, unless
-    /// it is seen there again in the next \[m\]. Default 0.3.
+    /// Largest motion of a joint relative to the trunk from frame to frame \[m\]. A joint that
+    /// moved farther counts as missing unless the next frame shows it there again. Default 0.3.
     pub limb_gate: f64,
-    /// Who moves faster than this from frame to frame jumped: velocities are then measured anew \[m/s\].
-    /// Default 1.6.
+    /// Largest speed from frame to frame \[m/s\]. A person who moves faster has jumped, and
+    /// velocities are measured again. Default 1.6.
     pub jump_speed: f64,
-    /// The velocity of a joint that was not seen for longer than this is measured anew \[s\]. Default 0.5.
+    /// Longest time without seeing a joint after which its velocity is still continued \[s\].
+    /// Default 0.5.
     pub gap: f64,
-    /// Somebody who is seen no farther than this from where another was is the same \[m\]. Default 0.25.
+    /// Largest distance between two observations of the same person \[m\]. Default 0.25.
     pub agreement: f64,
-    /// How long a joint must have been seen for its velocity to count \[s\]. Default 0.3.
+    /// Time for which a joint must have been seen before its velocity counts \[s\]. Default 0.3.
     pub settling: f64,
-    /// How long the velocity measured last is believed, with an uncertainty that grows \[s\]. Default 0.5.
+    /// Time for which the last measured velocity is believed, with growing uncertainty \[s\].
+    /// Default 0.5.
     pub believed_for: f64,
-    /// Standard deviation of where a joint is seen, each axis, where no covariance is known \[m\]. Default 0.02.
+    /// Standard deviation of the place of a joint for each axis, if no covariance is known \[m\].
+    /// Default 0.02.
     pub position_sigma: f64,
-    /// Standard deviation of the acceleration of somebody who stands \[m/s²\]: how soon they may begin to lean or
-    /// to walk. Default 1.6.
+    /// Standard deviation of the acceleration of a person who stands and may begin to lean or walk
+    /// \[m/s²\]. Default 1.6.
     pub acceleration: f64,
-    /// The same of the trunk of somebody who works with the robot \[m/s²\]: for contacts a part moves as the trunk
-    /// until its own joints show that it does not. Default 0.4.
+    /// Standard deviation of the acceleration of the trunk of a person who works with the robot
+    /// \[m/s²\]. A part moves like the trunk until its own joints show otherwise, where contacts
+    /// are concerned. Default 0.4.
     pub working_acceleration: f64,
-    /// How many standard deviations faster than measured a part may be \[-\]. Default 3.
+    /// Number of standard deviations by which a part may be faster than measured \[-\]. Default 3.
     pub speed_deviations: f64,
-    /// How much faster than measured it may be for each second since it was seen \[m/s²\]. Default 1.
+    /// Growth of a velocity's uncertainty with the time since it was seen \[m/s²\]. Default 1.
     pub onset: f64,
-    /// After how long without being seen a person is taken to have left \[s\]. Until then what is
-    /// not seen grows as fast as a person may come nearer. Default 10.
+    /// Time without being seen after which a person is assumed to have left \[s\]. Until then
+    /// unseen parts grow at the speed at which a person may approach. Default 10.
     pub forget_after: f64,
 }
 
@@ -81,40 +85,42 @@ impl Default for PersonBodySettings {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct SafetySettings {
-    /// The terms of the protective distance. Default: that of [`SeparationSettings`] with C = 0.05 m, since every
-    /// part of the body is tracked, and the braking of the robot's base.
+    /// Terms of the protective distance. Default: those of [`SeparationSettings`] with C = 0.05 m,
+    /// since every part of the body is tracked, and with the braking of the robot's base.
     pub separation: SeparationSettings,
-    /// Pairs of a robot's and a person's body that get a row. Default 40.
+    /// Number of pairs of a robot's and a person's body that get a row. Default 40.
     pub pairs: usize,
-    /// What a contact with a part of the person may do. Default: that of [`ContactLimits`], quasi-static.
+    /// Limits of a contact with a part of the person. Default: those of [`ContactLimits`],
+    /// quasi-static.
     pub contact: ContactLimits,
-    /// How fast the robot and a person who works with it may come nearer to each other, where the limits
-    /// of a contact allow it \[m/s\]. Default 0.25.
+    /// Largest speed at which the robot and a person who works with it may approach each other
+    /// \[m/s\]. Contact limits may lower it. Default 0.25.
     pub contact_speed: f64,
-    /// How fast that comes and goes when working together begins and ends \[m/s²\]. Default 1.
+    /// Rate at which `contact_speed` rises and falls when working together begins and ends
+    /// \[m/s²\]. Default 1.
     pub contact_acceleration: f64,
-    /// The cap on the tool's speed relative to the person. Default that of [`SpeedCap`].
+    /// Cap on the tool's speed relative to the person. Default: that of [`SpeedCap`].
     pub speed_cap: SpeedCap,
-    /// When the robot stops, and when it recovers. Default: that of [`SupervisorSettings`] without reduced speed near
-    /// people, which the other terms see to, with no tolerance, a hysteresis of 0.03 m, a dwell
-    /// time of 0.2 s, half the speed when reduced, and a ramp of 0.25 s.
+    /// Rules by which the robot stops and recovers. Default: those of [`SupervisorSettings`], with
+    /// no tolerance and a hysteresis of 0.03 m. The dwell time is 0.2 s, the reduced share of the
+    /// speed one half, and the ramp 0.25 s.
     pub supervisor: SupervisorSettings,
-    /// The person's body.
+    /// How the person's body is computed.
     pub person: PersonBodySettings,
-    /// The robot's bodies, best from the hand down: the nearest are then found first. Default: those of the robot,
-    /// none where it is not known.
+    /// Capsules of the robot, best from the hand to the base: the nearest are then found first.
+    /// Default: those of the robot, none if the robot is not known.
     pub bodies: Vec<LinkCapsule>,
-    /// Pairs of those that are kept apart, by index. Default: those of the robot.
+    /// Pairs of these capsules that are kept apart, by index. Default: those of the robot.
     pub own_pairs: Vec<(usize, usize)>,
-    /// Pairs of the robot's own bodies that get a row. Default 6.
+    /// Number of pairs of the robot's own bodies that get a row. Default 6.
     pub own_rows: usize,
-    /// Margin between them \[m\]. Default 0.03.
+    /// Margin between the robot's own bodies \[m\]. Default 0.03.
     pub own_margin: f64,
-    /// How fast the arm brakes before itself \[m/s²\]. Default 2.
+    /// Deceleration of the arm before a self-collision \[m/s²\]. Default 2.
     pub own_deceleration: f64,
 }
 
-/// A robot without bodies: those are its own.
+/// Settings of a robot without capsules, since these depend on the robot.
 impl Default for SafetySettings {
     fn default() -> Self {
         Self {
@@ -143,9 +149,9 @@ impl Default for SafetySettings {
 }
 
 impl SafetySettings {
-    /// The same with no bodies, no rows, and no stops once a camera frame has come: people are not kept at a
-    /// distance, and the robot may touch itself. Forces from outside still stop it. For simulations and
-    /// comparisons.
+    /// Returns the settings without capsules and rows, and without stops for old frames once one
+    /// frame has come. The robot keeps no distance from people and may collide with itself. Forces
+    /// from outside still stop it. This is for simulations and comparisons.
     ///
     /// ```
     /// use hrsw_safety::SafetySettings;
@@ -172,7 +178,7 @@ impl SafetySettings {
     /// Checks the ranges.
     ///
     /// # Errors
-    /// [`Error::Value`] names the first that is out of its range.
+    /// [`Error::Value`] names the first setting that is out of its range.
     pub fn validate(&self) -> Result<(), Error> {
         self.separation.validate()?;
         self.speed_cap.validate()?;

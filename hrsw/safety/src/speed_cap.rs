@@ -1,4 +1,4 @@
-//! A cap on the speed of the tool near people.
+//! Cap on the speed of the tool near people.
 
 use ahqp_core::{AugmentedState, Rows};
 use nalgebra::Vector3;
@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use crate::approach::JointMotion;
 use crate::error::{Error, check_size, check_slice, positive};
 
-/// How fast the tool may move at a distance from the nearest person.
+/// Largest speed of the tool as a function of the distance to the nearest person.
 ///
 /// ```
 /// use hrsw_safety::SpeedCap;
@@ -19,13 +19,14 @@ use crate::error::{Error, check_size, check_slice, positive};
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct SpeedCap {
-    /// Nearer than `near` \[m/s\]. Default 0.25.
+    /// Speed nearer than `near` \[m/s\]. Default 0.25.
     pub reduced: f64,
-    /// At `far` \[m/s\]; between the two it grows evenly, beyond there is no cap. Default 1.7.
+    /// Speed at `far` \[m/s\]. The cap grows linearly from `near` to `far`, and there is none
+    /// beyond. Default 1.7.
     pub full: f64,
-    /// Default 0.6 m.
+    /// Distance up to which the speed is `reduced` \[m\]. Default 0.6.
     pub near: f64,
-    /// Default 2.0 m.
+    /// Distance from which there is no cap \[m\]. Default 2.0.
     pub far: f64,
 }
 
@@ -35,8 +36,8 @@ impl Default for SpeedCap {
     }
 }
 
-/// The axes and the diagonals of a cube: the polyhedron |dᵢ · v| ≤ h has no point farther from
-/// zero than h / [`INNER`].
+/// Axes and diagonals of a cube. The polyhedron |dᵢ · v| ≤ h has no point farther from zero than h
+/// / [`INNER`].
 const DIRECTIONS: [[f64; 3]; 7] = {
     const D: f64 = 0.577_350_269_189_625_8;
     [
@@ -50,21 +51,21 @@ const DIRECTIONS: [[f64; 3]; 7] = {
     ]
 };
 
-/// 1/√(1 + (√3 − 1)²): the distance from zero of the facets of the hull of ±dᵢ.
+/// 1/√(1 + (√3 − 1)²): the distance from zero to the facets of the hull of ±dᵢ.
 const INNER: f64 = 0.806_898_221_355_073_5;
 
-/// How much more than braking needs is admitted \[m/s\]: rows that leave nothing but one velocity are kept no more exactly
-/// than the solver computes.
+/// Speed that is admitted beyond what braking needs \[m/s\]. Rows that admit a single velocity hold
+/// only to the accuracy of the solver.
 const ROOM: f64 = 1e-6;
 
 impl SpeedCap {
-    /// How many rows [`rows`](Self::rows) has.
+    /// Number of rows of [`rows`](Self::rows).
     pub const ROWS: usize = DIRECTIONS.len();
 
     /// Checks the ranges.
     ///
     /// # Errors
-    /// [`Error::Value`] names the first that is out of its range.
+    /// [`Error::Value`] names the first field that is out of its range.
     pub fn validate(&self) -> Result<(), Error> {
         positive("the reduced speed", self.reduced)?;
         positive("the full speed", self.full)?;
@@ -81,7 +82,7 @@ impl SpeedCap {
         Ok(())
     }
 
-    /// The largest speed at `distance` \[m\] from the nearest person \[m/s\].
+    /// Returns the largest speed at `distance` \[m\] from the nearest person \[m/s\].
     pub fn limit(&self, distance: f64) -> f64 {
         if distance >= self.far {
             return f64::INFINITY;
@@ -90,21 +91,23 @@ impl SpeedCap {
         self.reduced + share * (self.full - self.reduced)
     }
 
-    /// The block, bounding nothing yet.
+    /// Returns the block of rows, which bounds nothing yet.
     pub fn rows(state: AugmentedState) -> Rows {
         let mut rows = Rows::zeros(Self::ROWS, state.len());
         rows.set_free();
         rows
     }
 
-    /// Writes ‖v − w‖ ≤ `speed` for the velocity v of the point that the Jacobian is of and that
-    /// of the `person`, w, through directions that keep within it: 7 rows of both signs, relaxed
-    /// so that they admit rest, and as far as [`JointMotion::braking`] needs, with 1e-6 m/s to spare.
-    /// An infinite speed bounds nothing. Allocates nothing.
+    /// Writes rows for ‖v − w‖ ≤ `speed`. v is the velocity of the reference point of the Jacobian
+    /// and w that of the `person`.
+    ///
+    /// The bound holds along 7 directions, each with both signs, and is never exceeded between
+    /// them. The rows are relaxed so that they admit rest, and [`JointMotion::braking`] with 1e-6
+    /// m/s to spare. An infinite speed bounds nothing. Allocates nothing.
     ///
     /// # Errors
-    /// [`Error::Size`] for what does not fit; [`Error::Value`] for a negative speed
-    /// and for what is not finite.
+    /// [`Error::Size`] if an argument does not fit. [`Error::Value`] if the speed is negative or a
+    /// number is not finite.
     pub fn write(
         motion: &JointMotion<'_>,
         person: &Vector3<f64>,

@@ -1,4 +1,4 @@
-//! The safety state of the robot: what brought it there, and by which rule it recovers.
+//! Safety state machine: the state, its cause, and the rules of recovery.
 
 use crate::age::Age;
 use crate::approach::Nearest;
@@ -7,15 +7,15 @@ use crate::fault::Fault;
 
 use crate::safety_state::SafetyState;
 
-/// What brought the robot to its state.
+/// Cause of a safety state.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Cause {
-    /// The protective distance is undercut.
+    /// The protective distance is violated.
     TooClose(Nearest),
-    /// People were not seen for too long.
+    /// The newest camera frame is too old.
     Stale {
-        /// The age of the newest frame.
+        /// Age of the newest frame.
         age: Age,
     },
     /// The loop reported a fault.
@@ -23,8 +23,8 @@ pub enum Cause {
 }
 
 impl Cause {
-    /// Of causes that ask for the same state the one that says more: a fault before what follows
-    /// from it.
+    /// Returns the priority among causes that ask for the same state. A fault comes before its
+    /// consequences.
     fn rank(&self) -> u8 {
         match self {
             Self::Fault(_) => 2,
@@ -33,8 +33,8 @@ impl Cause {
         }
     }
 
-    /// Returns true if the robot is to stop as fast as it can, and not along a ramp: for a fault that stops
-    /// it, and while it still moves towards somebody who is too close.
+    /// Returns true if the robot is to stop as fast as it can instead of along a ramp. This holds
+    /// for a fault that stops it, and while it moves towards a person who is too close.
     fn is_urgent(&self, state: SafetyState) -> bool {
         match self {
             Self::Fault(_) => state == SafetyState::ProtectiveStop,
@@ -44,40 +44,40 @@ impl Cause {
     }
 }
 
-/// A robot that comes nearer no faster than this does not approach \[m/s\].
+/// A robot that is no faster than this towards a person does not approach \[m/s\].
 const CREEP: f64 = 0.02;
 
-/// When the states change.
+/// Thresholds and times of the changes of state.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct SupervisorSettings {
-    /// By how much the protective distance may be undercut before the robot retreats, for noise
+    /// Violation of the protective distance that is tolerated for noise before the robot retreats
     /// \[m\]. Default 0.02.
     pub tolerance: f64,
-    /// How long it must be undercut, for a head that one frame alone shows nearer \[s\]. Until then the robot comes no
-    /// nearer. Default 0.12: two frames and a little.
+    /// Time for which the violation must last \[s\], since one frame alone may show a head nearer.
+    /// Until then the robot does not approach. Default 0.12: two frames and a little.
     pub retreat_after: f64,
-    /// Additional room needed to recover \[m\]. Default 0.1.
+    /// Additional room that is needed for recovery \[m\]. Default 0.1.
     pub hysteresis: f64,
-    /// How long the reason must be gone to recover \[s\]. Default 0.5.
+    /// Time for which the cause must be gone before recovery \[s\]. Default 0.5.
     pub dwell: f64,
-    /// Age of the last percept from which speed is reduced \[s\]. Default 0.3.
+    /// Age of the last percept above which speed is reduced \[s\]. Default 0.3.
     pub reduced_age: f64,
-    /// Age of the last percept from which the robot stops \[s\]. Default 0.8.
+    /// Age of the last percept above which the robot stops \[s\]. Default 0.8.
     pub stop_age: f64,
-    /// Whether somebody must acknowledge every protective stop before the robot recovers; some
-    /// faults ask for that always, see [`Fault::waits`]. Default false.
+    /// True if every protective stop must be acknowledged before the robot recovers. Some faults
+    /// always require it, see [`Fault::waits`]. Default false.
     pub acknowledge: bool,
-    /// Share of the speed when reduced \[-\]. Default 0.3.
+    /// Share of the speed in the reduced state \[-\]. Default 0.3.
     pub reduced_scale: f64,
-    /// Share of the speed in retreat \[-\]. Default 0.15: of a base of 1.5 m/s less than 0.25 m/s.
+    /// Share of the speed in retreat \[-\]. Default 0.15: less than 0.25 m/s for a base of 1.5 m/s.
     pub retreat_scale: f64,
-    /// Time from full speed to none, and back \[s\]. Default 0.5.
+    /// Time of the ramp from full speed to zero, and back \[s\]. Default 0.5.
     pub ramp: f64,
-    /// Force from outside from which on the robot stops and gives way \[N\]; see
-    /// [`Supervisor::feel`]. Default 60, below the least that a region of the body is to take at rest:
-    /// 65 N on the face.
+    /// Force from outside above which the robot stops and gives way \[N\], see
+    /// [`Supervisor::feel`]. Default 60, below the lowest limit of a region of the body in a
+    /// quasi-static contact: 65 N on the face.
     pub contact_force: f64,
 }
 
@@ -103,7 +103,7 @@ impl SupervisorSettings {
     /// Checks the ranges.
     ///
     /// # Errors
-    /// [`Error::Value`] names the first that is out of its range.
+    /// [`Error::Value`] names the first setting that is out of its range.
     pub fn validate(&self) -> Result<(), Error> {
         not_negative("supervisor.tolerance", self.tolerance)?;
         not_negative("supervisor.retreat_after", self.retreat_after)?;
@@ -128,21 +128,22 @@ impl SupervisorSettings {
     }
 }
 
-/// What a tick saw of people. It has no default: that nobody is near has to be seen.
+/// Observation of people in a tick. It has no default, since the absence of people must be
+/// observed.
 ///
 /// ```compile_fail
 /// let nobody = hrsw_safety::Observation::default();
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Observation {
-    /// The pair with the least room, from [`ApproachRows::write`](crate::ApproachRows::write);
-    /// none with nobody there.
+    /// Pair with the least room, from [`ApproachRows::write`](crate::ApproachRows::write). None if
+    /// nobody is there.
     pub nearest: Option<Nearest>,
-    /// The age of the newest frame.
+    /// Age of the newest frame.
     pub age: Age,
 }
 
-/// Goes down at once, comes up by rule.
+/// Safety state machine. It enters a stricter state at once and recovers one state at a time.
 ///
 /// ```
 /// use hrsw_safety::{Age, Fault, Observation, SafetyState, Supervisor, SupervisorSettings};
@@ -167,18 +168,18 @@ pub struct Supervisor {
     state: SafetyState,
     cause: Option<Cause>,
     clear_for: f64,
-    /// How long the protective distance has been undercut \[s\].
+    /// Time for which the protective distance has been violated \[s\].
     undercut_for: f64,
     waits: bool,
     unacknowledged: Option<Fault>,
     urgent: bool,
-    /// Whether a fault was reported since the last update.
+    /// True if a fault was reported since the last update.
     reported: bool,
     scale: f64,
     pressure: Pressure,
 }
 
-/// Whether a force that was too large has gone.
+/// State of a contact force that was too large.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Pressure {
     Gone,
@@ -186,10 +187,10 @@ enum Pressure {
 }
 
 impl Supervisor {
-    /// In the normal state, at full speed.
+    /// Creates a supervisor in the normal state, at full speed.
     ///
     /// # Errors
-    /// [`Error::Value`] for settings out of range.
+    /// [`Error::Value`] if a setting is out of range.
     pub fn new(settings: SupervisorSettings) -> Result<Self, Error> {
         settings.validate()?;
         let state = SafetyState::Normal;
@@ -208,48 +209,49 @@ impl Supervisor {
         })
     }
 
-    /// How much the robot may do.
+    /// Returns the safety state.
     pub fn state(&self) -> SafetyState {
         self.state
     }
 
-    /// What brought it to its state, as seen last, a fault before what follows from it; none in the
-    /// normal state.
+    /// Returns the latest cause of the state, a fault before its consequences. None in the normal
+    /// state.
     pub fn cause(&self) -> Option<&Cause> {
         self.cause.as_ref()
     }
 
-    /// The share of its speed that the robot may use, 0 to 1, ramped.
+    /// Returns the share of its speed that the robot may use, 0 to 1. It follows a ramp.
     pub fn speed_scale(&self) -> f64 {
         self.scale
     }
 
-    /// Returns true while the robot is to stop as fast as it can, whatever
-    /// [`speed_scale`](Self::speed_scale) is on its ramp: for a fault, and as long as it moves towards
-    /// somebody who is too close.
+    /// Returns true while the robot must stop as fast as it can, whatever the ramp of
+    /// [`speed_scale`](Self::speed_scale) says. This holds for a fault, and while it moves towards
+    /// a person who is too close.
     pub fn stops_at_once(&self) -> bool {
         self.urgent
     }
 
-    /// Returns true if the present stop waits for [`acknowledge`](Self::acknowledge).
+    /// Returns true if the current stop waits for [`acknowledge`](Self::acknowledge).
     pub fn waits_for_acknowledgement(&self) -> bool {
         self.waits
     }
 
-    /// The first fault that waits for [`acknowledge`](Self::acknowledge).
+    /// Returns the first fault that waits for [`acknowledge`](Self::acknowledge).
     pub fn unacknowledged(&self) -> Option<Fault> {
         self.unacknowledged
     }
 
-    /// Somebody has seen to the reason of a stop. The robot still recovers only once the reason
-    /// is gone.
+    /// Acknowledges a stop, after a person has seen to its cause. The robot still recovers only
+    /// when the cause is gone.
     pub fn acknowledge(&mut self) {
         self.waits = false;
         self.unacknowledged = None;
     }
 
-    /// Takes a fault, at any moment: its state is entered at once. It counts as gone from the first
-    /// [`update`](Self::update) on before which it was not reported again.
+    /// Reports a fault at any moment. Its state is entered at once, unless the state is stricter
+    /// already. The fault counts as gone after an [`update`](Self::update) before which it was not
+    /// reported again.
     pub fn report(&mut self, fault: Fault) {
         if fault.waits() {
             self.waits = true;
@@ -261,11 +263,11 @@ impl Supervisor {
         }
     }
 
-    /// Takes the force from outside that a tick felt \[N\], as estimated from the joints' torques. Above
-    /// [`SupervisorSettings::contact_force`], or no number, it is reported as a fault, which is returned.
+    /// Takes the force from outside in a tick, estimated from the joints' torques \[N\]. If it is
+    /// above [`SupervisorSettings::contact_force`] or NaN, a fault is reported and returned.
     pub fn feel(&mut self, force: f64) -> Option<Fault> {
         let limit = self.settings.contact_force;
-        // No number is neither.
+        // Both comparisons are false for NaN.
         let (within, relieved) = (force <= limit, force <= 0.5 * limit);
         if !within {
             self.pressure = Pressure::Felt;
@@ -279,19 +281,19 @@ impl Supervisor {
         fault
     }
 
-    /// Returns true if the robot is to give way to a force: from when it was too large until it has fallen
-    /// to half of that.
+    /// Returns true if the robot must give way to a force. This lasts from a force that was too
+    /// large until the force has fallen to half of the limit.
     pub fn gives_way(&self) -> bool {
         self.pressure == Pressure::Felt
     }
 
-    /// Takes what a tick observed, `period` \[s\] after the one before.
+    /// Takes the observation of a tick, `period` \[s\] after the one before.
     ///
-    /// A worse state is entered at once. A better one is entered, one step at a time, when what
-    /// asks for the present one has been gone for the dwell time, with the hysteresis, and a
-    /// stop that must be acknowledged has been.
+    /// A stricter state is entered at once. Recovery is one state at a time. It requires that the
+    /// cause of the current state has been gone for the dwell time, with the hysteresis. A stop
+    /// that must be acknowledged has to be.
     pub fn update(&mut self, observation: &Observation, period: f64) {
-        // Without time nothing recovers; a worse state is still entered.
+        // Recovery needs time to pass. Stricter states are entered even with an invalid period.
         let period = if period > 0.0 && period.is_finite() { period } else { 0.0 };
         if observation.nearest.is_some_and(|pair| pair.room().is_nan()) {
             self.report(Fault::BadData);
@@ -348,8 +350,8 @@ impl Supervisor {
         self.clear_for = 0.0;
     }
 
-    /// One step up, with the cause of what is still demanded; without one that of the stop stays
-    /// until normal.
+    /// Recovers by one state. The cause is that of what is still demanded. Otherwise the cause of
+    /// the stop stays until the normal state.
     fn recover(&mut self, demanded: Option<Cause>) {
         self.clear_for = 0.0;
         self.urgent = false;
@@ -360,7 +362,8 @@ impl Supervisor {
         };
     }
 
-    /// The state that the observation asks for, with `extra` room demanded; none for normal.
+    /// Returns the state that the observation demands, with `extra` room required. None for the
+    /// normal state.
     fn demand(&self, observation: &Observation, extra: f64) -> Option<(SafetyState, Cause)> {
         use SafetyState::{ProtectiveStop, Reduced, Retreat};
         let settings = &self.settings;

@@ -22,9 +22,11 @@ pub struct Bounds {
 }
 
 impl Bounds {
+    /// Creates bounds from their lower and upper ends.
+    ///
     /// # Errors
-    /// [`Error::Value`] for NaN or infinite bounds, [`Error::EmptyRange`] where the minimum lies
-    /// above the maximum.
+    /// [`Error::Value`] if a bound is NaN or infinite. [`Error::EmptyRange`] if a minimum is above
+    /// its maximum.
     pub fn new(min: Vector3<f64>, max: Vector3<f64>) -> Result<Self, Error> {
         check_all("a bound", min.iter().chain(max.iter()))?;
         if let Some(axis) = (0..3).find(|&axis| min[axis] > max[axis]) {
@@ -34,10 +36,10 @@ impl Bounds {
         Ok(Self { min, max })
     }
 
-    /// The same distance `half` to both sides of zero.
+    /// Creates bounds at the distance `half` on both sides of zero.
     ///
     /// # Errors
-    /// As [`new`](Self::new).
+    /// Those of [`new`](Self::new).
     pub fn symmetric(half: Vector3<f64>) -> Result<Self, Error> {
         Self::new(-half, half)
     }
@@ -52,44 +54,44 @@ impl Bounds {
         &self.max
     }
 
-    /// The middle.
+    /// The midpoint.
     pub fn center(&self) -> Vector3<f64> {
         (self.min + self.max) * 0.5
     }
 
-    /// The point within that lies nearest to `v`.
+    /// Returns the point inside that is nearest to `v`.
     pub fn nearest(&self, v: &Vector3<f64>) -> Vector3<f64> {
         v.sup(&self.min).inf(&self.max)
     }
 
-    /// Returns true if `v` lies within.
+    /// Returns true if `v` is inside.
     pub fn contains(&self, v: &Vector3<f64>) -> bool {
         self.nearest(v) == *v
     }
 
-    /// The Euclidean distance of `v`; within, minus the distance to the nearest face.
+    /// Returns the Euclidean distance of `v`. Inside it is minus the distance to the nearest face.
     pub fn signed_distance(&self, v: &Vector3<f64>) -> f64 {
         let outside = (v - self.nearest(v)).norm();
         if outside > 0.0 { outside } else { (self.min - v).sup(&(v - self.max)).max() }
     }
 
-    /// The same bounds moved by `offset`.
+    /// Returns the bounds moved by `offset`.
     #[must_use]
     pub fn shifted(&self, offset: &Vector3<f64>) -> Self {
         Self { min: self.min + offset, max: self.max + offset }
     }
 
-    /// Bounds that are in order but for rounding.
+    /// Creates bounds from ends that are in order up to rounding.
     pub(crate) fn ordered(a: Vector3<f64>, b: Vector3<f64>) -> Self {
         Self { min: a.inf(&b), max: a.sup(&b) }
     }
 
-    /// (1 − share) · self + share · other, for a share in [0, 1].
+    /// Returns (1 − share) · self + share · other, for a share in [0, 1].
     pub(crate) fn blended(&self, other: &Self, share: f64) -> Self {
         Self { min: self.min.lerp(&other.min, share), max: self.max.lerp(&other.max, share) }
     }
 
-    /// Faces 0 to 2 bound from above, 3 to 5 from below.
+    /// Returns a face. Faces 0 to 2 bound from above, 3 to 5 from below.
     pub(crate) fn face(&self, index: usize) -> HalfSpace {
         let axis = index % 3;
         let mut normal = Vector3::zeros();
@@ -106,7 +108,7 @@ impl Bounds {
         (0..3).map(|i| (direction[i] * self.min[i]).max(direction[i] * self.max[i])).sum()
     }
 
-    /// Corner i is at the maximum of axis j where bit j of i is set.
+    /// Returns the corners. Corner i is at the maximum of axis j if bit j of i is set.
     pub(crate) fn corners(&self) -> [Vector3<f64>; 8] {
         std::array::from_fn(|i| {
             Vector3::from_fn(

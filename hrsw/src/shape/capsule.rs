@@ -10,7 +10,7 @@ use crate::error::{Error, check_all, not_negative};
 #[cfg(feature = "serde")]
 use capsule_table::CapsuleTable;
 
-/// The points within `radius` of a segment; with equal ends a sphere.
+/// The points within `radius` of a segment. If the ends are equal, it is a sphere.
 ///
 /// ```
 /// use hrsw::Capsule;
@@ -27,35 +27,35 @@ pub struct Capsule {
     start: Vector3<f64>,
     end: Vector3<f64>,
     radius: f64,
-    /// The radius of the sphere around it.
+    /// Radius of the enclosing sphere.
     reach: f64,
 }
 
 impl Capsule {
-    /// Around the segment from `start` to `end` \[m\].
+    /// Creates a capsule around the segment from `start` to `end` \[m\].
     ///
     /// # Errors
-    /// [`Error::Value`] for what is not finite, and for a negative radius.
+    /// [`Error::Value`] if a number is not finite, or the radius is negative.
     pub fn new(start: Vector3<f64>, end: Vector3<f64>, radius: f64) -> Result<Self, Error> {
         check_all("the segment of a capsule", start.iter().chain(end.iter()))?;
         let radius = not_negative("the radius of a capsule", radius)?;
         Ok(Self { start, end, radius, reach: 0.5 * (end - start).norm() + radius })
     }
 
-    /// The sphere around `center` \[m\].
+    /// Creates the sphere around `center` \[m\].
     ///
     /// # Errors
-    /// As [`new`](Self::new).
+    /// Those of [`new`](Self::new).
     pub fn sphere(center: Vector3<f64>, radius: f64) -> Result<Self, Error> {
         Self::new(center, center, radius)
     }
 
-    /// Where the segment begins.
+    /// Start of the segment \[m\].
     pub fn start(&self) -> &Vector3<f64> {
         &self.start
     }
 
-    /// Where the segment ends.
+    /// End of the segment \[m\].
     pub fn end(&self) -> &Vector3<f64> {
         &self.end
     }
@@ -65,36 +65,36 @@ impl Capsule {
         self.radius
     }
 
-    /// The same capsule, given in the axes of `pose`, in those in which `pose` is given.
+    /// Returns the capsule in the outer axes of `pose`, if it is given in the inner ones.
     #[must_use]
     pub fn placed(&self, pose: &Isometry3<f64>) -> Self {
         let place = |point: &Vector3<f64>| (pose * Point3::from(*point)).coords;
         Self { start: place(&self.start), end: place(&self.end), ..*self }
     }
 
-    /// The middle of the segment \[m\].
+    /// Returns the midpoint of the segment \[m\].
     pub fn middle(&self) -> Vector3<f64> {
         (self.start + self.end) * 0.5
     }
 
-    /// Both ends of the segment \[m\].
+    /// Returns both ends of the segment \[m\].
     pub fn ends(&self) -> [Vector3<f64>; 2] {
         [self.start, self.end]
     }
 
-    /// The sphere of the same radius at a point of the segment \[m\].
+    /// Returns the sphere of the same radius at a point of the segment \[m\].
     #[must_use]
     pub fn at(&self, point: Vector3<f64>) -> Self {
         Self { start: point, end: point, reach: self.radius, ..*self }
     }
 
-    /// The same capsule, moved by a vector \[m\].
+    /// Returns the capsule moved by a vector \[m\].
     #[must_use]
     pub fn moved(&self, by: &Vector3<f64>) -> Self {
         Self { start: self.start + by, end: self.end + by, ..*self }
     }
 
-    /// The nearest point of the segment.
+    /// Returns the nearest point of the segment.
     pub fn nearest_on_segment(&self, point: &Vector3<f64>) -> Vector3<f64> {
         let along = self.end - self.start;
         let length_squared = along.norm_squared();
@@ -105,7 +105,7 @@ impl Capsule {
         self.start + along * share.clamp(0.0, 1.0)
     }
 
-    /// The nearest point of the capsule; a point within is its own.
+    /// Returns the nearest point of the capsule. A point inside is its own nearest point.
     pub fn nearest(&self, point: &Vector3<f64>) -> Vector3<f64> {
         let axis = self.nearest_on_segment(point);
         let away = point - axis;
@@ -113,22 +113,22 @@ impl Capsule {
         if distance <= self.radius { *point } else { axis + away * (self.radius / distance) }
     }
 
-    /// The distance to the surface \[m\]; negative within.
+    /// Returns the distance to the surface \[m\], negative inside.
     pub fn signed_distance(&self, point: &Vector3<f64>) -> f64 {
         (point - self.nearest_on_segment(point)).norm() - self.radius
     }
 
-    /// The radius of the sphere around it, about its middle \[m\].
+    /// Returns the radius of the enclosing sphere around the midpoint \[m\].
     pub fn reach(&self) -> f64 {
         self.reach
     }
 
-    /// The half-space that touches the capsule where it is nearest to `point`.
+    /// Returns the half-space that touches the capsule where it is nearest to `point`.
     pub(crate) fn supporting(&self, point: &Vector3<f64>) -> HalfSpace {
         let axis = self.nearest_on_segment(point);
         let away = point - axis;
         let distance = away.norm();
-        // On the segment every direction across it is as good.
+        // On the segment all directions across it are equivalent.
         let normal = if distance > 1e-12 { away / distance } else { self.across() };
         HalfSpace { normal, offset: self.support(&normal) }
     }
@@ -137,7 +137,7 @@ impl Capsule {
         direction.dot(&self.start).max(direction.dot(&self.end)) + self.radius * direction.norm()
     }
 
-    /// A direction across the segment, of length 1.
+    /// Returns a unit vector across the segment.
     pub fn across(&self) -> Vector3<f64> {
         let along = self.end - self.start;
         let other = if along.x.abs() > along.y.abs() { Vector3::y() } else { Vector3::x() };

@@ -1,13 +1,13 @@
-//! Orientations that point an axis of the tool in about one direction.
+//! Orientations that point an axis of the tool approximately in one direction.
 
 use nalgebra::{Unit, UnitQuaternion, Vector3};
 
 use crate::error::{Error, check_all};
 
-/// Rotation vectors are continuous below half a turn; bounds keep this distance from it \[rad\].
+/// Largest angle of bounds \[rad\]. Rotation vectors are continuous below half a turn.
 const LARGEST_ANGLE: f64 = std::f64::consts::PI - 0.1;
 
-/// Checks the angle of the farthest rotation that bounds reach (rad).
+/// Checks the angle of the farthest rotation inside the bounds (rad).
 pub(super) fn check_angle(angle: f64) -> Result<(), Error> {
     if angle <= LARGEST_ANGLE {
         return Ok(());
@@ -17,8 +17,8 @@ pub(super) fn check_angle(angle: f64) -> Result<(), Error> {
     Err(Error::Value { what, got: angle, wanted })
 }
 
-/// The orientations that turn `axis` of the tool to within `half_angle` of `direction`; the
-/// roll about the axis is free.
+/// The orientations that turn `axis` of the tool to within `half_angle` of `direction`. The roll
+/// about the axis is free.
 ///
 /// ```
 /// use hrsw::Cone;
@@ -40,11 +40,11 @@ pub struct Cone {
 }
 
 impl Cone {
-    /// With `axis` in the axes of the tool, `direction` in those of the reference and the
-    /// half angle \[rad\]; lengths do not matter.
+    /// Creates a cone with `axis` in the axes of the tool, `direction` in those of the reference,
+    /// and the half angle \[rad\]. The lengths of the vectors do not matter.
     ///
     /// # Errors
-    /// [`Error::Value`] for vectors that are not finite or of length zero, and for an angle that is negative
+    /// [`Error::Value`] if a vector is not finite or has length zero, or if the angle is negative
     /// or near half a turn.
     pub fn new(
         axis: Vector3<f64>,
@@ -89,17 +89,18 @@ impl Cone {
         self.direction.cross(&turned).norm().atan2(self.direction.dot(&turned))
     }
 
-    /// Returns true if the orientation lies within.
+    /// Returns true if the orientation is inside.
     pub fn contains(&self, rotation: &UnitQuaternion<f64>) -> bool {
         self.angle(rotation) <= self.half_angle
     }
 
-    /// By how much the axis leaves the cone \[rad\]; negative within.
+    /// Returns the angle by which the axis is outside the cone \[rad\], negative inside.
     pub fn signed_distance(&self, rotation: &UnitQuaternion<f64>) -> f64 {
         self.angle(rotation) - self.half_angle
     }
 
-    /// The nearest orientation of the cone, by the shortest turn; one within is its own.
+    /// Returns the nearest orientation in the cone, by the shortest turn. One inside is its own
+    /// nearest orientation.
     pub fn nearest(&self, rotation: &UnitQuaternion<f64>) -> UnitQuaternion<f64> {
         let excess = self.signed_distance(rotation);
         if excess <= 0.0 {
@@ -108,20 +109,20 @@ impl Cone {
         UnitQuaternion::from_scaled_axis(self.turn(rotation) * -excess) * rotation
     }
 
-    /// With the half angle between the two, if the cones differ in nothing else.
+    /// Returns the cone with a blended half angle, if the cones differ in nothing else.
     pub(crate) fn blended(&self, other: &Self, share: f64) -> Option<Self> {
         let half_angle = self.half_angle + share * (other.half_angle - self.half_angle);
         let same = self.axis == other.axis && self.direction == other.direction;
         same.then_some(Self { half_angle, ..*self })
     }
 
-    /// The gradient of the angle with respect to the angular velocity, in the axes of the
-    /// reference: the turn that opens the angle.
+    /// Returns the gradient of the angle with respect to the angular velocity, in the axes of the
+    /// reference. A turn along it increases the angle.
     pub(crate) fn turn(&self, rotation: &UnitQuaternion<f64>) -> Vector3<f64> {
         let turned = rotation * self.axis.into_inner();
         let across = self.direction.cross(&turned);
         across.try_normalize(1e-12).unwrap_or_else(|| {
-            // In line every turn across the direction is as good.
+            // If axis and direction are aligned, all turns across the direction are equivalent.
             let other = if self.direction.x.abs() > 0.5 { Vector3::y() } else { Vector3::x() };
             self.direction.cross(&other).normalize()
         })

@@ -1,10 +1,10 @@
-//! Half-spaces, the planes that bound and support the shapes.
+//! Half-spaces: planes that bound and support the shapes.
 
 use nalgebra::Vector3;
 
 use crate::error::{Error, check_all};
 
-/// The points z with normal · z ≤ offset, the normal of length 1 \[m\].
+/// The points z with normal · z ≤ offset \[m\]. The normal has length 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HalfSpace {
     pub(crate) normal: Vector3<f64>,
@@ -12,10 +12,10 @@ pub struct HalfSpace {
 }
 
 impl HalfSpace {
-    /// The points z with normal · z ≤ offset, for a normal of any length but zero.
+    /// Creates the set of points z with normal · z ≤ offset, for a normal of any nonzero length.
     ///
     /// # Errors
-    /// [`Error::Value`] for what is not finite, and for a normal of length zero.
+    /// [`Error::Value`] if a number is not finite, or the normal has length zero.
     pub fn new(normal: Vector3<f64>, offset: f64) -> Result<Self, Error> {
         check_all("a half-space", normal.iter().chain([&offset]))?;
         let length = normal.norm();
@@ -26,17 +26,17 @@ impl HalfSpace {
         Ok(Self { normal: normal / length, offset: offset / length })
     }
 
-    /// The outer normal, of length 1.
+    /// Outer normal, of length 1.
     pub fn normal(&self) -> &Vector3<f64> {
         &self.normal
     }
 
-    /// The distance of the plane from the origin, along the normal \[m\].
+    /// Distance of the plane from the origin, along the normal \[m\].
     pub fn offset(&self) -> f64 {
         self.offset
     }
 
-    /// How far `point` lies beyond the plane \[m\]; negative within.
+    /// Returns the distance of `point` beyond the plane \[m\], negative inside.
     pub fn signed_distance(&self, point: &Vector3<f64>) -> f64 {
         self.normal.dot(point) - self.offset
     }

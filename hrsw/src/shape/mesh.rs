@@ -2,17 +2,17 @@
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
-/// A closed surface of triangles, counter-clockwise seen from outside.
+/// A closed surface of triangles, counter-clockwise as seen from outside.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mesh {
-    /// The corners \[m\].
+    /// Corners \[m\].
     pub vertices: Vec<Vector3<f64>>,
-    /// Three indices into the vertices each.
+    /// Three indices of vertices for each triangle.
     pub triangles: Vec<[usize; 3]>,
 }
 
 impl Mesh {
-    /// The same surface, given in the axes of `pose`, in those in which `pose` is given.
+    /// Returns the surface in the outer axes of `pose`, if it is given in the inner ones.
     #[must_use]
     pub fn placed(mut self, pose: &Isometry3<f64>) -> Self {
         for vertex in &mut self.vertices {
@@ -21,7 +21,7 @@ impl Mesh {
         self
     }
 
-    /// Of corners in the order of [`Bounds::corners`](super::Bounds::corners).
+    /// Creates a box from corners in the order of [`Bounds::corners`](super::Bounds::corners).
     pub(crate) fn of_box(corners: [Vector3<f64>; 8]) -> Self {
         let quads =
             [[1, 3, 7, 5], [2, 6, 7, 3], [4, 5, 7, 6], [0, 4, 6, 2], [0, 1, 5, 4], [0, 2, 3, 1]];
@@ -29,8 +29,8 @@ impl Mesh {
         Self { vertices: corners.to_vec(), triangles: triangles.collect() }
     }
 
-    /// Rings from a first to a last point, all of one size and counter-clockwise about the way
-    /// from the first to the last.
+    /// Creates rings from a first to a last point. All have one size, and are counter-clockwise
+    /// about the direction from the first to the last point.
     pub(crate) fn of_rings(
         first: Vector3<f64>,
         rings: impl Iterator<Item = Vec<Vector3<f64>>>,

@@ -1,4 +1,4 @@
-//! The shapes that an orientation may be held in.
+//! Shapes that bound an orientation.
 
 use ahqp_core::{left_jacobian_inverse, rotation_log};
 use nalgebra::{UnitQuaternion, Vector3};
@@ -14,7 +14,7 @@ use crate::error::Error;
 pub enum OrientationShape {
     /// Bounds of the rotation vector \[rad\].
     Box(Bounds),
-    /// An axis near a direction, its roll free.
+    /// An axis near a direction, with free roll.
     Cone(Cone),
 }
 
@@ -30,27 +30,29 @@ impl From<Cone> for OrientationShape {
     }
 }
 
-/// `value` ≤ `bound`, with the gradient of the value.
+/// The row `value` ≤ `bound`, with the gradient of the value.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct OrientationRow {
-    /// With respect to the angular velocity in the axes of the reference.
+    /// Gradient with respect to the angular velocity in the axes of the reference.
     pub(crate) gradient: Vector3<f64>,
-    /// What the slack acts along: the coordinate of a box, the turn of a cone.
+    /// Direction along which the slack acts: the coordinate of a box, or the turn of a cone.
     pub(crate) axes: Vector3<f64>,
     pub(crate) value: f64,
     pub(crate) bound: f64,
 }
 
 impl OrientationShape {
+    /// Checks that bounds stay away from half a turn.
+    ///
     /// # Errors
-    /// [`Error::Value`] for bounds whose corners come near half a turn.
+    /// [`Error::Value`] if the corners of bounds come near half a turn.
     pub fn validate(&self) -> Result<(), Error> {
         let Self::Box(bounds) = self else { return Ok(()) };
         let angle = bounds.min().abs().sup(&bounds.max().abs()).norm();
         check_angle(angle)
     }
 
-    /// How many rows bound it.
+    /// Number of rows that bound the shape.
     pub fn row_count(&self) -> usize {
         match self {
             Self::Box(_) => 6,
@@ -58,7 +60,7 @@ impl OrientationShape {
         }
     }
 
-    /// Returns true if the orientation, in the axes of the reference, lies within.
+    /// Returns true if the orientation, in the axes of the reference, is inside.
     pub fn contains(&self, rotation: &UnitQuaternion<f64>) -> bool {
         match self {
             Self::Box(bounds) => bounds.contains(&rotation_log(rotation)),
@@ -66,8 +68,8 @@ impl OrientationShape {
         }
     }
 
-    /// By how much the orientation leaves the shape \[rad\]; negative within. For a box the
-    /// distance of rotation vectors.
+    /// Returns the angle by which the orientation is outside the shape \[rad\], negative inside. A
+    /// box uses the distance of rotation vectors.
     pub fn signed_distance(&self, rotation: &UnitQuaternion<f64>) -> f64 {
         match self {
             Self::Box(bounds) => bounds.signed_distance(&rotation_log(rotation)),
@@ -75,7 +77,7 @@ impl OrientationShape {
         }
     }
 
-    /// The nearest orientation within, for a box by rotation vectors.
+    /// Returns the nearest orientation inside. A box uses rotation vectors.
     pub fn nearest(&self, rotation: &UnitQuaternion<f64>) -> UnitQuaternion<f64> {
         match self {
             Self::Box(bounds) => {
@@ -89,8 +91,8 @@ impl OrientationShape {
         }
     }
 
-    /// Where the tip of `axis` \[m\], in the axes of the tool, may lie: a surface around it,
-    /// for drawing.
+    /// Returns a surface around the possible positions of the tip of `axis` \[m\], for drawing.
+    /// `axis` is in the axes of the tool.
     pub fn mesh(&self, axis: &Vector3<f64>) -> Mesh {
         match self {
             Self::Box(bounds) => tips_of_box(bounds, axis),
@@ -98,7 +100,7 @@ impl OrientationShape {
         }
     }
 
-    /// The turn from the nearest orientation within, as `signed_distance` measures it.
+    /// Returns the turn from the nearest orientation inside, as `signed_distance` measures it.
     pub(crate) fn violation(&self, at: &RotationPoint) -> Vector3<f64> {
         match self {
             Self::Box(bounds) => at.vector - bounds.nearest(&at.vector),
@@ -128,7 +130,7 @@ impl OrientationShape {
     }
 }
 
-/// A rotation with its rotation vector and how that changes, computed once for all rows.
+/// A rotation with its rotation vector and the derivative of that, computed once for all rows.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct RotationPoint {
     rotation: UnitQuaternion<f64>,
@@ -142,18 +144,18 @@ impl RotationPoint {
         Self { rotation, vector, vector_rate: left_jacobian_inverse(&vector) }
     }
 
-    /// log R \[rad\].
+    /// Returns log R \[rad\].
     pub(crate) fn vector(&self) -> &Vector3<f64> {
         &self.vector
     }
 
-    /// The gradient of direction · log R with respect to the angular velocity.
+    /// Returns the gradient of direction · log R with respect to the angular velocity.
     fn coordinate_gradient(&self, direction: &Vector3<f64>) -> Vector3<f64> {
         self.vector_rate.tr_mul(direction)
     }
 }
 
-/// The images of a grid on each face of the box.
+/// Returns the images of a grid on each face of the box.
 fn tips_of_box(bounds: &Bounds, axis: &Vector3<f64>) -> Mesh {
     const STEPS: usize = 6;
     let cube = Mesh::of_box(bounds.corners());

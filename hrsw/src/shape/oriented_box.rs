@@ -1,4 +1,4 @@
-//! A box that is turned in the axes of the workspace.
+//! Boxes that are turned in the axes of the workspace.
 
 use nalgebra::{Isometry3, Vector3};
 
@@ -6,7 +6,7 @@ use super::bounds::Bounds;
 use super::half_space::HalfSpace;
 use crate::error::{Error, check_pose};
 
-/// A box in axes of its own.
+/// A box in its own axes.
 ///
 /// ```
 /// use hrsw::{Bounds, OrientedBox};
@@ -24,10 +24,10 @@ pub struct OrientedBox {
 }
 
 impl OrientedBox {
-    /// The box `bounds` in the axes of `pose`, itself in the axes of the workspace.
+    /// Creates the box `bounds` in the axes of `pose`, which is in the axes of the workspace.
     ///
     /// # Errors
-    /// [`Error::Value`] for the pose.
+    /// [`Error::Value`] if the pose is invalid.
     pub fn new(pose: Isometry3<f64>, bounds: Bounds) -> Result<Self, Error> {
         check_pose(&pose)?;
         Ok(Self { pose, bounds })
@@ -43,17 +43,17 @@ impl OrientedBox {
         &self.bounds
     }
 
-    /// The nearest point of the box.
+    /// Returns the nearest point of the box.
     pub fn nearest(&self, point: &Vector3<f64>) -> Vector3<f64> {
         let inner = self.inner(point);
-        // A point within is its own nearest, to the last bit.
+        // A point inside is its own nearest point, to the last bit.
         if self.bounds.contains(&inner) {
             return *point;
         }
         self.pose.rotation * self.bounds.nearest(&inner) + self.pose.translation.vector
     }
 
-    /// The Euclidean distance \[m\]; within, minus the distance to the nearest face.
+    /// Returns the Euclidean distance \[m\]. Inside it is minus the distance to the nearest face.
     pub fn signed_distance(&self, point: &Vector3<f64>) -> f64 {
         self.bounds.signed_distance(&self.inner(point))
     }

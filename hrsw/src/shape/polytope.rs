@@ -1,4 +1,4 @@
-//! Convex polytopes, by half-spaces or as the hull of points.
+//! Convex polytopes, from half-spaces or as the hull of points.
 
 use std::sync::Arc;
 
@@ -12,13 +12,13 @@ use super::half_space::HalfSpace;
 use super::mesh::Mesh;
 use crate::error::{Error, check_all};
 
-/// The most faces that a polytope may have.
+/// Largest number of faces of a polytope.
 const MAX_FACES: usize = 64;
-/// The largest coordinate of a polytope \[m\].
+/// Largest coordinate of a polytope \[m\].
 const MAX_REACH: f64 = 1e3;
-/// Points nearer to a plane than this lie on it \[m\].
+/// Points closer to a plane than this are on it \[m\].
 const ON_PLANE: f64 = 1e-7;
-/// The least depth that counts as a volume \[m\].
+/// Smallest depth that counts as a volume \[m\].
 const MIN_DEPTH: f64 = 1e-6;
 
 /// A bounded convex polytope with a volume.
@@ -47,11 +47,11 @@ struct Data {
 }
 
 impl Polytope {
-    /// The intersection of half-spaces; those that touch it in no face are left out.
+    /// Creates the intersection of half-spaces. Those that contribute no face are left out.
     ///
     /// # Errors
-    /// [`Error::TooMany`] for more than 64; [`Error::Unbounded`] when it reaches farther than
-    /// 1 km; [`Error::NoVolume`] when it is empty or flat.
+    /// [`Error::TooMany`] if there are more than 64. [`Error::Unbounded`] if the set reaches
+    /// farther than 1 km. [`Error::NoVolume`] if it is empty or flat.
     pub fn new(half_spaces: &[HalfSpace]) -> Result<Self, Error> {
         check_count(half_spaces.len())?;
         let planes = without_repeats(half_spaces);
@@ -81,11 +81,11 @@ impl Polytope {
         Ok(Self { data: Arc::new(Data { faces, surface: Mesh { vertices, triangles } }) })
     }
 
-    /// The smallest convex set around `points`.
+    /// Creates the smallest convex set around `points`.
     ///
     /// # Errors
-    /// [`Error::Value`]; [`Error::NoVolume`] for points in a plane, or fewer than four;
-    /// [`Error::TooMany`] for a hull with more than 64 faces.
+    /// [`Error::Value`] if a number is not finite. [`Error::NoVolume`] if the points are in a
+    /// plane, or fewer than four. [`Error::TooMany`] if the hull has more than 64 faces.
     pub fn hull(points: &[Vector3<f64>]) -> Result<Self, Error> {
         check_all("a point of the hull", points.iter().flat_map(|point| point.iter()))?;
         let no_volume = Error::NoVolume { faces: points.len() };
@@ -100,7 +100,7 @@ impl Polytope {
             let (Some(a), Some(b), Some(c)) = (corner(a), corner(b), corner(c)) else {
                 return Err(no_volume);
             };
-            // Slivers have no reliable normal; their neighbours bound the same set.
+            // Slivers have no reliable normal. Their neighbours bound the same set.
             if let Some(normal) = (b - a).cross(&(c - a)).try_normalize(1e-12) {
                 let offset = vertices.iter().map(|v| normal.dot(v)).fold(f64::MIN, f64::max);
                 planes.push(HalfSpace { normal, offset });
@@ -109,17 +109,17 @@ impl Polytope {
         Self::new(&without_repeats(&planes))
     }
 
-    /// The faces, outer normals of length 1.
+    /// Faces, with outer normals of length 1.
     pub fn faces(&self) -> &[HalfSpace] {
         &self.data.faces
     }
 
-    /// The corners \[m\].
+    /// Corners \[m\].
     pub fn vertices(&self) -> &[Vector3<f64>] {
         &self.data.surface.vertices
     }
 
-    /// The nearest point of the polytope; a point within is its own.
+    /// Returns the nearest point of the polytope. A point inside is its own nearest point.
     pub fn nearest(&self, point: &Vector3<f64>) -> Vector3<f64> {
         if self.depth(point) <= 0.0 {
             return *point;
@@ -139,13 +139,13 @@ impl Polytope {
         best.1
     }
 
-    /// The Euclidean distance \[m\]; within, minus the distance to the nearest face.
+    /// Returns the Euclidean distance \[m\]. Inside it is minus the distance to the nearest face.
     pub fn signed_distance(&self, point: &Vector3<f64>) -> f64 {
         let depth = self.depth(point);
         if depth <= 0.0 { depth } else { (point - self.nearest(point)).norm() }
     }
 
-    /// How far the point lies beyond the farthest plane.
+    /// Returns the distance of the point beyond the farthest plane.
     fn depth(&self, point: &Vector3<f64>) -> f64 {
         self.faces().iter().map(|face| face.signed_distance(point)).fold(f64::MIN, f64::max)
     }
@@ -167,7 +167,7 @@ fn check_count(found: usize) -> Result<(), Error> {
     Ok(())
 }
 
-/// Of planes that coincide the tightest alone.
+/// Keeps only the tightest of planes that coincide.
 fn without_repeats(planes: &[HalfSpace]) -> Vec<HalfSpace> {
     let mut kept: Vec<HalfSpace> = Vec::new();
     for plane in planes {
@@ -179,7 +179,8 @@ fn without_repeats(planes: &[HalfSpace]) -> Vec<HalfSpace> {
     kept
 }
 
-/// Where three planes meet within all others, and within ±`MAX_REACH` along the axes.
+/// Returns the points at which three planes meet, inside all others and within ±`MAX_REACH` along
+/// the axes.
 fn vertices_of(planes: &[HalfSpace]) -> Vec<Vector3<f64>> {
     let guards = (0..6).map(|i| {
         let sign = if i < 3 { 1.0 } else { -1.0 };
@@ -210,7 +211,7 @@ fn meeting_point(a: &HalfSpace, b: &HalfSpace, c: &HalfSpace) -> Option<Vector3<
     normals.lu().solve(&Vector3::new(a.offset, b.offset, c.offset))
 }
 
-/// The vertices on the plane, counter-clockwise about its normal.
+/// Returns the vertices on the plane, counter-clockwise about its normal.
 fn corners_in_order(plane: &HalfSpace, vertices: &[Vector3<f64>]) -> Vec<usize> {
     let on_plane = |vertex: &Vector3<f64>| plane.signed_distance(vertex) > -2.0 * ON_PLANE;
     let corners = vertices.iter().enumerate().filter(|(_, vertex)| on_plane(vertex));
@@ -224,9 +225,9 @@ fn corners_in_order(plane: &HalfSpace, vertices: &[Vector3<f64>]) -> Vec<usize> 
     corners.into_iter().map(|(i, _)| i).collect()
 }
 
-/// An affine map that spreads points evenly in all directions, which does not change which of them
-/// are the corners of their hull. Without it a thin plate would count as flat. It is symmetric and
-/// positive, so that faces keep their orientation.
+/// An affine map that spreads points evenly in all directions. It keeps the corners of their hull.
+/// A thin plate would count as flat otherwise. The map is symmetric and positive, so that faces
+/// keep their orientation.
 struct Rounding {
     center: Vector3<f64>,
     axes: Matrix3<f64>,
@@ -234,8 +235,8 @@ struct Rounding {
 }
 
 impl Rounding {
-    /// None for points that lie in a plane, by the least variance along any axis, or for fewer than
-    /// four.
+    /// Computes the map. None if the points are in a plane, by the least variance along any axis,
+    /// or fewer than four.
     fn of(points: &[Vector3<f64>]) -> Option<Self> {
         if points.len() < 4 {
             return None;

@@ -1,4 +1,4 @@
-//! A desired pose in closed loop with a workspace that goes with people who come, go and jump.
+//! A desired pose in closed loop with a workspace that moves with people who come, go and jump.
 
 use ahqp_core::{
     AugmentedState, Hierarchy, Level, LevelId, Limits, MotionState, Rows, Settings, Solver,
@@ -12,10 +12,10 @@ use proptest::prelude::*;
 
 const PERIOD: f64 = 2e-3;
 const DESIRED: AugmentedState = AugmentedState { joints: 1, task: 6, slack: 6 };
-/// Of ẋ_d \[m/s², rad/s²\].
+/// Largest acceleration of ẋ_d \[m/s², rad/s²\].
 const DESIRED_ACCELERATION: f64 = 6.0;
 
-/// x_d alone, held in a moving workspace and else at rest.
+/// The variable x_d alone, kept in a moving workspace and otherwise at rest.
 struct Desired {
     pose: Isometry3<f64>,
     twist: Vector6<f64>,
@@ -75,7 +75,7 @@ fn moving() -> MovingWorkspace {
     moving
 }
 
-/// A person as seen by a camera at 20 Hz, a tenth of a second late.
+/// Observes the person with a camera at 20 Hz, a tenth of a second late.
 fn observe(moving: &mut MovingWorkspace, from: &Isometry3<f64>, twist: &Vector6<f64>, time: f64) {
     let seen = ahqp_core::integrate_pose(from, twist, time - 0.1);
     moving.observe_person(seen, *twist, 0.1).unwrap();
@@ -88,8 +88,8 @@ fn point(size: f64) -> impl Strategy<Value = Vector3<f64>> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
-    /// Jumps, losses and changes of shape: the problem has a solution in every tick, and ẋ_d
-    /// stays continuous (both checked in each step).
+    /// The person jumps or is lost, and shapes change. The problem has a solution in every tick,
+    /// and ẋ_d stays continuous (both checked in each step).
     #[test]
     fn the_desired_motion_is_continuous_through_every_transition(
         events in prop::collection::vec(
@@ -107,7 +107,7 @@ proptest! {
                 0 => moving.reshape_position(&PositionShape::from(bounds), 0.3).unwrap(),
                 1 => moving.reshape_position(&PositionShape::from(ball), 0.3).unwrap(),
                 2 => moving.reshape_orientation(&OrientationShape::from(cone), 0.3).unwrap(),
-                // Out of sight for a while.
+                // The person is out of sight for some time.
                 _ => for _ in 0..200 {
                     moving.advance(PERIOD).unwrap();
                     desired.step(moving.workspace());
@@ -128,7 +128,7 @@ proptest! {
         prop_assert!(moving.workspace().violation(&desired.pose).norm() < 1e-4);
     }
 
-    /// A person who walks on: the workspace feeds its velocity forward, and x_d stays within.
+    /// A person walks on. The workspace feeds its velocity forward, and x_d stays inside.
     #[test]
     fn a_walking_person_keeps_the_desired_pose_within(
         direction in -3.1..3.1_f64, speed in 0.1..0.8_f64, turning in -0.3..0.3_f64,

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 
 const PERIOD: f64 = 1e-3;
 
-/// A held frame with what follows it.
+/// A held frame with its follower.
 struct Held {
     frame: HeldFrame,
     follower: FrameFollower,
@@ -52,7 +52,8 @@ const REST: FloorMotion = FloorMotion { position: Vector2::new(0.0, 0.0), headin
 proptest! {
     #![proptest_config(ProptestConfig { cases: 32, ..ProptestConfig::default() })]
 
-    /// Whoever sways by a few centimetres and degrees does not move it, in any branch of the heading.
+    /// A person who sways by a few centimetres and degrees does not move it, in any branch of the
+    /// heading.
     #[test]
     fn swaying_does_not_move_it(
         heading in -3.2..3.2_f64, sway in 0.0..0.05_f64, turn in 0.0..0.09_f64, rate in 0.2..2.0_f64,
@@ -71,9 +72,10 @@ proptest! {
         }
     }
 
-    /// Along with who walks, and at rest soon after they stop; never farther off than the zone.
+    /// It follows a person who walks, and is at rest soon after they stop. It is never farther away
+    /// than the zone.
     #[test]
-    fn it_goes_along_with_who_walks(direction in -3.1..3.1_f64, speed in 0.3..0.9_f64) {
+    fn it_follows_a_walking_person(direction in -3.1..3.1_f64, speed in 0.3..0.9_f64) {
         let mut held = Held::at(REST);
         let way = Vector2::new(direction.cos(), direction.sin());
         let mut place = Vector2::zeros();
@@ -96,9 +98,9 @@ proptest! {
     }
 }
 
-/// A person who moves off slowly is followed slowly.
+/// A person who moves away slowly is followed slowly.
 #[test]
-fn it_is_placed_anew_when_the_mean_place_has_left_the_zone() {
+fn it_moves_when_the_mean_leaves_the_zone() {
     let settings = HoldSettings::default();
     let mut held = Held::at(REST);
     let mut fastest = 0.0_f64;
@@ -114,7 +116,7 @@ fn it_is_placed_anew_when_the_mean_place_has_left_the_zone() {
     assert!(fastest <= 0.05 + 0.03, "{fastest} m/s");
 }
 
-/// Two frames that show a person who stands elsewhere and in motion do not move it.
+/// Two frames show a person who stands elsewhere and moves.
 #[test]
 fn two_wrong_frames_do_not_move_it() {
     let mut held = Held::at(REST);

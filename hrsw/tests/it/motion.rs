@@ -1,4 +1,4 @@
-//! Workspaces in motion: continuous whatever happens, and where they should be in the end.
+//! Workspaces in motion are always continuous, and reach their goals.
 
 use crate::support::*;
 use hrsw::{
@@ -10,7 +10,7 @@ use proptest::prelude::*;
 
 const PERIOD: f64 = 1e-3;
 
-/// What may happen to a moving workspace.
+/// Events of a moving workspace.
 #[derive(Debug, Clone)]
 enum Event {
     Attach(Attachment),
@@ -74,7 +74,7 @@ fn run(moving: &mut MovingWorkspace, ticks: usize) {
     }
 }
 
-/// The largest excess of a pose, zero within.
+/// Returns the largest excess of a pose, zero inside.
 fn excess(workspace: &Workspace, pose: &Isometry3<f64>) -> f64 {
     workspace.rows(pose).map(|row| row.excess).fold(0.0, f64::max)
 }
@@ -83,7 +83,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
-    fn velocities_and_bounds_are_continuous_whatever_happens(
+    fn velocities_and_bounds_are_always_continuous(
         events in prop::collection::vec((event(), 1..120_usize), 1..16), at in pose(1.0, 0.5),
     ) {
         let settings = MovingSettings::default();
@@ -101,7 +101,7 @@ proptest! {
                 prop_assert!(angular <= settings.frame.angular_acceleration * PERIOD + 1e-12);
                 let turn = (after.reference_rate() - before.reference_rate()).norm();
                 prop_assert!(turn <= settings.reference.angular_acceleration * PERIOD + 1e-12);
-                // Speeds of frame (at an arm of at most 6 m), reference and bounds, with room.
+                // Speeds of frame (at an arm of at most 6 m), reference and bounds, with a margin.
                 let relative = (excess(after, &at) - excess(&before, &at)).abs();
                 let far = before.coordinates(&at).fixed_rows::<3>(3).norm() > 2.5;
                 prop_assert!(relative <= 150.0 * PERIOD || far, "{relative}");
@@ -130,7 +130,7 @@ proptest! {
         prop_assert!(stayed.norm() < 1e-5, "{stayed}");
     }
 
-    /// With the velocity of what carries it fed forward, at the frame's own place.
+    /// The velocity of the carrier is fed forward, at the frame's own place.
     #[test]
     fn a_frame_keeps_up_with_a_turning_carrier(
         offset in pose(1.0, 1.0), velocity in vector(0.2), turning in -0.4..0.4_f64,
@@ -197,15 +197,15 @@ proptest! {
         prop_assert!(nearest.iter().all(|&d| d <= step * speed * (1.0 + 1.0 / 0.3) + 1e-9));
     }
 
-    /// Between any two shapes every bound moves with its drift, the set is never empty, and it
-    /// is each of the two at its end.
+    /// Between any two shapes every bound moves with its drift, and the set is never empty. It
+    /// equals each shape at its end.
     #[test]
-    fn a_change_of_shape_is_continuous_and_never_empty(
+    fn changes_of_shape_are_continuous_and_never_empty(
         from in position_shape(), to in position_shape(),
         turn in (orientation_shape(), orientation_shape()), at in pose(0.8, 0.8),
     ) {
         let mut workspace = Workspace::new(Isometry3::identity(), from.clone(), turn.0).unwrap();
-        // Planes that only touch the shape come in at the beginning: they cut nothing off.
+        // Planes that only touch the shape are added at the beginning, and cut nothing off.
         let (within, mut last) = (workspace.contains(&at), excess(&workspace, &at));
         workspace.reshape_position(to.clone(), 1.0).unwrap();
         prop_assert_eq!(workspace.contains(&at), within);
@@ -241,7 +241,7 @@ proptest! {
     }
 
     #[test]
-    fn a_half_turn_carries_the_box_at_a_limited_rate_in_the_chosen_sense(
+    fn a_half_turn_keeps_its_rate_and_sense(
         axis in direction(), sense in any::<bool>(), wobble in vector(1e-6),
     ) {
         let settings = MovingSettings::default();
@@ -262,7 +262,7 @@ proptest! {
     }
 
     #[test]
-    fn a_workspace_goes_slowly_to_its_new_carrier_and_then_keeps_up(
+    fn a_workspace_approaches_a_new_carrier_slowly(
         way in vector(1.5), heading in -3.0..3.0_f64, speed in 0.0..0.6_f64,
     ) {
         let velocity = Vector3::new(heading.cos(), heading.sin(), 0.0) * speed;
@@ -286,7 +286,7 @@ proptest! {
     }
 }
 
-/// Any bits: numbers of every size, infinities, NaN.
+/// Generates arbitrary bits: numbers of every size, infinities and NaN.
 fn wild() -> impl Strategy<Value = f64> {
     prop_oneof![prop::num::f64::ANY, -1.0..1.0_f64]
 }
@@ -303,7 +303,7 @@ fn wild_pose() -> impl Strategy<Value = Isometry3<f64>> {
 }
 
 proptest! {
-    /// Whatever it is given, accepted or refused, a workspace stays one.
+    /// A workspace stays valid for all inputs, accepted or refused.
     #[test]
     fn a_running_workspace_never_becomes_invalid(
         poses in prop::collection::vec(wild_pose(), 12),
@@ -346,7 +346,7 @@ fn an_older_measurement_never_replaces_a_newer_one() {
     let older = anchor.observe(at(2.0), Vector6::zeros(), 0.1).unwrap_err();
     assert!(matches!(older, Error::OutOfOrder { age: 0.1, newest: 0.05 }), "{older}");
     assert_eq!(anchor, before);
-    // The same one, aged, and a newer one.
+    // The same measurement, older, is accepted, and so is a newer one.
     anchor.advance(0.05);
     anchor.observe(at(1.0), Vector6::zeros(), 0.1 + 1e-12).unwrap();
     anchor.observe(at(3.0), Vector6::zeros(), 0.08).unwrap();

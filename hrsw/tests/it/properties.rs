@@ -1,4 +1,4 @@
-//! What must hold for every workspace and every motion.
+//! Properties of all workspaces and motions.
 
 use ahqp_core::{AugmentedState, Hierarchy, Level, Rows, Settings, Solver, integrate_pose};
 use hrsw::{
@@ -52,7 +52,7 @@ proptest! {
     }
 
     #[test]
-    fn a_pose_is_within_exactly_when_its_coordinates_are(
+    fn a_pose_is_within_if_its_coordinates_are(
         workspace in workspace(), relative in pose(1.0, 1.0),
     ) {
         let pose = workspace.world_from_workspace() * relative;
@@ -67,10 +67,10 @@ proptest! {
         prop_assert_eq!(workspace.contains(&pose), within);
     }
 
-    /// Alone in a hierarchy, the softened workspace moves ẋ_d so that the pose a horizon ahead
-    /// lies within, with no slack; with the velocity held, the slack is the distance that stays.
+    /// A softened workspace, alone in a hierarchy, moves ẋ_d so that the pose one horizon ahead is
+    /// inside without slack. If the velocity is held, the slack is the remaining distance.
     #[test]
-    fn the_slack_is_zero_when_the_velocity_is_free_and_the_distance_when_it_is_held(
+    fn the_slack_is_what_the_velocity_cannot_avoid(
         workspace in workspace(), relative in pose(1.0, 0.8), held in any::<bool>(),
     ) {
         let state = AugmentedState { joints: 1, task: 6, slack: 6 };
@@ -81,7 +81,7 @@ proptest! {
         let (_, drift) = workspace.rates(&desired);
         let mut hierarchy = Hierarchy::new(state.len()).unwrap();
         if held {
-            // ẋ_d moves with the workspace, so z stays as it is.
+            // ẋ_d moves with the workspace, so z stays constant.
             let mut select = DMatrix::zeros(6, state.len());
             for i in 0..6 { select[(i, 1 + i)] = 1.0; }
             let target = DVector::from_column_slice(drift.as_slice());
@@ -97,7 +97,7 @@ proptest! {
     }
 
     #[test]
-    fn a_frame_keeps_its_rates_whatever_the_target_does(
+    fn a_frame_keeps_its_rates_for_every_target(
         targets in prop::collection::vec((pose(2.0, 1.5), twist()), 1..6),
     ) {
         let settings = FollowerSettings::default();

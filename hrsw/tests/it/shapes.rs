@@ -1,4 +1,4 @@
-//! Shapes against brute force: random points, directions and finite differences.
+//! Comparison of shapes with brute force: random points, directions and finite differences.
 
 use crate::support::*;
 use hrsw::{
@@ -8,13 +8,14 @@ use hrsw::{
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 
-/// By the divergence theorem: positive for closed surfaces seen counter-clockwise from outside.
+/// Computes the volume by the divergence theorem. It is positive for closed surfaces that are
+/// counter-clockwise from outside.
 fn volume(mesh: &Mesh) -> f64 {
     let corner = |i: usize| mesh.vertices[i];
     mesh.triangles.iter().map(|&[a, b, c]| corner(a).dot(&corner(b).cross(&corner(c))) / 6.0).sum()
 }
 
-/// Each edge of a closed surface is walked once in each direction.
+/// Returns true if each edge is used once in each direction, as in a closed surface.
 fn is_closed(mesh: &Mesh) -> bool {
     let edges: Vec<(usize, usize)> =
         mesh.triangles.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]).collect();
@@ -26,7 +27,7 @@ fn is_closed(mesh: &Mesh) -> bool {
 
 proptest! {
     #[test]
-    fn the_nearest_point_is_within_and_no_other_is_nearer(
+    fn the_nearest_point_is_within_and_nearest(
         shape in position_shape(), point in vector(1.5),
         others in prop::collection::vec(vector(1.0), 200),
     ) {
@@ -62,7 +63,7 @@ proptest! {
     }
 
     #[test]
-    fn half_spaces_contain_the_shape_and_cut_off_every_point_outside(
+    fn half_spaces_separate_the_shape_from_points_outside(
         shape in position_shape(), point in vector(1.5),
         others in prop::collection::vec(vector(1.0), 100),
     ) {
@@ -82,7 +83,7 @@ proptest! {
     }
 
     #[test]
-    fn the_support_function_is_the_largest_reach_of_the_surface(
+    fn the_support_function_bounds_the_surface_tightly(
         shape in position_shape(), direction in direction(),
     ) {
         let mesh = shape.mesh();
@@ -118,7 +119,7 @@ proptest! {
     }
 
     #[test]
-    fn a_hull_contains_its_points_and_its_corners_are_among_them(
+    fn a_hull_contains_its_points_as_corners(
         points in prop::collection::vec(vector(1.0), 5..20),
     ) {
         let Ok(hull) = Polytope::hull(&points) else { return Ok(()) };
@@ -132,7 +133,7 @@ proptest! {
     }
 
     #[test]
-    fn a_box_by_half_spaces_or_by_corners_is_the_box(
+    fn boxes_by_half_spaces_or_corners_are_equal(
         bounds in bounds(), pose in pose(0.5, 1.5), point in vector(1.5),
     ) {
         prop_assume!((bounds.max() - bounds.min()).min() > 1e-4);
@@ -149,7 +150,7 @@ proptest! {
     }
 
     #[test]
-    fn the_nearest_orientation_is_within_and_no_other_is_nearer(
+    fn the_nearest_orientation_is_within_and_nearest(
         shape in orientation_shape(), rotation in rotation(),
         others in prop::collection::vec(rotation(), 100),
     ) {
@@ -190,7 +191,7 @@ proptest! {
         }
     }
 
-    /// d excess/dt = gradient · ẋ + drift, for every shape, with frame and reference in motion.
+    /// d excess/dt = gradient · ẋ + drift for every shape, with a moving frame and reference.
     #[test]
     fn rows_give_the_rate_of_their_excess(
         workspace in workspace(), relative in pose(1.0, 1.2), velocity in twist(),
@@ -214,7 +215,7 @@ proptest! {
     }
 
     #[test]
-    fn a_pose_is_within_exactly_when_it_exceeds_no_row(
+    fn a_pose_within_exceeds_no_row(
         workspace in workspace(), relative in pose(1.0, 1.0),
     ) {
         let pose = workspace.world_from_workspace() * relative;

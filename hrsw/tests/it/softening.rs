@@ -1,4 +1,4 @@
-//! Softened workspaces against Clarabel, and what slack and weights trade off.
+//! Comparison of softened workspaces with Clarabel, and the effect of slack and weights.
 
 use crate::support::*;
 use ahqp_core::{
@@ -15,7 +15,7 @@ fn softening() -> Softening {
     Softening { position_rows: 64, ..Softening::default() }
 }
 
-/// One level over χ with ẋ_d held within ±`speed`.
+/// Creates a hierarchy of one level over χ with ẋ_d within ±`speed`.
 fn hierarchy(soft: &SoftWorkspace, level: Level, speed: f64) -> Hierarchy {
     let mut hierarchy = Hierarchy::new(SLACK.len()).unwrap();
     let (lower, upper) = hierarchy.bounds_mut();
@@ -31,7 +31,7 @@ fn hierarchy(soft: &SoftWorkspace, level: Level, speed: f64) -> Hierarchy {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
-    /// As little slack as Clarabel finds, and none where it finds none.
+    /// There is as little slack as Clarabel finds, and none if it finds none.
     #[test]
     fn the_slack_is_the_least_there_is(
         workspace in workspace(), relative in pose(0.6, 0.8), speed in 0.2..2.0_f64,
@@ -52,7 +52,8 @@ proptest! {
         }
     }
 
-    /// From anywhere the pose comes that far within all bounds, and stays there; by no more than it has to.
+    /// From every start the pose comes inside all bounds by the margin, and not farther than
+    /// needed, and stays there.
     #[test]
     fn a_margin_keeps_the_pose_that_far_within(
         frame in pose(1.0, 1.0), half in vector(0.2), turn in vector(0.15), relative in pose(0.6, 0.7),
@@ -81,7 +82,8 @@ proptest! {
         prop_assert!(ended >= began.min(-margin) - 1e-4, "from {began} to {ended}");
     }
 
-    /// With ẋ + ẏ held at zero, x and y compete: each gives way as the inverse of its weight.
+    /// If ẋ + ẏ is held at zero, x and y compete. Each gives way in inverse proportion to its
+    /// weight.
     #[test]
     fn weights_trade_directions_off(wx in 0.1..10.0_f64, wy in 0.1..10.0_f64) {
         let small = Bounds::symmetric(Vector3::repeat(0.1)).unwrap();
@@ -106,7 +108,7 @@ proptest! {
 }
 
 #[test]
-fn what_does_not_fit_is_named() {
+fn unsuitable_workspaces_and_settings_are_named() {
     let unit = Bounds::symmetric(Vector3::repeat(0.5)).unwrap();
     let corners = [Vector3::zeros(), Vector3::x(), Vector3::y(), Vector3::z()];
     let here = Isometry3::identity();

@@ -31,7 +31,7 @@ pub(crate) fn bounds() -> impl Strategy<Value = Bounds> {
     (vector(0.6), vector(0.6)).prop_map(|(a, b)| Bounds::new(a.inf(&b), a.sup(&b)).unwrap())
 }
 
-/// Hulls, and cubes with corners cut off.
+/// Generates hulls, and cubes with corners cut off.
 pub(crate) fn polytope() -> impl Strategy<Value = Polytope> {
     let hull = prop::collection::vec(vector(0.6), 6..14)
         .prop_filter_map("a volume", |points| Polytope::hull(&points).ok());
@@ -76,7 +76,7 @@ pub(crate) fn orientation_shape() -> impl Strategy<Value = OrientationShape> {
     ]
 }
 
-/// Workspaces of all shapes that move and whose reference turns.
+/// Generates moving workspaces of all shapes, whose references turn.
 pub(crate) fn workspace() -> impl Strategy<Value = Workspace> {
     let shapes = (position_shape(), orientation_shape());
     (pose(3.0, 1.5), twist(), vector(0.5), vector(0.8), shapes).prop_map(
@@ -90,7 +90,7 @@ pub(crate) fn workspace() -> impl Strategy<Value = Workspace> {
     )
 }
 
-/// The workspace as it will be `time` seconds later, its shapes as they are.
+/// Returns the workspace `time` seconds later, with unchanged shapes.
 pub(crate) fn moved(workspace: &Workspace, time: f64) -> Workspace {
     let twist = *workspace.twist();
     let mut moved = workspace.clone();

@@ -40,7 +40,7 @@ def ours(folder, camera, rate):
 
 
 def regions(folder, cameras, count):
-    """What the network sees of so many frames: squares around the landmarks, N x 256 x 256 x 3."""
+    """The network's inputs of these frames: squares around the landmarks, N x 256 x 256 x 3."""
     seen = []
     for camera in cameras:
         found = ours(folder, camera, 25)

@@ -1,6 +1,6 @@
 #!/bin/bash
-# Holds BlazePose against TensorFlow Lite and MediaPipe on film, and prints the figures of the book's page on poses.
-# What it needs comes from npm and PyPI to $PEERS or ./target/peers; what is missing it says, and leaves out.
+# Compares BlazePose with TensorFlow Lite and MediaPipe on film. Prints the figures of the book's page on poses.
+# Installs npm and PyPI packages to $PEERS or ./target/peers. Reports and leaves out those that are missing.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 cd "$here/../../.."
@@ -25,14 +25,14 @@ if [ ! -d "$folder/films" ]; then
     mv "$folder/unpacked/Pose2Sim/Demo_SinglePerson/videos" "$folder/films"
     rm -r "$folder/unpacked"
 fi
-# Each is installed whole or not at all.
+# Each is installed completely or not at all.
 environment() {
     [ -f "$folder/$1/whole" ] && return
     python3 -m venv "$folder/$1" && "$folder/$1/bin/pip" install --quiet "${@:2}" && touch "$folder/$1/whole"
 }
 environment litert ai-edge-litert numpy opencv-python-headless ||
     missing 'PyPI does not give ai-edge-litert, numpy and opencv-python-headless'
-# The last versions with a graph for processors whose regions can be seen.
+# The last versions whose CPU graph gives the regions.
 environment mediapipe 'mediapipe==0.10.14' || echo 'left out: MediaPipe 0.10.14 cannot be installed'
 
 cargo build --release --locked --package vision-models --example blaze_pose

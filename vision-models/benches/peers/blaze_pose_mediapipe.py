@@ -52,7 +52,7 @@ def main():
         image = cv2.cvtColor(cv2.imread(file), cv2.COLOR_BGR2RGB)
         rows, columns, _ = image.shape
         packet = packet_creator.create_image_frame(image_format=mp.ImageFormat.SRGB, data=image)
-        # Not from zero on, which the graph takes for no time.
+        # Time stamps do not begin with zero, which the graph treats as missing.
         graph.add_packet_to_input_stream("image", packet.at(int((number + 1) * 1e6 / (rate or 25))))
         seen.clear()
         graph.wait_until_idle()

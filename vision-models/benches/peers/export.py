@@ -105,7 +105,7 @@ def make(name):
 
 
 def randomise(model):
-    """Batch norms with something to fold."""
+    """Sets batch norms to values that are not trivial to fold."""
     for module in model.modules():
         if isinstance(module, nn.modules.batchnorm._BatchNorm):
             nn.init.normal_(module.running_mean, 0, 0.1)

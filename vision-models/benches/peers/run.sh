@@ -1,5 +1,5 @@
 #!/bin/bash
-# Builds `infer`, installs the peers from PyPI, exports the same random weights to all, compares.
+# Builds `infer`, installs the peers from PyPI, exports the same random weights to all, and compares.
 # Arguments go to compare.py. The folder is $PEERS or ./target/peers.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)

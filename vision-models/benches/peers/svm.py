@@ -27,7 +27,7 @@ arguments = parser.parse_args()
 
 
 def features_of_network(random):
-    """Like a ResNet's average pool: not negative, sparse; classes overlap."""
+    """Features like a ResNet's average pool: not negative and sparse. Classes overlap."""
     labels = (np.arange(1400) % 2).astype(np.uint8)
     directions = random.normal(size=(40, 2048))
     latent = random.normal(size=(1400, 40))
@@ -66,7 +66,7 @@ def ours(folder, features, loss, tolerance):
 
 
 def theirs(points, labels, loss, tolerance, most):
-    # In double precision, as it trains, so that no conversion is counted.
+    # In double precision, as in its training, so that no conversion is timed.
     points = points.astype(float)
     svm = LinearSVC(loss=loss, C=1.0, tol=tolerance, max_iter=most, dual=True if loss == "hinge" else "auto")
     start = time.perf_counter()

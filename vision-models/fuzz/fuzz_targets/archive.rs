@@ -1,4 +1,4 @@
-//! The zip format of `torch.save`: any bytes as a file.
+//! The zip format of `torch.save`, with any bytes as a file.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

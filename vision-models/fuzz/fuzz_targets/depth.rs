@@ -1,4 +1,4 @@
-//! Depth images, in 512 MiB.
+//! Depth images, within 512 MiB of memory.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

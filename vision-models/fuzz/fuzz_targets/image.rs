@@ -1,4 +1,5 @@
-//! Image files, in the memory that the book promises, resized where they are not large.
+//! Image files, within the memory that the book promises. Images that are not large are also
+//! resized.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -1,4 +1,4 @@
-//! OpenPose's JSON, in five times its size and 64 KiB.
+//! OpenPose's JSON, within five times its size and 64 KiB of memory.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -1,5 +1,4 @@
-//! The pickle of a state dict: any bytes in the place of the object that was saved, before one
-//! storage.
+//! The pickle of a state dict: any bytes in place of the saved object, before one storage.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

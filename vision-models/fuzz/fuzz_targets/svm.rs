@@ -1,4 +1,4 @@
-//! The file of a linear SVM: what is read is written and read again as the same.
+//! The file of a linear SVM. A machine that is read, written and read again must be the same.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

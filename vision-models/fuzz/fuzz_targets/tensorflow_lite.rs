@@ -1,4 +1,4 @@
-//! Files of TensorFlow Lite: read in bounded memory, and loaded where they are read.
+//! Files of TensorFlow Lite: read in bounded memory, and then loaded.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -1,4 +1,4 @@
-//! The paper's recognition of actions (Experiment 2).
+//! The paper's action recognition (Experiment 2).
 
 pub mod clips;
 pub mod cut;

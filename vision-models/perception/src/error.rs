@@ -1,110 +1,111 @@
-//! What can go wrong with what is given to this crate.
+//! Errors of this crate.
 
 use std::{fmt::Display, io, path::Path, path::PathBuf};
 
 use percept_recording::RecordingError;
 use vision_models::NetworkKind;
 
-/// Why frames, files or trained models cannot be used: where, what was found, and what would be right.
+/// Why frames, files or trained models cannot be used: the place, what was found, and what would be
+/// right.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The system does not let a file be read.
+    /// The system cannot read a file.
     #[error("{path}: {source}", path = path.display())]
     Read {
         /// The file or the folder.
         path: PathBuf,
-        /// What the system says.
+        /// The system's error.
         source: io::Error,
     },
-    /// The system does not let a file be written.
+    /// The system cannot write a file.
     #[error("cannot write {path}: {source}", path = path.display())]
     Write {
         /// The file or the folder.
         path: PathBuf,
-        /// What the system says.
+        /// The system's error.
         source: io::Error,
     },
-    /// Something that is not as it should be.
+    /// Something does not have the expected form.
     #[error("{place}: {found}{}{wanted}", if .wanted.is_empty() { "" } else { ": " })]
     Unfit {
-        /// The file, the folder, or what else it is about.
+        /// The file, the folder, or another place.
         place: String,
-        /// What was found there.
+        /// The problem that was found there.
         found: String,
-        /// What would be right; empty where that is plain.
+        /// The right form. Empty if it is obvious.
         wanted: String,
     },
-    /// Weights of another network than the one that was asked for.
+    /// The weights belong to another network than the requested one.
     #[error("{path}: this is a {found}", path = path.display())]
     OtherNetwork {
         /// The checkpoint.
         path: PathBuf,
-        /// The network that its tensors are of.
+        /// The network to which its tensors belong.
         found: NetworkKind,
     },
-    /// A trained model whose network's checkpoint was not given.
+    /// The checkpoint of a trained model's network was not given.
     #[error("give the model's weights: the checkpoint with {identity}")]
     NoWeights {
-        /// What tells the checkpoint from others.
+        /// The identity of the checkpoint.
         identity: String,
     },
-    /// A file that `vision-models` refuses.
+    /// `vision-models` rejects a file.
     #[error("{path}: {source}", path = path.display())]
     Content {
         /// The file or the folder.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The error of its content.
         source: Box<vision_models::Error>,
     },
-    /// A file of one frame that cannot be used: the next frame may be better.
+    /// A file of one frame cannot be used. The next frame may be usable.
     #[error(transparent)]
     Frame(Box<Error>),
-    /// Values that `vision-models` refuses.
+    /// `vision-models` rejects values.
     #[error(transparent)]
     Vision(#[from] vision_models::Error),
-    /// A recording of the truth that cannot be used.
+    /// A recording of the truth cannot be used.
     #[error("{path}: {source}", path = path.display())]
     Truth {
         /// The recording.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The error of the recording.
         source: Box<RecordingError>,
     },
-    /// Angles that no posture has.
+    /// No posture has these angles.
     #[error(transparent)]
     Posture(#[from] ergo_map::Error),
-    /// The call-back ended the work before there was anything to keep.
+    /// The call-back stopped the work before there was any result to keep.
     #[error("interrupted, and nothing is kept")]
     Stopped,
 }
 
 impl Error {
-    /// Something that is not as it should be.
+    /// Creates the error of something that does not have the expected form.
     pub(crate) fn unfit(place: impl Display, found: impl Display, wanted: impl Display) -> Self {
         let (place, found, wanted) = (place.to_string(), found.to_string(), wanted.to_string());
         Self::Unfit { place, found, wanted }
     }
 
-    /// The same where what would be right is plain.
+    /// Creates the same error if what would be right is obvious.
     pub(crate) fn at(place: impl Display, found: impl Display) -> Self {
         Self::unfit(place, found, "")
     }
 
-    /// An error of reading this file.
+    /// Creates the error of reading this file.
     pub(crate) fn read(path: impl AsRef<Path>) -> impl FnOnce(io::Error) -> Self {
         move |source| Self::Read { path: path.as_ref().to_owned(), source }
     }
 
-    /// An error of writing this file.
+    /// Creates the error of writing this file.
     pub(crate) fn write(path: impl AsRef<Path>) -> impl FnOnce(io::Error) -> Self {
         move |source| Self::Write { path: path.as_ref().to_owned(), source }
     }
 
-    /// An error about the content of this file.
+    /// Creates the error of the content of this file.
     pub(crate) fn content(path: &Path) -> impl Fn(vision_models::Error) -> Self {
         move |source| match source {
-            // These have the name already.
+            // These contain the file's name already.
             vision_models::Error::File { .. } | vision_models::Error::Image { .. } => {
                 Self::Vision(source)
             }
@@ -115,7 +116,7 @@ impl Error {
         }
     }
 
-    /// An error of loading a network from this checkpoint.
+    /// Creates the error of loading a network from this checkpoint.
     pub(crate) fn weights(path: &Path) -> impl Fn(vision_models::Error) -> Self {
         move |source| match source {
             vision_models::Error::Weights { found: Some(ref name), .. } => {
@@ -130,7 +131,7 @@ impl Error {
         }
     }
 
-    /// The same as [`Error::Frame`], if it is about a file of images or joints.
+    /// Wraps the error in [`Error::Frame`], if it is about a file of images or joints.
     pub(crate) fn of_frame(self) -> Self {
         use vision_models::Error::{File, Image, Malformed};
         let is_of_file = match &self {

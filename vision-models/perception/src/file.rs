@@ -1,13 +1,13 @@
-//! Files that are there whole or not at all.
+//! Writes files completely or not at all.
 
 use std::{fs, io, io::Write, path::Path};
 
 use crate::error::Error;
 
-/// Writes a file beside its place and moves it there when it is whole.
+/// Writes a file beside its place and moves it there when it is complete.
 ///
 /// # Errors
-/// [`Error::Write`].
+/// [`Error::Write`] if the file cannot be written.
 pub(crate) fn write_whole(path: &Path, contents: &[u8]) -> Result<(), Error> {
     let write = || -> io::Result<()> {
         let folder = path.parent().unwrap_or(Path::new("."));
@@ -22,10 +22,10 @@ pub(crate) fn write_whole(path: &Path, contents: &[u8]) -> Result<(), Error> {
     write().map_err(Error::write(path))
 }
 
-/// Makes a folder and those above it.
+/// Creates a folder and its parents.
 ///
 /// # Errors
-/// [`Error::Write`].
+/// [`Error::Write`] if a folder cannot be created.
 pub(crate) fn make_folder(path: &Path) -> Result<(), Error> {
     fs::create_dir_all(path).map_err(Error::write(path))
 }

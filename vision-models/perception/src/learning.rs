@@ -1,5 +1,5 @@
-//! What surfaces and actions are learnt with: networks for features, features on disk, parts of a data set, and what
-//! is measured.
+//! Shared by the training of surfaces and actions: networks for features, features on disk, parts
+//! of a data set, and metrics.
 
 pub mod backbone;
 pub mod cache;

@@ -1,4 +1,4 @@
-//! Networks over files: images, folders of images, and clips.
+//! Networks on files: images, folders of images, and clips.
 
 mod array;
 pub(crate) mod checkpoint;

@@ -1,4 +1,4 @@
-//! NumPy's arrays of single precision in files, whatever their headers claim.
+//! Reads and writes NumPy's arrays of single precision, with safe limits for any header.
 
 use std::{
     fmt::Display,
@@ -12,18 +12,18 @@ use ndarray::{Array, ArrayD, Dimension, IxDyn, ShapeBuilder};
 use crate::error::Error;
 
 const MAGIC: &[u8] = b"\x93NUMPY";
-/// More than the header of any array without fields takes (bytes).
+/// Largest header (bytes). No array without fields needs more.
 const MAX_HEADER: usize = 4096;
 /// The size of an element (bytes).
 const ELEMENT: usize = size_of::<f32>();
-/// What the data begin at a multiple of (bytes).
+/// Alignment of the data (bytes).
 const ALIGNMENT: usize = 64;
 
-/// Reads an array of f32 from a `.npy` file. No memory is taken for data that the file does not
+/// Reads an array of f32 from a `.npy` file. No memory is allocated for data that the file does not
 /// hold.
 ///
 /// # Errors
-/// Names the file's name, if it cannot be read, is no such array or is cut off.
+/// Names the file if it cannot be read, is no such array or is truncated.
 pub fn read_array(path: &Path) -> Result<ArrayD<f32>, Error> {
     let place = format!("cannot read {} as an f32 array", path.display());
     let file = File::open(path).map_err(text);
@@ -65,11 +65,11 @@ pub fn write_array<D: Dimension>(writer: &mut impl Write, array: &Array<f32, D>)
     writer.write_all(&data)
 }
 
-/// What stands before the data.
+/// The header before the data.
 struct Header {
-    /// The kind of the elements, such as `<f4`.
+    /// Type of the elements, such as `<f4`.
     kind: String,
-    /// Whether the first axis is the one that changes first.
+    /// True if the first axis changes fastest.
     fortran_order: bool,
     shape: Vec<usize>,
 }
@@ -110,7 +110,7 @@ impl Header {
         Some(Self { kind: kind?, fortran_order: fortran_order?, shape: shape? })
     }
 
-    /// The number of elements.
+    /// Returns the number of elements.
     fn count(&self) -> Result<usize, String> {
         let count = self.shape.iter().try_fold(1_usize, |count, &axis| count.checked_mul(axis));
         let bytes = count.and_then(|count| count.checked_mul(ELEMENT));
@@ -120,7 +120,7 @@ impl Header {
     }
 }
 
-/// A text in quotes, and what follows.
+/// Returns a text in quotes and the rest.
 fn quoted(text: &str) -> Option<(&str, &str)> {
     let quote = text.chars().next().filter(|quote| ['\'', '"'].contains(quote))?;
     text.get(1..)?.split_once(quote)
@@ -147,13 +147,13 @@ fn read(file: File) -> Result<ArrayD<f32>, String> {
         format!("its shape {shape:?} takes {claimed} bytes, but it has {found}: it is cut off")
     };
     let mut values = Vec::new();
-    // A pipe does not say how much is to come.
+    // The length of a pipe is unknown.
     if metadata.is_file() {
         let found = metadata.len().saturating_sub(start as u64);
         if claimed > found {
             return Err(cut_off(found));
         }
-        // A file with holes can be larger than the machine.
+        // A sparse file can be larger than the machine's memory.
         values
             .try_reserve_exact(count)
             .map_err(|_| format!("its shape {shape:?} takes more memory than there is"))?;
@@ -179,9 +179,9 @@ fn text(error: impl Display) -> String {
     error.to_string()
 }
 
-/// Reads the header, and returns the place where the data begin.
+/// Reads the header and returns the position where the data begin.
 fn read_header(reader: &mut impl Read) -> Result<(Header, usize), String> {
-    // The magic string, two bytes of version, and two bytes of length in version 1, else four.
+    // The magic string, two bytes of version, and two bytes of length in version 1, otherwise four.
     let mut start = [0; MAGIC.len() + 2];
     let read = reader.read_exact(&mut start);
     if read.is_err() || !start.starts_with(MAGIC) {

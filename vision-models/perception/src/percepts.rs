@@ -1,4 +1,4 @@
-//! From camera frames to percepts: where joints in the image come from, and what becomes of them.
+//! Converts camera frames to percepts: the sources of joints in the image, and their processing.
 
 mod action_network;
 mod chain;

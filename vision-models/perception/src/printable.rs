@@ -1,10 +1,10 @@
-//! Names and texts from files, for a terminal.
+//! Names and texts from files, made printable for a terminal.
 
-/// The most characters of a name that are shown.
+/// Largest number of characters of a name that are shown.
 const LONGEST: usize = 120;
 
-/// A name from a file, such as a tensor's, on one line, as anybody may have chosen it: what cannot be printed is escaped,
-/// and a long name is cut.
+/// Returns an untrusted name from a file, such as a tensor's, on one line. Unprintable characters
+/// are escaped, and a long name is cut.
 ///
 /// ```
 /// use human_perception::printable;

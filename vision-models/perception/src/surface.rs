@@ -1,4 +1,4 @@
-//! The paper's classification of surfaces (Experiment 1).
+//! The paper's surface classification (Experiment 1).
 
 pub mod cut;
 pub mod features;

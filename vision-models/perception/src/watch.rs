@@ -1,4 +1,4 @@
-//! What long work tells who waits for it.
+//! Progress reports of long work.
 
 use std::{
     fmt,
@@ -11,21 +11,21 @@ use std::{
 
 use crate::error::Error;
 
-/// What long work tells who waits for it.
+/// A report of long work.
 #[derive(Clone, Copy)]
 pub enum Event<'a> {
-    /// So many steps of `all` are done.
+    /// Some steps of `all` are done.
     Progress {
-        /// What is being done.
+        /// Name of the work.
         what: &'a str,
-        /// Steps that are done.
+        /// Number of steps that are done.
         done: u64,
-        /// All steps.
+        /// Number of all steps.
         all: u64,
     },
-    /// What should be known, and does not end the work.
+    /// A warning that does not end the work.
     Warning(&'a dyn Display),
-    /// Nothing new: asks only whether to go on.
+    /// No news. The call-back only decides whether to continue.
     Working,
 }
 
@@ -39,7 +39,7 @@ impl fmt::Debug for Event<'_> {
     }
 }
 
-/// A call-back of long work, which ends when it returns [`ControlFlow::Break`].
+/// A call-back of long work. It stops the work by returning [`ControlFlow::Break`].
 ///
 /// ```
 /// use std::ops::ControlFlow;
@@ -51,13 +51,13 @@ impl fmt::Debug for Event<'_> {
 /// ```
 pub type Watch<'a> = dyn FnMut(Event<'_>) -> ControlFlow<()> + 'a;
 
-/// Says what should be known.
+/// Reports a warning.
 pub(crate) fn warn(watch: &mut Watch<'_>, text: fmt::Arguments<'_>) {
-    // Whether to go on is asked at the next step.
+    // Whether to continue is asked at the next step.
     let _ = watch(Event::Warning(&text));
 }
 
-/// Asks whether to go on.
+/// Asks whether to continue.
 ///
 /// # Errors
 /// [`Error::Stopped`] if not.
@@ -65,13 +65,13 @@ pub(crate) fn go_on(watch: &mut Watch<'_>) -> Result<(), Error> {
     if watch(Event::Working).is_break() { Err(Error::Stopped) } else { Ok(()) }
 }
 
-/// How soon work that is waited for is left where the call-back ends it.
+/// Interval at which the call-back is asked while the work runs.
 const PATIENCE: Duration = Duration::from_millis(20);
 
-/// Does work that cannot stop half way, and leaves it behind where the call-back ends it.
+/// Runs work that cannot be interrupted, and abandons it if the call-back stops it.
 ///
 /// # Errors
-/// [`Error::Stopped`]; [`Error::Unfit`] if there is no thread to be had.
+/// [`Error::Stopped`] if it is stopped, [`Error::Unfit`] if no thread can be started.
 pub(crate) fn wait_for<T: Send + 'static>(
     work: impl FnOnce() -> T + Send + 'static,
     watch: &mut Watch<'_>,
@@ -79,7 +79,7 @@ pub(crate) fn wait_for<T: Send + 'static>(
     let (sender, receiver) = channel();
     let worker = thread::Builder::new()
         .spawn(move || {
-            // Nobody listens once the work has been left behind.
+            // The receiver is gone if the work was abandoned.
             let _ = sender.send(work());
         })
         .map_err(|error| Error::at("another thread", error))?;

@@ -1,5 +1,5 @@
-//! What must hold of every line: the reader refuses what breaks it and the writer does not write
-//! it.
+//! Rules for every line: the reader rejects lines that break them, and the writer does not write
+//! such lines.
 
 use nalgebra::Point3;
 use vision_models::{Body, Body25, Confidence};
@@ -8,10 +8,10 @@ use crate::error::RecordingError;
 use crate::format::Header;
 use crate::timing::Stamp;
 
-/// The longest pause between two frames (s): time stamps in milliseconds have longer ones.
+/// Longest pause between two frames (s). Time stamps in milliseconds have longer pauses.
 const LONGEST_GAP: f64 = 10.0;
 
-/// The longest that something takes to be known (s): a large network on a slow machine.
+/// Longest time until a result is known (s): a large network on a slow machine.
 const LONGEST_DELAY: f64 = 600.0;
 
 pub(super) fn header(line: usize, header: Header) -> Result<Header, RecordingError> {
@@ -27,14 +27,14 @@ pub(super) fn header(line: usize, header: Header) -> Result<Header, RecordingErr
     Err(RecordingError::Header { line, problem })
 }
 
-/// The first length that is none.
+/// Returns the first invalid length.
 fn wrong_segment(header: &Header) -> Option<(&'static str, f64)> {
     let lengths = header.segments.to_array().into_iter();
     let mut lengths = lengths.filter_map(|(name, length)| Some((name, length?)));
     lengths.find(|(_, length)| !(0.05..=1.5).contains(length))
 }
 
-/// When a part of a percept was seen and known; `time` is the frame's (s).
+/// Checks when a part of a percept was seen and known. `time` is the frame's (s).
 pub(super) fn stamp(
     line: usize,
     of: &'static str,
@@ -57,7 +57,7 @@ pub(super) fn stamp(
     })
 }
 
-/// A time stamp and the one before, if any.
+/// Checks a time stamp against the previous one, if any.
 pub(super) fn time(line: usize, time: f64, previous: Option<f64>) -> Result<f64, RecordingError> {
     let (got, wanted) = match previous {
         _ if !time.is_finite() => (time.to_string(), "finite seconds".to_owned()),
@@ -108,12 +108,12 @@ pub(super) fn confidence(
     })
 }
 
-/// A keypoint in words.
+/// Describes a keypoint in words.
 pub(super) fn keypoint(joint: Body25) -> String {
     format!("keypoint {} ({})", joint.index(), joint.name())
 }
 
-/// The error of the keypoints of a person beside the one who works with the robot, counted from 1.
+/// Adds to an error that it is about the keypoints of another person in the frame, counted from 1.
 pub(super) fn of_other(error: RecordingError, person: usize) -> RecordingError {
     match error {
         RecordingError::Value { line, what, got, wanted } => {

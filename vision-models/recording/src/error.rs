@@ -1,9 +1,9 @@
-//! What can be wrong with a recording.
+//! Errors of recordings.
 
 use std::{io, path::PathBuf};
 
-/// Why a recording cannot be read or written: where, what was found, and what would be right.
-/// Lines count from 1, the header included.
+/// Why a recording cannot be read or written: the place, what was found, and what would be right.
+/// Lines count from 1, including the header.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RecordingError {
@@ -12,15 +12,15 @@ pub enum RecordingError {
     Open {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The system's error.
         source: io::Error,
     },
-    /// The system cannot read or write on.
+    /// The system cannot continue to read or write.
     #[error("line {line}: cannot read or write on: {source}")]
     Io {
         /// The line that failed.
         line: usize,
-        /// What the system says.
+        /// The system's error.
         source: io::Error,
     },
     /// There is no camera frame.
@@ -29,10 +29,10 @@ pub enum RecordingError {
          header, every further line a frame (the `record` command makes a recording)"
     )]
     Empty {
-        /// How many lines there are.
+        /// Number of lines.
         lines: usize,
     },
-    /// A line that cannot be a frame.
+    /// A line is too long for a frame.
     #[error(
         "line {line} is longer than {limit} bytes: a frame takes about 1000; write one JSON object \
          a line"
@@ -40,10 +40,10 @@ pub enum RecordingError {
     LineTooLong {
         /// The line.
         line: usize,
-        /// The most that is read (bytes).
+        /// Largest length that is read (bytes).
         limit: usize,
     },
-    /// The first line is no header.
+    /// The first line is not a header.
     #[error(
         "line {line}: {problem}; the first line of a recording is its header, such as \
          {{\"format\":\"moca-recording\",\"version\":2,\"frame\":\"world\",\"rate\":20.0,\
@@ -52,7 +52,7 @@ pub enum RecordingError {
     Header {
         /// The line.
         line: usize,
-        /// What was found.
+        /// The problem.
         problem: String,
     },
     /// The input ends before the closing line.
@@ -61,9 +61,9 @@ pub enum RecordingError {
          one ends with a closing line such as {{\"end\":{{\"frames\":{frames},\"complete\":true}}}}"
     )]
     Cut {
-        /// The last line, or the one that is missing.
+        /// The last line, or the missing one.
         line: usize,
-        /// How many whole frames there are.
+        /// Number of complete frames.
         frames: u64,
     },
     /// The closing line says that the recording was interrupted.
@@ -73,10 +73,10 @@ pub enum RecordingError {
     Interrupted {
         /// The closing line.
         line: usize,
-        /// How many frames there are.
+        /// Number of frames.
         frames: u64,
     },
-    /// A closing line that is none, that counts other frames than there are, or that is not the last.
+    /// A closing line is invalid, counts other frames than there are, or is not the last line.
     #[error(
         "line {line}: {problem}; the closing line of a recording of version 2 is such as \
          {{\"end\":{{\"frames\":1119,\"complete\":true}}}}"
@@ -84,10 +84,10 @@ pub enum RecordingError {
     End {
         /// The line.
         line: usize,
-        /// What was found.
+        /// The problem.
         problem: String,
     },
-    /// A line is not the JSON that a frame has.
+    /// A line is not the JSON of a frame.
     #[error(
         "line {line}, column {column}: {problem}; a frame is one JSON object with the fields time, \
          keypoints, action and surface, and null stands for what was not seen (JSON has no NaN)"
@@ -97,34 +97,34 @@ pub enum RecordingError {
         line: usize,
         /// The column, in bytes from 1.
         column: usize,
-        /// What was found.
+        /// The problem.
         problem: String,
     },
-    /// A value in a frame that no camera frame has.
+    /// A frame has an impossible value.
     #[error("line {line}: {what} is {got}: give {wanted}")]
     Value {
         /// The line.
         line: usize,
-        /// Which value.
+        /// Name of the value.
         what: String,
-        /// What stands there.
+        /// The value that was found.
         got: String,
-        /// What would be right.
+        /// The right values.
         wanted: String,
     },
-    /// An action or a surface with an unknown name.
+    /// An action or a surface has an unknown name.
     #[error("line {line}: {source}")]
     Name {
         /// The line.
         line: usize,
-        /// Which name.
+        /// The error of the name.
         source: Box<vision_models::Error>,
     },
 }
 
 impl RecordingError {
-    /// Returns true if the recording is sound as far as it goes, but ends early: it is cut off, or
-    /// its writer was interrupted.
+    /// Returns true if the recording is valid so far, but ends early: it is truncated, or its
+    /// writer was interrupted.
     pub fn is_early_end(&self) -> bool {
         matches!(self, Self::Cut { .. } | Self::Interrupted { .. })
     }

@@ -1,9 +1,9 @@
-//! What an error quotes of what it was given.
+//! Excerpts of given text for errors.
 
-/// The most that is quoted (characters).
+/// Longest excerpt (characters).
 const LONGEST: usize = 120;
 
-/// A text, or its beginning where it is long.
+/// Returns a text, or its beginning if it is long.
 pub(crate) fn excerpt(text: &str) -> String {
     match text.char_indices().nth(LONGEST) {
         Some((end, _)) => format!("{}…", text.get(..end).unwrap_or_default()),

@@ -1,5 +1,5 @@
-//! The lines of a recording as JSON has them. Names and confidences are plain here: the reader
-//! checks them, to say where they are wrong.
+//! The lines of a recording in JSON. Names and confidences are not checked here: the reader checks
+//! them, to report where they are wrong.
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -9,13 +9,13 @@ use crate::timing::Stamp;
 
 pub(super) const FORMAT: &str = "moca-recording";
 
-/// Recordings of this version close with an [`EndLine`].
+/// Recordings of this version end with an [`EndLine`].
 pub(super) const VERSION: u32 = 2;
 
 /// Recordings of this version have no closing line.
 pub(super) const UNMARKED_VERSION: u32 = 1;
 
-/// What holds for a whole recording.
+/// Data of a whole recording.
 ///
 /// ```
 /// use percept_recording::{Frame, Header};
@@ -25,13 +25,13 @@ pub(super) const UNMARKED_VERSION: u32 = 1;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Header {
-    /// The frame that keypoints are in.
+    /// The frame of the keypoints.
     pub frame: Frame,
-    /// Of the camera (Hz). Informative: the time stamps count.
+    /// Rate of the camera (Hz), for information only. The time stamps are decisive.
     pub rate: f64,
-    /// The person's stature (m), where it is known.
+    /// The person's stature (m), if it is known.
     pub stature: Option<f64>,
-    /// Lengths of the person's segments, as far as they were measured.
+    /// Lengths of the person's segments, if they were measured.
     pub segments: MeasuredSegments,
 }
 
@@ -46,12 +46,13 @@ impl Default for Header {
     }
 }
 
-/// The frame that keypoints are in.
+/// The frame of the keypoints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 #[non_exhaustive]
 pub enum Frame {
-    /// x and y on the floor, z up; the robot's base starts at the origin and looks along x.
+    /// The world frame: x and y on the floor, z up. The robot's base starts at the origin and faces
+    /// along x.
     World,
 }
 
@@ -77,7 +78,7 @@ pub(super) struct EndLine {
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct End {
-    /// How many camera frames there are.
+    /// Number of camera frames.
     pub(super) frames: u64,
     /// False if the recording was interrupted.
     pub(super) complete: bool,
@@ -107,7 +108,7 @@ pub(super) struct Label {
 /// x, y, z (m) and confidence of the keypoints that were seen.
 pub(super) type KeypointsOut = [Option<[f64; 4]>; 25];
 
-/// [`FrameLine`] as it is written.
+/// [`FrameLine`] for writing.
 #[derive(Serialize)]
 pub(super) struct FrameLineOut {
     pub(super) time: f64,

@@ -1,27 +1,27 @@
-//! The lines of a text, in bounded memory.
+//! The lines of a text, read in bounded memory.
 
 use std::io::{BufRead, Read};
 
 use crate::error::RecordingError;
 
-/// The byte-order mark that some editors put before a text.
+/// The byte-order mark that some editors write before a text.
 const MARK: &[u8] = "\u{feff}".as_bytes();
 
-/// The most that is read of one line (bytes).
+/// Largest length of a line (bytes).
 const LONGEST_LINE: usize = 64 * 1024;
 
 /// A line that is not blank.
 #[derive(Debug)]
 pub(super) struct Line<'a> {
-    /// From 1.
+    /// Number, from 1.
     pub(super) number: usize,
-    /// Without white space around it.
+    /// Text, trimmed.
     pub(super) text: &'a [u8],
-    /// Whether its end was found; only the last line of a text can be without.
+    /// True if its end was found. Only the last line of a text can lack it.
     pub(super) terminated: bool,
 }
 
-/// The lines of the input that are not blank, of bounded length, with their numbers.
+/// The non-blank lines of the input, of bounded length, with their numbers.
 #[derive(Debug)]
 pub(super) struct Lines<R> {
     input: R,
@@ -34,12 +34,12 @@ impl<R: BufRead> Lines<R> {
         Self { input, buffer: Vec::new(), number: 0 }
     }
 
-    /// How many lines were read, blank ones included.
+    /// Returns the number of lines that were read, including blank ones.
     pub(super) fn count(&self) -> usize {
         self.number
     }
 
-    /// The next line that is not blank, without a byte-order mark before the first.
+    /// Returns the next non-blank line. A byte-order mark before the first line is removed.
     pub(super) fn next(&mut self) -> Result<Option<Line<'_>>, RecordingError> {
         loop {
             self.buffer.clear();

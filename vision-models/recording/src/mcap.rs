@@ -1,8 +1,9 @@
-//! Recordings in MCAP, which Foxglove shows without a plugin.
+//! Recordings in MCAP, which Foxglove displays without a plugin.
 //!
-//! A recording keeps its lines as they are: those of frames are messages of `/percepts`, header and closing line
-//! are metadata, so that [`to_json_lines`] gives back every byte that [`from_json_lines`] was given. Beside them
-//! stand messages for the eye alone. A [`McapWriter`] takes further channels of [`Message`]s.
+//! A recording keeps its lines unchanged. The lines of frames are messages of `/percepts`. Header
+//! and closing line are metadata. [`to_json_lines`] therefore returns every byte that
+//! [`from_json_lines`] was given. The file also has messages for display only. A [`McapWriter`]
+//! adds further channels of [`Message`]s.
 //!
 //! ```
 //! use percept_recording::mcap::{from_json_lines, to_json_lines};
@@ -29,7 +30,7 @@ pub use messages::{Colour, Deletion, Entity, Message, Rotation, SceneUpdate, Sha
 pub use to_json_lines::to_json_lines;
 pub use writer::{Channel, McapWriter};
 
-/// Of the messages that are the recording.
+/// Topic of the messages of the recording.
 const PERCEPTS: &str = "/percepts";
 /// Their schema, and the name of the metadata.
 const PERCEPT: &str = "moca.Percept";

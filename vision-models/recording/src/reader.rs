@@ -1,4 +1,4 @@
-//! Reading a recording, line by line.
+//! Reads a recording line by line.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader};
@@ -20,21 +20,21 @@ use crate::format::{
 use crate::lines::{Line, Lines};
 use crate::timing::{Stamp, Timing};
 
-/// Whether a recording is complete.
+/// The completeness of a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Completeness {
-    /// Its closing line says so.
+    /// The closing line says that it is complete.
     Complete,
-    /// It is of version 1, which has no closing line: it may have been cut off.
+    /// The recording has version 1, which has no closing line. It may be truncated.
     Unmarked,
-    /// It was interrupted, or it is cut off.
+    /// The recording was interrupted or is truncated.
     Partial,
 }
 
 /// Opens a recording and reads its header.
 ///
 /// # Errors
-/// [`RecordingError::Open`] if the file cannot be opened, otherwise as [`Reader::new`].
+/// [`RecordingError::Open`] if the file cannot be opened, and those of [`Reader::new`].
 pub fn open(path: impl AsRef<Path>) -> Result<Reader<BufReader<File>>, RecordingError> {
     let path = path.as_ref();
     let file = File::open(path)
@@ -42,8 +42,8 @@ pub fn open(path: impl AsRef<Path>) -> Result<Reader<BufReader<File>>, Recording
     Reader::new(BufReader::new(file))
 }
 
-/// Reads a recording as an iterator over its percepts, one line at a time. After the first error
-/// it ends. The last item of a recording that ends early is an error of which
+/// Reads a recording as an iterator over its percepts, one line at a time. It ends after the first
+/// error. The last item of a recording that ends early is an error for which
 /// [`RecordingError::is_early_end`] is true.
 ///
 /// ```
@@ -96,23 +96,23 @@ impl<R: BufRead> Reader<R> {
         })
     }
 
-    /// What holds for the whole recording.
+    /// Returns the data of the whole recording.
     pub fn header(&self) -> &Header {
         &self.header
     }
 
-    /// Whether the recording is complete. Before the iterator is at its end it is partial, and after
-    /// an error it stays so.
+    /// Returns whether the recording is complete. It is partial before the end of the iterator, and
+    /// after an error.
     pub fn completeness(&self) -> Completeness {
         self.end.unwrap_or(Completeness::Partial)
     }
 
-    /// When each part of the percept that came last was seen and known.
+    /// Returns when each part of the latest percept was seen and known.
     pub fn timing(&self) -> Timing {
         self.timing
     }
 
-    /// The people in the frame that came last beside the person of the percept.
+    /// Returns the other people in the frame of the latest percept.
     pub fn others(&self) -> &[Body] {
         &self.others
     }
@@ -136,7 +136,7 @@ impl<R: BufRead> Reader<R> {
         Ok(Some(percept))
     }
 
-    /// There is no closing line.
+    /// Ends the recording if there is no closing line.
     fn end_of_input(&mut self) -> Result<Option<Percept>, RecordingError> {
         let (lines, frames) = (self.lines.count(), self.frames);
         if self.version != UNMARKED_VERSION {
@@ -149,7 +149,7 @@ impl<R: BufRead> Reader<R> {
         Ok(None)
     }
 
-    /// There is one.
+    /// Ends the recording at a closing line.
     fn close(
         &mut self,
         line: usize,
@@ -198,13 +198,13 @@ impl<R: BufRead> Iterator for Reader<R> {
     }
 }
 
-/// Returns true for a line that opens as the closing line does.
+/// Returns true if a line begins like the closing line.
 fn is_closing(line: &Line<'_>) -> bool {
     line.text.strip_prefix(b"{").is_some_and(|rest| rest.trim_ascii_start().starts_with(b"\"end\""))
 }
 
-/// Parses a line after the header; `fail` makes an error of the column and of what was found there.
-/// A last line that stops in its middle is a cut, after `frames` frames.
+/// Parses a line after the header. `fail` creates an error from the column and the problem. If the
+/// last line is incomplete, the recording is truncated after `frames` frames.
 fn parse<T: DeserializeOwned>(
     line: &Line<'_>,
     frames: u64,
@@ -219,8 +219,8 @@ fn parse<T: DeserializeOwned>(
     })
 }
 
-/// What the parser found, without the place, which is said once, by whoever reports it, with the
-/// line's number in the file.
+/// Returns the parser's problem without its place. The caller adds the place, with the line's
+/// number in the file.
 fn problem(error: &serde_json::Error) -> String {
     let problem = error.to_string();
     let place = format!(" at line {} column {}", error.line(), error.column());
@@ -280,7 +280,7 @@ fn parse_frame(
     Ok((percept, others.into_iter().flatten().collect(), timing))
 }
 
-/// The body with these keypoints; none of nobody.
+/// Returns the body with these keypoints, or none if no joint was seen.
 fn body(line: usize, keypoints: &[Value]) -> Result<Option<Body>, RecordingError> {
     if keypoints.len() != Body25::COUNT {
         return Err(RecordingError::Value {

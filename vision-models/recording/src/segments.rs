@@ -2,10 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-/// The height of the ankle, as a fraction of stature (Drillis & Contini 1966).
+/// Height of the ankle, as a fraction of stature (Drillis & Contini 1966).
 const ANKLE: f64 = 0.039;
 
-/// Lengths of a person's segments between the centres of joints (m), where they were measured.
+/// Lengths of a person's segments between the centres of joints (m), if they were measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct MeasuredSegments {
@@ -36,13 +36,13 @@ impl MeasuredSegments {
         ]
     }
 
-    /// Returns true if there is none.
+    /// Returns true if no length was measured.
     pub(super) fn is_empty(&self) -> bool {
         *self == Self::default()
     }
 
-    /// What they say of a body of this stature (m), for [`ergo_map::Person::with_segments`]: heights are
-    /// summed up from the ankle's, and what is missing stays average.
+    /// Returns the segments of a body of this stature (m), for [`ergo_map::Person::with_segments`].
+    /// Heights are summed from the ankle's. Missing segments keep their average length.
     ///
     /// ```
     /// use percept_recording::MeasuredSegments;

@@ -1,9 +1,9 @@
-//! When what a percept says was seen and known.
+//! Times at which the parts of a percept were seen and known.
 
 use serde::{Deserialize, Serialize};
 use vision_models::Percept;
 
-/// When one part of a percept was seen and known, on the clock of the recording.
+/// The times at which one part of a percept was seen and known, on the clock of the recording.
 ///
 /// ```
 /// use percept_recording::Stamp;
@@ -14,28 +14,28 @@ use vision_models::Percept;
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Stamp {
-    /// When the camera took the newest image that it was made of (s); that of the frame where it is not
-    /// said.
+    /// Time at which the camera took the newest image that was used (s). The frame's time if
+    /// missing.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub captured: Option<f64>,
-    /// When it was there to be acted on (s), where it is known.
+    /// Time at which the result was available (s), if it is known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub arrived: Option<f64>,
 }
 
-/// When each part of a percept was seen and known.
+/// The times at which the parts of a percept were seen and known.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Timing {
-    /// When the body was there to be acted on (s), where it is known; the frame's time is when it was seen.
+    /// Time at which the body was available (s), if it is known. It was seen at the frame's time.
     pub arrived: Option<f64>,
-    /// Of the action.
+    /// Times of the action.
     pub action: Stamp,
-    /// Of the surface.
+    /// Times of the surface.
     pub surface: Stamp,
 }
 
 impl Timing {
-    /// When all of a percept of this time (s) is there to be acted on (s).
+    /// Returns the time at which all parts of a percept of this time (s) are available (s).
     ///
     /// ```
     /// use percept_recording::Timing;
@@ -49,7 +49,8 @@ impl Timing {
     }
 }
 
-/// When all of each percept is there to be acted on \[s\]: none before one that was seen earlier.
+/// Returns the times at which all parts of each percept are available \[s\]. None is before that of
+/// an earlier percept.
 pub fn arrivals(percepts: &[Percept], timings: &[Timing]) -> Vec<f64> {
     let mut latest = f64::NEG_INFINITY;
     let both = percepts.iter().zip(timings);

@@ -1,4 +1,4 @@
-//! Whether a recording is complete, and reading one to its end.
+//! Reads a recording to its end, with a choice for partial ones.
 
 use std::io::BufRead;
 
@@ -9,12 +9,12 @@ use crate::format::Header;
 use crate::reader::{Completeness, Reader};
 use crate::timing::Timing;
 
-/// What to do with a recording that ends early.
+/// Treatment of a recording that ends early.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum IfPartial {
     /// It is an error.
     Refuse,
-    /// Its whole frames are taken.
+    /// Its complete frames are returned.
     Take,
 }
 
@@ -34,15 +34,15 @@ pub enum IfPartial {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recording {
-    /// What holds for all of it.
+    /// Data of the whole recording.
     pub header: Header,
-    /// Its camera frames, at least one.
+    /// The camera frames, at least one.
     pub percepts: Vec<Percept>,
-    /// The people beside the one of the percept, frame by frame.
+    /// The other people in each frame.
     pub others: Vec<Vec<Body>>,
-    /// When the parts of each were seen and known.
+    /// Times at which the parts of each percept were seen and known.
     pub timings: Vec<Timing>,
-    /// Whether it is complete.
+    /// Completeness of the recording.
     pub completeness: Completeness,
 }
 
@@ -50,8 +50,8 @@ impl Recording {
     /// Reads a recording to its end.
     ///
     /// # Errors
-    /// The first error of the reader, but for an early end that is to be taken and has a frame
-    /// before it.
+    /// The first error of the reader. An early end is no error if `if_partial` allows it and there
+    /// is at least one frame.
     pub fn read<R: BufRead>(
         mut reader: Reader<R>,
         if_partial: IfPartial,

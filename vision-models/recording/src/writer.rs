@@ -1,4 +1,4 @@
-//! Writing a recording, line by line.
+//! Writes a recording line by line.
 
 use std::io::Write;
 
@@ -12,9 +12,12 @@ use crate::format::{
 };
 use crate::timing::{Stamp, Timing};
 
-/// Writes a recording: times to the microsecond, positions to a tenth of a millimetre, confidences
-/// to a thousandth. It writes nothing that [`Reader`](crate::Reader) would refuse. A recording whose
-/// writer is dropped without [`finish`](Self::finish) has no closing line and counts as cut off.
+/// Writes a recording.
+///
+/// Times are rounded to the microsecond, positions to a tenth of a millimetre, confidences to a
+/// thousandth. It writes nothing that [`Reader`](crate::Reader) would reject. If the writer is
+/// dropped without [`finish`](Self::finish), the recording has no closing line and counts as
+/// truncated.
 ///
 /// ```
 /// use percept_recording::{Header, RecordingError, Writer};
@@ -36,10 +39,11 @@ pub struct Writer<W> {
 }
 
 impl<W: Write> Writer<W> {
-    /// Writes the header.
+    /// Creates a writer and writes the header.
     ///
     /// # Errors
-    /// [`RecordingError::Header`] or [`RecordingError::Io`].
+    /// [`RecordingError::Header`] if the header is invalid, [`RecordingError::Io`] if writing
+    /// fails.
     pub fn new(output: W, header: &Header) -> Result<Self, RecordingError> {
         let Header { frame, rate, stature, segments } = check::header(1, *header)?;
         let mut writer = Self { output, line: 0, frames: 0, previous: None };
@@ -51,17 +55,17 @@ impl<W: Write> Writer<W> {
     /// Writes a percept.
     ///
     /// # Errors
-    /// The [`RecordingError`] that reading it would give, or [`RecordingError::Io`]; the line is
+    /// The [`RecordingError`] of reading such a percept, or [`RecordingError::Io`]. The line is
     /// then not written.
     pub fn write(&mut self, percept: &Percept) -> Result<(), RecordingError> {
         self.write_timed(percept, &Timing::default())
     }
 
-    /// Writes a percept with when its parts were seen and known; of an action or a surface that is not
-    /// there it is left out.
+    /// Writes a percept with the times at which its parts were seen and known. Times of a missing
+    /// action or surface are left out.
     ///
     /// # Errors
-    /// As of [`write`](Self::write).
+    /// Those of [`write`](Self::write).
     pub fn write_timed(
         &mut self,
         percept: &Percept,
@@ -70,10 +74,11 @@ impl<W: Write> Writer<W> {
         self.write_people(percept, &[], timing)
     }
 
-    /// The same with the other people in the frame. Of whom no joint was seen is left out.
+    /// Writes a timed percept with the other people in the frame. People without any visible joint
+    /// are left out.
     ///
     /// # Errors
-    /// As of [`write`](Self::write).
+    /// Those of [`write`](Self::write).
     pub fn write_people(
         &mut self,
         percept: &Percept,
@@ -120,18 +125,18 @@ impl<W: Write> Writer<W> {
         Ok(())
     }
 
-    /// Writes the closing line of a complete recording, flushes and gives the output back.
+    /// Writes the closing line of a complete recording, flushes and returns the output.
     ///
     /// # Errors
-    /// [`RecordingError::Io`].
+    /// [`RecordingError::Io`] if writing fails.
     pub fn finish(self) -> Result<W, RecordingError> {
         self.close(true)
     }
 
-    /// The same for a recording that ends early, and says so.
+    /// Writes the closing line of a recording that ends early, flushes and returns the output.
     ///
     /// # Errors
-    /// [`RecordingError::Io`].
+    /// [`RecordingError::Io`] if writing fails.
     pub fn finish_partial(self) -> Result<W, RecordingError> {
         self.close(false)
     }
@@ -152,7 +157,7 @@ impl<W: Write> Writer<W> {
     }
 }
 
-/// The keypoints of a body.
+/// Returns the keypoints of a body for writing.
 fn written(line: usize, body: &Body) -> Result<KeypointsOut, RecordingError> {
     let mut keypoints = [None; Body25::COUNT];
     for (joint, keypoint) in body.iter() {
@@ -163,7 +168,7 @@ fn written(line: usize, body: &Body) -> Result<KeypointsOut, RecordingError> {
     Ok(keypoints)
 }
 
-/// Rounded to `1 / scale`, and never a negative zero.
+/// Rounds to `1 / scale`, without negative zero.
 fn rounded(value: f64, scale: f64) -> f64 {
     (value * scale).round() / scale + 0.0
 }

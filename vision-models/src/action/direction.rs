@@ -1,4 +1,4 @@
-//! The eight directions of walking.
+//! The eight walking directions.
 
 use std::f64::consts::FRAC_PI_4;
 
@@ -18,21 +18,21 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum WalkingDirection {
-    /// Along x.
+    /// The direction of x.
     Forwards,
-    /// Half way from forwards to left.
+    /// Halfway between forwards and left.
     ForwardsLeft,
-    /// Along y.
+    /// The direction of y.
     Left,
-    /// Half way from backwards to left.
+    /// Halfway between backwards and left.
     BackwardsLeft,
-    /// Against x.
+    /// The direction opposite to x.
     Backwards,
-    /// Half way from backwards to right.
+    /// Halfway between backwards and right.
     BackwardsRight,
-    /// Against y.
+    /// The direction opposite to y.
     Right,
-    /// Half way from forwards to right.
+    /// Halfway between forwards and right.
     ForwardsRight,
 }
 
@@ -49,7 +49,7 @@ impl WalkingDirection {
         Self::ForwardsRight,
     ];
 
-    /// The angle from forwards, counter-clockwise, in (-π, π] (rad).
+    /// Returns the angle from forwards, counter-clockwise, in (-π, π] (rad).
     pub fn yaw(self) -> f64 {
         let eighths = match self {
             Self::Forwards => 0.0,
@@ -64,7 +64,7 @@ impl WalkingDirection {
         eighths * FRAC_PI_4
     }
 
-    /// The direction with left and right exchanged.
+    /// Returns the direction with left and right exchanged.
     #[must_use]
     pub fn mirrored(self) -> Self {
         match self {
@@ -78,14 +78,14 @@ impl WalkingDirection {
         }
     }
 
-    /// The unit vector in the person's frame.
+    /// Returns the unit vector in the person's frame.
     pub fn unit(self) -> Vector2<f64> {
         let (sin, cos) = self.yaw().sin_cos();
         Vector2::new(cos, sin)
     }
 
-    /// The direction nearest to a vector in the person's frame; `None` for the zero vector and for
-    /// one that is not finite.
+    /// Returns the direction nearest to a vector in the person's frame. `None` for the zero vector
+    /// and for one that is not finite.
     pub fn nearest(vector: Vector2<f64>) -> Option<Self> {
         let vector = vector.try_normalize(0.0)?;
         Self::ALL

@@ -1,4 +1,4 @@
-//! The three types of HRI30's classes.
+//! The three types of classes in HRI30.
 
 use std::fmt;
 
@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 
 use super::Action;
 
-/// The paper's three types of actions (Sec. "Action Recognition Model"). The paper names the types and does not
-/// say which class is of which: that is decided here.
+/// The paper's three types of actions (Sec. "Action Recognition Model"). The paper does not say
+/// which type each class has. This crate decides that.
 ///
 /// ```
 /// use vision_models::{Action, ActionGroup};
@@ -18,7 +18,7 @@ use super::Action;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ActionGroup {
-    /// Human-object perception: takes, lays down or holds a tool or the object, standing.
+    /// Human-object perception: takes, puts down or holds a tool or the object, standing.
     HumanObject,
     /// Body-motion only: walks without working.
     BodyMotion,
@@ -27,10 +27,10 @@ pub enum ActionGroup {
 }
 
 impl ActionGroup {
-    /// The three, in the paper's order.
+    /// The three types in the paper's order.
     pub const ALL: [Self; 3] = [Self::HumanObject, Self::BodyMotion, Self::Collaboration];
 
-    /// The paper's name.
+    /// Returns the paper's name.
     pub fn name(self) -> &'static str {
         match self {
             Self::HumanObject => "Human-Object Perception",
@@ -47,7 +47,7 @@ impl fmt::Display for ActionGroup {
 }
 
 impl Action {
-    /// The type that it is of.
+    /// Returns the type of the action.
     pub fn group(self) -> ActionGroup {
         match self {
             Self::Walking | Self::WalkingWith(_) | Self::WalkingWithObject => {

@@ -1,29 +1,30 @@
-//! What somebody wants of the robot.
+//! The intention of a person towards the robot.
 
 use super::{Action, Tool, WalkingDirection};
 
-/// What the person wants of the robot.
+/// The intention of a person towards the robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Intention {
-    /// Nothing: they do something else.
+    /// Does something else.
     #[default]
     Apart,
-    /// To work on the object that the robot holds, standing, or walking with it.
+    /// Works with the robot on the object that it holds, standing or walking.
     Together {
-        /// Where they are walking, in their own frame; none when they stand.
+        /// The direction in which the person walks, in the person's frame. None if the person
+        /// stands.
         walking: Option<WalkingDirection>,
-        /// What they work with; none with bare hands.
+        /// The person's tool. None if the hands are empty.
         tool: Option<Tool>,
     },
 }
 
 impl Intention {
-    /// Whether robot and person work together.
+    /// Returns true if robot and person work together.
     pub fn is_together(self) -> bool {
         matches!(self, Self::Together { .. })
     }
 
-    /// Where the person is walking while they work with the robot.
+    /// Returns the direction in which the person walks while working with the robot.
     pub fn walking(self) -> Option<WalkingDirection> {
         match self {
             Self::Together { walking, .. } => walking,
@@ -31,7 +32,7 @@ impl Intention {
         }
     }
 
-    /// The same with bare hands, to compare what people want whatever they work with.
+    /// Returns the same intention without a tool, to compare intentions regardless of the tool.
     #[must_use]
     pub fn regardless_of_tool(self) -> Self {
         match self {
@@ -40,7 +41,7 @@ impl Intention {
         }
     }
 
-    /// What the person works with on what the robot holds.
+    /// Returns the tool that the person uses on the object.
     pub fn tool(self) -> Option<Tool> {
         match self {
             Self::Together { tool, .. } => tool,
@@ -49,7 +50,7 @@ impl Intention {
     }
 }
 
-/// What somebody wants who does this.
+/// The intention of a person who does this action.
 impl From<Action> for Intention {
     fn from(action: Action) -> Self {
         if action.is_collaborative() {

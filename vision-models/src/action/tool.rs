@@ -14,14 +14,14 @@ use crate::surface::Surface;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Tool {
-    /// For the drilled surface.
+    /// The tool for the drilled surface.
     Drill,
-    /// For the smooth surface.
+    /// The tool for the smooth surface.
     Polisher,
 }
 
 impl Tool {
-    /// The surface that this tool works on, which therefore has to face the person (paper,
+    /// Returns the surface that this tool works on. This surface must face the person (paper,
     /// Experiment 3).
     pub fn surface(self) -> Surface {
         match self {

@@ -1,25 +1,27 @@
-//! The Kalman filter of a point that is measured with errors that last.
+//! Kalman filter of a point whose measurement errors are correlated in time.
 
 use std::array::from_fn;
 
 use nalgebra::{Matrix3, SMatrix, SVector};
 
-/// A Kalman filter over D axes: position, velocity, and the part of the measurements' error that lasts.
+/// Kalman filter over D axes. Its state is the position, the velocity and the lasting part of the
+/// measurement error.
 ///
-/// The lasting error fades with the correlation time and is renewed with each measurement (Gauss and Markov's process), so
-/// that measurements that agree in their error count as what they tell of the position.
+/// The lasting error is a Gauss-Markov process: it fades with the correlation time, and each
+/// measurement renews it. Measurements with a common error therefore count as less information.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PointFilter<const D: usize> {
     mean: [SVector<f64, D>; 3],
-    /// Each block of the state (rows) with each (columns).
+    /// Covariance of each block of the state (rows) with each other block (columns).
     covariance: [[SMatrix<f64, D, D>; 3]; 3],
 }
 
-/// The share of the variance of measured joints that lasts from frame to frame: real detectors' errors have a correlation
-/// of 0.72, 0.51 and 0.31 after 0.05, 0.1 and 0.2 s.
+/// Share of the variance of measured joints that lasts from frame to frame. Errors of real
+/// detectors have correlations of 0.72, 0.51 and 0.31 after 0.05, 0.1 and 0.2 s.
 pub(super) const LASTING: f64 = 0.9;
 
-/// A measurement farther than this from what is expected counts the less, the farther it is (standard deviations).
+/// Distance from the expected position above which a measurement has less weight (standard
+/// deviations).
 const LIKELY: f64 = 1.5;
 
 const POSITION: usize = 0;
@@ -31,36 +33,35 @@ const ERROR: usize = 2;
 pub(super) struct Measurement<const D: usize> {
     pub(super) position: SVector<f64, D>,
     pub(super) covariance: SMatrix<f64, D, D>,
-    /// The share of the variance that lasts.
+    /// Share of the variance that lasts.
     pub(super) lasting: f64,
 }
 
-/// What the filter believes about the motion.
+/// The filter's model of the motion.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Motion {
-    /// Spectral density of the acceleration of what moves (unit²/s³).
+    /// Spectral density of the acceleration of a moving point (unit²/s³).
     pub(super) density: f64,
-    /// Spectral density of the velocity of what stands (unit²/s).
+    /// Spectral density of the velocity of a standing point (unit²/s).
     pub(super) drift: f64,
-    /// No faster than this (unit/s); a third of it is the standard deviation of the velocity at the
-    /// start.
+    /// Largest speed (unit/s). A third of it is the initial standard deviation of the velocity.
     pub(super) max_speed: f64,
-    /// For so long it goes on without a measurement (s).
+    /// Longest time for which the motion continues without a measurement (s).
     pub(super) coasts: f64,
-    /// How long errors last (s).
+    /// Correlation time of the errors (s).
     pub(super) correlation_time: f64,
 }
 
-/// What a time does to the three blocks, each axis alike, and what it adds to their covariance.
+/// Effect of a time step on the three blocks, equal for all axes, and the noise that it adds.
 pub(super) struct Transition {
     state: Matrix3<f64>,
     noise: Matrix3<f64>,
-    /// The correlation of errors over the time.
+    /// Correlation of the errors over the step.
     correlation: f64,
 }
 
 impl Motion {
-    /// Moves on by nearly constant velocity, with white acceleration.
+    /// Returns the step of a moving point: nearly constant velocity with white acceleration.
     pub(super) fn moving(&self, elapsed: f64) -> Transition {
         let correlation = self.correlation(elapsed);
         let (t, q) = (elapsed, self.density);
@@ -72,7 +73,7 @@ impl Motion {
         }
     }
 
-    /// Stands, but for a drift.
+    /// Returns the step of a standing point, which only drifts.
     pub(super) fn standing(&self, elapsed: f64) -> Transition {
         let correlation = self.correlation(elapsed);
         let mut noise = Matrix3::zeros();
@@ -87,7 +88,7 @@ impl Motion {
 }
 
 impl<const D: usize> Measurement<D> {
-    /// What two measurements of one position tell together, the surer the more.
+    /// Combines two measurements of one position, each weighted by its information.
     pub(super) fn with(&self, other: &Self) -> Option<Self> {
         let (one, two) = (self.covariance.cholesky()?, other.covariance.cholesky()?);
         let covariance = (one.inverse() + two.inverse()).cholesky()?.inverse();
@@ -97,7 +98,7 @@ impl<const D: usize> Measurement<D> {
 }
 
 impl<const D: usize> PointFilter<D> {
-    /// At rest where it was measured.
+    /// Creates a filter at rest at the measured position.
     pub(super) fn starting_at(measured: &Measurement<D>, motion: &Motion) -> Self {
         let lasting = measured.covariance * measured.lasting;
         let velocity = SMatrix::identity() * (motion.max_speed / 3.0).powi(2);
@@ -112,7 +113,7 @@ impl<const D: usize> PointFilter<D> {
         }
     }
 
-    /// The state after a time without a measurement.
+    /// Returns the state after a step without a measurement.
     pub(super) fn advanced(&self, over: &Transition) -> Self {
         let Transition { state, noise, .. } = over;
         let half: [[SMatrix<f64, D, D>; 3]; 3] = from_fn(|row| {
@@ -130,8 +131,8 @@ impl<const D: usize> PointFilter<D> {
         }
     }
 
-    /// The state after a time, with what was measured then, and the logarithm of how likely that was, up to a constant. A
-    /// measurement whose covariance is none changes nothing.
+    /// Returns the state after a step and a measurement. Also returns the log-likelihood of the
+    /// measurement up to a constant. A measurement with an invalid covariance changes nothing.
     pub(super) fn corrected(&self, measured: &Measurement<D>, over: &Transition) -> (Self, f64) {
         let mut filter = self.advanced(over);
         let lasting = measured.covariance * measured.lasting;
@@ -143,7 +144,7 @@ impl<const D: usize> PointFilter<D> {
         let Some(factor) = expected.cholesky() else { return (filter, 0.0) };
         let innovation = measured.position - filter.mean[POSITION] - filter.mean[ERROR];
         let distance = innovation.dot(&factor.solve(&innovation));
-        // Huber's weight, 1964.
+        // Huber's weight (1964).
         let doubt = (distance.sqrt() / LIKELY).max(1.0);
         let gains = with_measured.map(|block| factor.solve(&block.transpose()).transpose() / doubt);
         for (mean, gain) in filter.mean.iter_mut().zip(&gains) {
@@ -161,19 +162,19 @@ impl<const D: usize> PointFilter<D> {
         (filter, -0.5 * (distance / doubt + volume))
     }
 
-    /// The same, no faster than this (unit/s).
+    /// Returns the state with its speed limited (unit/s).
     pub(super) fn no_faster_than(mut self, speed: f64) -> Self {
         self.mean[VELOCITY] = self.mean[VELOCITY].cap_magnitude(speed);
         self
     }
 
-    /// The same with another velocity.
+    /// Returns the state with another velocity.
     pub(super) fn with_velocity(mut self, velocity: SVector<f64, D>) -> Self {
         self.mean[VELOCITY] = velocity;
         self
     }
 
-    /// The same, at rest for certain.
+    /// Returns the state at rest, without uncertainty of the velocity.
     pub(super) fn at_rest(mut self) -> Self {
         self.mean[VELOCITY] = SVector::zeros();
         self.covariance[VELOCITY] = [SMatrix::zeros(); 3];
@@ -183,7 +184,8 @@ impl<const D: usize> PointFilter<D> {
         self
     }
 
-    /// Either this or, with a probability `share`, the other: with the mean and the covariance of both.
+    /// Returns the mixture of this state and another one of probability `share`, with the mixture's
+    /// mean and covariance.
     pub(super) fn mixed_with(&self, other: &Self, share: f64) -> Self {
         let apart: [_; 3] = from_fn(|row| other.mean[row] - self.mean[row]);
         Self {
@@ -198,8 +200,8 @@ impl<const D: usize> PointFilter<D> {
         }
     }
 
-    /// The square of how many standard deviations a measurement is away from the position
-    /// (Mahalanobis' distance); infinite for one whose covariance is none.
+    /// Returns the squared Mahalanobis distance of a measurement from the position. Infinite if its
+    /// covariance is invalid.
     pub(super) fn distance_squared(&self, measured: &Measurement<D>) -> f64 {
         let innovation = measured.position - self.position();
         (self.position_covariance() + measured.covariance)
@@ -215,12 +217,12 @@ impl<const D: usize> PointFilter<D> {
         self.mean[VELOCITY]
     }
 
-    /// The covariance of the position.
+    /// Returns the covariance of the position.
     pub(super) fn position_covariance(&self) -> SMatrix<f64, D, D> {
         self.covariance[POSITION][POSITION]
     }
 
-    /// The covariance of the velocity.
+    /// Returns the covariance of the velocity.
     pub(super) fn velocity_covariance(&self) -> SMatrix<f64, D, D> {
         self.covariance[VELOCITY][VELOCITY]
     }
@@ -235,7 +237,7 @@ mod tests {
     const MOTION: Motion =
         Motion { density: 0.1, drift: 1e-5, max_speed: 3.0, coasts: 0.5, correlation_time: 0.16 };
 
-    /// The filter of the whole state, with every matrix written out.
+    /// Compares with the filter of the whole state, every matrix written out.
     #[test]
     fn agrees_with_the_matrix_form() {
         let (dt, lasting) = (0.05_f64, 0.9);

@@ -1,4 +1,4 @@
-//! Whether the person who is tracked now is the one who was tracked before.
+//! Decides whether the tracked person is still the same one.
 
 use super::{
     lengths::{Lengths, SegmentLength, StatureEstimate},
@@ -6,20 +6,20 @@ use super::{
     segment::BodySegment,
 };
 
-/// Two people's statures differ by more than this (m), and by three standard errors.
+/// Two persons' statures differ by more than this (m) plus three standard errors.
 const DIFFERENCE: f64 = 0.03;
 
-/// The lengths of the person who is tracked. When the track was taken up anew, it may be of somebody
-/// else: until lengths measured since then say so, those measured before stand.
+/// Lengths of the tracked person. A restarted track may belong to another person. The earlier
+/// lengths hold until the lengths measured since the restart contradict them.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Identity {
     known: Lengths,
-    /// Since the track was taken up anew.
+    /// Lengths measured since the track restarted.
     since: Option<Lengths>,
 }
 
 impl Identity {
-    /// The track was taken up anew.
+    /// Notes that the track restarted.
     pub(super) fn doubt(&mut self) {
         self.since = self.known.stature().map(|_| Lengths::default());
         if self.since.is_none() {

@@ -17,14 +17,15 @@ use crate::confidence::Confidence;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImageKeypoint {
-    /// In pixels, x to the right and y downwards from the centre of the pixel at the top left.
+    /// Position in pixels, x to the right and y downwards from the centre of the pixel at the top
+    /// left.
     pub position: Point2<f64>,
     /// The detector's confidence.
     pub confidence: Confidence,
 }
 
 impl ImageKeypoint {
-    /// The point half way between two joints, as sure as the less sure of them.
+    /// Returns the midpoint of two joints. Its confidence is the lower of the two.
     fn between(one: Option<Self>, other: Option<Self>) -> Option<Self> {
         let (one, other) = (one?, other?);
         let confidence = if one.confidence < other.confidence { one } else { other }.confidence;
@@ -32,7 +33,8 @@ impl ImageKeypoint {
     }
 }
 
-/// A person in one image: each of the twenty-five joints where it was seen. The default has none.
+/// A person in one image: the position of each of the twenty-five joints that was seen. The default
+/// has none.
 ///
 /// ```
 /// use nalgebra::Point2;
@@ -76,8 +78,8 @@ const COCO_17: [Body25; 17] = [
     Body25::RightAnkle,
 ];
 
-/// The joints of `OpenPose`'s BODY_25B in their order. Its upper neck and the top of the head, joints 17 and 18, are
-/// none of BODY_25's.
+/// The joints of `OpenPose`'s BODY_25B in their order. Joints 17 and 18, the upper neck and the top
+/// of the head, are not part of BODY_25.
 const BODY_25B: [Option<Body25>; 25] = [
     Some(Body25::Nose),
     Some(Body25::LeftEye),
@@ -129,29 +131,31 @@ const COCO_18: [Body25; 18] = [
 ];
 
 impl ImageBody {
-    /// A body from its keypoints in the order of [`Body25::ALL`].
+    /// Creates a body from its keypoints in the order of [`Body25::ALL`].
     pub fn new(keypoints: [Option<ImageKeypoint>; Body25::COUNT]) -> Self {
         Self { keypoints }
     }
 
-    /// A body from COCO's seventeen joints (nose, eyes, ears, shoulders, elbows, wrists, hips,
-    /// knees, ankles, left before right). Neck and mid hip are the middles of shoulders and hips.
+    /// Creates a body from COCO's seventeen joints (nose, eyes, ears, shoulders, elbows, wrists,
+    /// hips, knees, ankles, left before right). Neck and mid hip are the midpoints of shoulders and
+    /// hips.
     pub fn from_coco_17(keypoints: [Option<ImageKeypoint>; 17]) -> Self {
         let mut body = Self::placed(&COCO_17, &keypoints);
         body.set_middles();
         body
     }
 
-    /// A body from the eighteen joints of `OpenPose`'s COCO model (nose, neck, right and left arm,
-    /// right and left leg, eyes, ears, right before left). Mid hip is the middle of the hips.
+    /// Creates a body from the eighteen joints of `OpenPose`'s COCO model (nose, neck, arms, legs,
+    /// eyes, ears, right before left). Mid hip is the midpoint of the hips.
     pub fn from_coco_18(keypoints: [Option<ImageKeypoint>; 18]) -> Self {
         let mut body = Self::placed(&COCO_18, &keypoints);
         body.set_middle(Body25::MidHip, Body25::LeftHip, Body25::RightHip);
         body
     }
 
-    /// A body from the joints of `OpenPose`'s BODY_25B, which has the eyes where BODY_25 has the neck. Neck and mid hip
-    /// are the middles of shoulders and hips; upper neck and top of the head are left out.
+    /// Creates a body from the joints of `OpenPose`'s BODY_25B, which has the eyes where BODY_25
+    /// has the neck. Neck and mid hip are the midpoints of shoulders and hips. Upper neck and top
+    /// of the head are left out.
     pub fn from_body_25b(keypoints: [Option<ImageKeypoint>; 25]) -> Self {
         let mut body = Self::default();
         for (joint, keypoint) in BODY_25B.into_iter().zip(keypoints) {
@@ -171,7 +175,7 @@ impl ImageBody {
         body
     }
 
-    /// Neck and mid hip: the middles of shoulders and hips.
+    /// Sets neck and mid hip to the midpoints of shoulders and hips.
     pub(crate) fn set_middles(&mut self) {
         self.set_middle(Body25::Neck, Body25::LeftShoulder, Body25::RightShoulder);
         self.set_middle(Body25::MidHip, Body25::LeftHip, Body25::RightHip);
@@ -181,7 +185,7 @@ impl ImageBody {
         self.set(joint, ImageKeypoint::between(self.get(one), self.get(other)));
     }
 
-    /// The joint, if it was seen.
+    /// Returns the joint if it was seen.
     pub fn get(&self, joint: Body25) -> Option<ImageKeypoint> {
         self.keypoints[joint.index()]
     }
@@ -191,12 +195,12 @@ impl ImageBody {
         self.keypoints[joint.index()] = keypoint;
     }
 
-    /// The keypoints in the order of [`Body25::ALL`].
+    /// Returns the keypoints in the order of [`Body25::ALL`].
     pub fn keypoints(&self) -> &[Option<ImageKeypoint>; Body25::COUNT] {
         &self.keypoints
     }
 
-    /// The joints that were seen.
+    /// Returns the joints that were seen.
     pub fn iter(&self) -> impl Iterator<Item = (Body25, ImageKeypoint)> + '_ {
         Body25::ALL
             .into_iter()
@@ -214,7 +218,7 @@ mod tests {
         Some(ImageKeypoint { position: Point2::new(x, -x), confidence })
     }
 
-    /// OpenPose's two models share the order of the first eight joints, and of no others.
+    /// OpenPose's two models share the order of the first eight joints only.
     #[test]
     fn coco_18_has_its_own_order() {
         let mut coco = [None; 18];
@@ -233,7 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn a_middle_needs_both_sides_and_is_as_sure_as_the_less_sure() {
+    fn a_midpoint_needs_both_joints() {
         let mut coco = [None; 17];
         coco[11] = keypoint(4.0, 0.9);
         assert_eq!(ImageBody::from_coco_17(coco).get(Body25::MidHip), None);

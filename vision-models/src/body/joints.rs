@@ -1,4 +1,4 @@
-//! The joints of a body over time.
+//! A body's joints over time.
 
 use nalgebra::{Matrix3, Point3, Vector2, Vector3};
 
@@ -11,7 +11,7 @@ use super::{
 };
 use crate::confidence::Confidence;
 
-/// Joints of head and trunk.
+/// Joints of the head and the trunk.
 pub(super) const TRUNK: [Body25; 11] = [
     Body25::Nose,
     Body25::Neck,
@@ -26,20 +26,20 @@ pub(super) const TRUNK: [Body25; 11] = [
     Body25::RightEar,
 ];
 
-/// After so long without a measurement a joint is no longer known (s).
+/// Longest time for which a joint is known without a measurement (s).
 const COAST: f64 = 0.2;
 
-/// A joint with a larger variance, of all axes together, is not known (m²).
+/// A joint is unknown if the sum of its variances over the axes is larger than this (m²).
 const VAGUE: f64 = 0.03;
 
-/// A segment may be longer or shorter than its measured length by this (m), and by as many standard
-/// deviations of its ends.
+/// A segment may differ from its measured length by this (m) plus this many standard deviations of
+/// its ends.
 const TOLERANCE: f64 = 0.05;
 const DEVIATIONS: f64 = 2.5;
 
-/// Follows each joint of one person by a Kalman filter of its own, so that errors of single frames
-/// are averaged and a joint that is missed for a moment stays known. Joints without a covariance are
-/// given as they are; their velocities are known from the covariance that is assumed.
+/// Filters each joint of one person by a Kalman filter. This averages the errors of single frames
+/// and keeps a joint known while it is missed for a moment. The positions of joints without a
+/// covariance are not filtered. Their velocities come from the assumed covariance.
 #[derive(Clone, Debug)]
 pub(super) struct JointFilter {
     joints: [Option<Followed>; Body25::COUNT],
@@ -50,7 +50,7 @@ struct Followed {
     filter: PointFilter<3>,
     time: f64,
     confidence: Confidence,
-    /// Outliers in a row.
+    /// Number of consecutive outliers.
     outliers: u32,
 }
 
@@ -60,7 +60,7 @@ impl JointFilter {
         Self { joints: [None; Body25::COUNT] }
     }
 
-    /// How fast a joint moves at the time `now` (s), if it was seen of late.
+    /// Returns the velocity of a joint at the time `now` (s), if it was seen recently.
     pub(super) fn velocity(
         &self,
         joint: Body25,
@@ -74,8 +74,8 @@ impl JointFilter {
         (elapsed <= COAST).then_some(JointVelocity { mean, covariance })
     }
 
-    /// Takes a frame in and gives the joints as they are at its time. `walking` is the person's
-    /// velocity over the floor (m/s), `length` gives the measured lengths of segments.
+    /// Updates the filter with a frame and returns the joints at the frame's time. `walking` is the
+    /// person's velocity over the floor (m/s). `length` returns the measured lengths of segments.
     pub(super) fn update(
         &mut self,
         body: &Body,
@@ -120,7 +120,7 @@ impl JointFilter {
     }
 }
 
-/// How fast a joint moves.
+/// The velocity of a joint.
 ///
 /// ```
 /// use nalgebra::{Matrix3, Vector3};
@@ -132,14 +132,15 @@ impl JointFilter {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointVelocity {
-    /// In the world (m/s).
+    /// Mean in the world frame (m/s).
     pub mean: Vector3<f64>,
-    /// (m²/s²)
+    /// Covariance (m²/s²).
     pub covariance: Matrix3<f64>,
 }
 
 impl JointVelocity {
-    /// The standard deviation in the direction in which the velocity is least certain (m/s).
+    /// Returns the standard deviation in the direction in which the velocity is least certain
+    /// (m/s).
     pub fn deviation(&self) -> f64 {
         self.covariance.symmetric_eigenvalues().max().max(0.0).sqrt()
     }
@@ -156,13 +157,14 @@ impl Followed {
         Self { filter, time, confidence: keypoint.confidence, outliers: 0 }
     }
 
-    /// The same, moving along with the person.
+    /// Returns the same joint with the person's velocity.
     fn with(mut self, walking: Vector2<f64>) -> Self {
         self.filter = self.filter.with_velocity(walking.push(0.0));
         self
     }
 
-    /// With a measurement taken in. An outlier is left out; one that lasts is where the joint is.
+    /// Returns the joint after a measurement. An outlier is left out. After enough consecutive
+    /// outliers the joint restarts at the measurement.
     fn corrected(
         mut self,
         measured: &Measurement<3>,
@@ -184,7 +186,8 @@ impl Followed {
     }
 }
 
-/// For each joint, whether the segment that it ends has not the length that it should have.
+/// Returns true for each joint at the outer end of a segment whose length differs too much from the
+/// expected one.
 fn doubted(seen: &Seen<'_>, length: impl Fn(BodySegment) -> Option<f64>) -> [bool; Body25::COUNT] {
     let mut doubted = [false; Body25::COUNT];
     for (segment, from, to) in ENDS {

@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, Matrix3, Point3};
 
 use crate::confidence::Confidence;
 
-/// The joints of `BODY_25`; the discriminant is the index in `OpenPose`'s output.
+/// The joints of `BODY_25`. The discriminant is the index in `OpenPose`'s output.
 ///
 /// ```
 /// use vision_models::Body25;
@@ -14,7 +14,7 @@ use crate::confidence::Confidence;
 /// assert_eq!(Body25::LeftWrist.name(), "left wrist");
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-#[allow(missing_docs)] // The names say it all.
+#[allow(missing_docs)] // The names are clear.
 pub enum Body25 {
     Nose,
     Neck,
@@ -76,12 +76,12 @@ impl Body25 {
         Self::RightHeel,
     ];
 
-    /// The index in `OpenPose`'s output, 0 to 24.
+    /// Returns the index in `OpenPose`'s output, 0 to 24.
     pub fn index(self) -> usize {
         self as usize
     }
 
-    /// The joint's name in words, such as `"left wrist"`.
+    /// Returns the joint's name in words, such as `"left wrist"`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Nose => "nose",
@@ -113,7 +113,7 @@ impl Body25 {
     }
 }
 
-/// One joint as the camera saw it.
+/// A joint as the camera measured it.
 ///
 /// ```
 /// use nalgebra::Point3;
@@ -125,14 +125,15 @@ impl Body25 {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Keypoint {
-    /// In the world frame (m).
+    /// Position in the world frame (m).
     pub position: Point3<f64>,
     /// The detector's confidence.
     pub confidence: Confidence,
 }
 
-/// A person in one camera frame: each of the twenty-five joints where it was seen, in the world
-/// frame, with the covariance of its position where it was measured. The default has none.
+/// A person in one camera frame: the position of each of the twenty-five joints that was seen, in
+/// the world frame. A measured joint also has the covariance of its position. The default has no
+/// joints.
 ///
 /// ```
 /// use nalgebra::{Matrix3, Point3};
@@ -155,17 +156,17 @@ pub struct Body {
 }
 
 impl Body {
-    /// A body from its keypoints in the order of [`Body25::ALL`], without covariances.
+    /// Creates a body from its keypoints in the order of [`Body25::ALL`], without covariances.
     pub fn new(keypoints: [Option<Keypoint>; Body25::COUNT]) -> Self {
         Self { keypoints, ..Self::default() }
     }
 
-    /// The joint, if it was seen.
+    /// Returns the joint if it was seen.
     pub fn get(&self, joint: Body25) -> Option<Keypoint> {
         self.keypoints[joint.index()]
     }
 
-    /// The covariance of the joint's position in the world frame (m²), where it is known.
+    /// Returns the covariance of the joint's position in the world frame (m²), if it is known.
     pub fn covariance(&self, joint: Body25) -> Option<Matrix3<f64>> {
         self.covariances[joint.index()]
     }
@@ -176,8 +177,8 @@ impl Body {
         self.covariances[joint.index()] = None;
     }
 
-    /// Sets a joint and the covariance of its position (m²). One that is not finite, or has a
-    /// variance that is not positive, is left out.
+    /// Sets a joint and the covariance of its position (m²). A covariance is left out if it is not
+    /// finite or has a variance that is not positive.
     pub fn set_measured(&mut self, joint: Body25, keypoint: Keypoint, covariance: Matrix3<f64>) {
         let sound = covariance.iter().all(|value| value.is_finite())
             && covariance.diagonal().iter().all(|&variance| variance > 0.0);
@@ -185,12 +186,12 @@ impl Body {
         self.covariances[joint.index()] = sound.then_some(covariance);
     }
 
-    /// The keypoints in the order of [`Body25::ALL`].
+    /// Returns the keypoints in the order of [`Body25::ALL`].
     pub fn keypoints(&self) -> &[Option<Keypoint>; Body25::COUNT] {
         &self.keypoints
     }
 
-    /// The joints that were seen.
+    /// Returns the joints that were seen.
     pub fn iter(&self) -> impl Iterator<Item = (Body25, Keypoint)> + '_ {
         Body25::ALL
             .into_iter()
@@ -198,8 +199,8 @@ impl Body {
             .filter_map(|(joint, keypoint)| keypoint.map(|keypoint| (joint, keypoint)))
     }
 
-    /// The body moved by a rigid motion: with `world_from_camera`, keypoints that are in the
-    /// camera's frame come into the world's.
+    /// Returns the body moved by a rigid motion. `world_from_camera` moves keypoints from the
+    /// camera's frame to the world's.
     #[must_use]
     pub fn transformed(&self, motion: &Isometry3<f64>) -> Self {
         let rotation = *motion.rotation.to_rotation_matrix().matrix();

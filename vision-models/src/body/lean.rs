@@ -1,23 +1,23 @@
-//! Where the neck is, seen from above the pelvis.
+//! The neck's position relative to the pelvis, seen from above.
 
 use nalgebra::{Rotation2, Vector2};
 
-/// How far the neck may be from above the pelvis, each axis, before it was measured (m).
+/// Standard deviation of the neck's horizontal offset on each axis before it is measured (m).
 const UNKNOWN: f64 = 0.08;
 
-/// How fast people change their posture: the spectral density of the change (m²/s).
+/// Spectral density of the change of posture (m²/s).
 const DENSITY: f64 = 0.0004;
 
-/// What remains unknown (m²).
+/// Smallest remaining variance (m²).
 const LEAST: f64 = 0.000_4;
 
-/// The neck's place on the floor plan from the pelvis, in the person's frame: a Kalman filter of a
-/// random walk. With it the neck tells where a hidden pelvis is.
+/// Horizontal offset of the neck from the pelvis in the person's frame, filtered by a Kalman filter
+/// of a random walk. It gives the position of a hidden pelvis from the neck.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lean {
-    /// Forwards and to the left (m).
+    /// Offset forwards and to the left (m).
     offset: Vector2<f64>,
-    /// Of each axis (m²).
+    /// Variance of each axis (m²).
     variance: f64,
     time: f64,
 }
@@ -28,7 +28,7 @@ impl Default for Lean {
     }
 }
 
-/// The same in the world (m), with the variance of each axis (m²).
+/// The offset in the world frame (m), with the variance of each axis (m²).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LeanInWorld {
     pub(super) offset: Vector2<f64>,
@@ -36,13 +36,14 @@ pub(super) struct LeanInWorld {
 }
 
 impl Lean {
-    /// For a person of this heading (rad) at this time (s).
+    /// Returns the offset in the world for a person with this heading (rad) at this time (s).
     pub(super) fn in_world(&self, heading: f64, time: f64) -> LeanInWorld {
         let variance = (self.variance_at(time) + LEAST).min(UNKNOWN.powi(2) + LEAST);
         LeanInWorld { offset: Rotation2::new(heading) * self.offset, variance }
     }
 
-    /// Takes in where the neck is from the pelvis in the world (m), with the variance of each axis.
+    /// Updates the filter with a measured offset in the world (m) and the variance of each axis
+    /// (m²).
     pub(super) fn update(&mut self, offset: &Vector2<f64>, variance: f64, heading: f64, time: f64) {
         let before = self.variance_at(time);
         let gain = before / (before + variance);

@@ -1,4 +1,4 @@
-//! How long a person's segments are, and how tall the person is.
+//! The lengths of a person's segments, and the person's stature.
 
 use super::{
     seen::{Joint, Seen},
@@ -8,19 +8,20 @@ use super::{
 /// Statures outside this range come from wrong keypoints (m).
 const PLAUSIBLE: std::ops::RangeInclusive<f64> = 1.2..=2.3;
 
-/// A segment of one frame is left out if it is not within this factor of what statures allow.
+/// A measured length is left out if it differs from the lengths of plausible statures by more than
+/// this factor.
 const SLACK: f64 = 1.5;
 
-/// Frames before a mean is worth reporting.
+/// Smallest number of measurements for a mean.
 const ENOUGH: u32 = 20;
 
-/// Segments from which stature follows, the better before.
+/// Segments that give the stature. The first set that is known is used.
 const OF_STATURE: [&[BodySegment]; 2] = [
     &[BodySegment::Thigh, BodySegment::Shank, BodySegment::Trunk],
     &[BodySegment::Trunk, BodySegment::UpperArm, BodySegment::Forearm],
 ];
 
-/// The person's stature as the tracker's frames have it.
+/// The person's stature, estimated from the tracker's frames.
 ///
 /// ```
 /// use vision_models::StatureEstimate;
@@ -32,10 +33,10 @@ const OF_STATURE: [&[BodySegment]; 2] = [
 pub struct StatureEstimate {
     /// Mean over the frames (m).
     pub stature: f64,
-    /// Standard error of that mean from camera noise alone (m); people whose segments are longer or
-    /// shorter for their stature than the average are off by more.
+    /// Standard error of that mean from camera noise alone (m). The error is larger for persons
+    /// whose segments are unusually long or short for their stature.
     pub standard_error: f64,
-    /// How many frames it comes from.
+    /// Number of frames.
     pub frames: u32,
 }
 
@@ -53,7 +54,7 @@ pub struct SegmentLength {
     pub length: f64,
     /// Standard error of that mean from camera noise alone (m).
     pub standard_error: f64,
-    /// How many measurements it comes from.
+    /// Number of measurements.
     pub samples: u32,
 }
 
@@ -90,7 +91,7 @@ impl Lengths {
         self.frames = self.frames.saturating_add(u32::from(any));
     }
 
-    /// The length of a segment, once it was seen often enough.
+    /// Returns the length of a segment, if it was measured often enough.
     pub(super) fn length(&self, segment: BodySegment) -> Option<SegmentLength> {
         let mean = self.means.get(segment.index()).filter(|mean| mean.count >= ENOUGH)?;
         Some(SegmentLength {
@@ -100,7 +101,7 @@ impl Lengths {
         })
     }
 
-    /// Stature from legs and trunk or, where they are hidden, from trunk and arms.
+    /// Returns the stature from legs and trunk or, if the legs are hidden, from trunk and arms.
     pub(super) fn stature(&self) -> Option<StatureEstimate> {
         if self.frames < ENOUGH {
             return None;
@@ -115,7 +116,7 @@ impl Lengths {
                     variance += mean.variance();
                 }
             }
-            // With fraction zero the quotient is NaN, which is in no range.
+            // If the fraction is zero, the quotient is NaN, which is in no range.
             let stature = length / fraction;
             PLAUSIBLE.contains(&stature).then_some(StatureEstimate {
                 stature,
@@ -136,15 +137,16 @@ impl Mean {
         }
     }
 
-    /// Of the mean.
+    /// Returns the variance of the mean.
     fn variance(&self) -> f64 {
         let n = f64::from(self.count);
         self.sum_of_squares / (n * (n - 1.0)).max(1.0)
     }
 }
 
-/// The distance of two joints (m), less what their errors across the line between them add to it on
-/// average: |a + e| ≈ |a| + |e⊥|²/(2|a|).
+/// Returns the distance of two joints (m). Errors across the line between the joints lengthen it on
+/// average,
+/// |a + e| ≈ |a| + |e⊥|²/(2|a|). This mean error is subtracted.
 fn length(from: &Joint, to: &Joint) -> f64 {
     let line = to.position - from.position;
     let distance = line.norm();
@@ -156,7 +158,7 @@ fn length(from: &Joint, to: &Joint) -> f64 {
     distance - (covariance.trace() - along) / (2.0 * distance)
 }
 
-/// Returns true for a length that somebody's segment may have, as one frame shows it.
+/// Returns true if a segment of some person may have this length in one frame.
 pub(super) fn is_possible(segment: BodySegment, length: f64) -> bool {
     let fraction = segment.fraction();
     (fraction * PLAUSIBLE.start() / SLACK..=fraction * PLAUSIBLE.end() * SLACK).contains(&length)

@@ -16,23 +16,23 @@ use crate::confidence::Confidence;
 use crate::error::Error;
 use crate::excerpt::Excerpt;
 
-/// The largest text that is read (bytes).
+/// Largest text that is read (bytes).
 const LARGEST: usize = 16 << 20;
 
-/// Pixels beyond this are in no image.
+/// Largest coordinate in an image (pixels).
 const FARTHEST: f64 = 1e5;
 
-/// Of other models, how many numbers a person has, and what to do.
+/// Other models: how many numbers a person has, and what to do.
 const OTHERS: [(usize, &str); 3] = [
     (45, "the 15 joints of MPI: run OpenPose with --model_pose BODY_25 or COCO"),
     (51, "the 17 joints of COCO without a neck: reorder them by ImageBody::from_coco_17"),
     (405, "the 135 joints of BODY_135: run OpenPose with --model_pose BODY_25"),
 ];
 
-/// From so many joints on it is told that they are scaled.
+/// Smallest number of joints from which scaled coordinates are recognised.
 const FEW: usize = 3;
 
-/// More numbers than a person has in any model.
+/// Largest length of a person's array. No model needs more numbers.
 const NUMBERS: usize = 512;
 
 #[derive(Deserialize)]
@@ -41,7 +41,7 @@ struct File<'a> {
     people: Bounded<'a, { ImageBody::MAX_PEOPLE }>,
 }
 
-/// A person: versions of OpenPose before 1.3 leave `_2d` out.
+/// A person. Versions of OpenPose before 1.3 leave `_2d` out.
 #[derive(Deserialize)]
 struct Person<'a> {
     #[serde(borrow)]
@@ -51,13 +51,16 @@ struct Person<'a> {
 }
 
 impl ImageBody {
-    /// The most people that are read of one image.
+    /// Largest number of people that are read from one image.
     pub const MAX_PEOPLE: usize = 64;
 
-    /// Reads the JSON that `OpenPose` writes for an image (`--write_json`, keypoints in pixels): one
-    /// body a person: COCO-18 by its number of joints, BODY_25 and BODY_25B, which have as many, by where neck and mid
-    /// hip lie. A joint of zeros was not seen.
-    /// Confidences above 1 count as 1. It takes at most five times the text's size and 64 KiB of memory.
+    /// Reads the JSON that `OpenPose` writes for an image (`--write_json`, keypoints in pixels).
+    /// Returns one body for each person.
+    ///
+    /// The number of joints identifies COCO-18. BODY_25 and BODY_25B have equally many joints. The
+    /// positions of neck and mid hip tell them apart. A joint of confidence 0 was not seen.
+    /// Confidences above 1 count as 1. Reading takes at most five times the text's size and 64 KiB
+    /// of memory.
     ///
     /// ```
     /// use vision_models::{Body25, ImageBody};
@@ -72,8 +75,8 @@ impl ImageBody {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Malformed`] for what is no such JSON: with the person and the number that is wrong,
-    /// and for other models with what would be right.
+    /// [`Error::Malformed`] if the text is not such JSON. The error names the person and the wrong
+    /// number. In the case of other models it says how to export the right one.
     pub fn from_openpose(json: &[u8]) -> Result<Vec<Self>, Error> {
         if json.len() > LARGEST {
             return Err(refuse(&format!("{} bytes, at most {LARGEST} are read", json.len())));
@@ -120,7 +123,8 @@ fn person(index: usize, text: &RawValue) -> Result<ImageBody, Error> {
     })
 }
 
-/// Whether joints were scaled to the image's size: with `--keypoint_scale` 3 they lie in 0 to 1, with 4 in −1 to 1.
+/// Returns true if joints were scaled to the image's size. They lie in 0 to 1 with
+/// `--keypoint_scale` 3, and in −1 to 1 with 4.
 fn is_scaled(keypoints: &[Option<ImageKeypoint>]) -> bool {
     let mut seen = keypoints.iter().flatten().map(|keypoint| keypoint.position).peekable();
     let first = seen.peek().copied();
@@ -133,7 +137,7 @@ fn is_scaled(keypoints: &[Option<ImageKeypoint>]) -> bool {
     within && differs && count >= FEW
 }
 
-/// A joint, if it was seen; else what stands there.
+/// Returns a joint, or `None` if it was not seen. The error is the joint's text.
 fn keypoint(values: &[&RawValue; 3]) -> Result<Option<ImageKeypoint>, String> {
     let shown = || {
         let [x, y, c] = values.map(|value| Excerpt(value.get()));

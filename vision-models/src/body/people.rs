@@ -1,4 +1,4 @@
-//! Several people in the picture, and the one who works with the robot.
+//! Several people in the image, and the one who works with the robot.
 
 mod person;
 mod settings;
@@ -18,9 +18,9 @@ use crate::error::Error;
 
 /// Follows several people at once and selects the one who engages with the robot.
 ///
-/// Each body goes to the track that expects somebody nearest to it. A person engages who is near the
-/// place of work and faces it for a while; from then on they are the one, whoever else comes nearer,
-/// until they leave or are lost.
+/// Each body is assigned to the track whose expected position is nearest. A person engages by
+/// standing near the workplace and facing it for a while. The person then stays engaged until they
+/// leave or are lost, even if another person comes nearer.
 ///
 /// ```
 /// use vision_models::{Body, People, PeopleSettings, TrackerSettings};
@@ -36,14 +36,14 @@ pub struct People {
     tracker: TrackerSettings,
     tracks: Vec<PersonTrack>,
     engaged: Option<PersonId>,
-    /// Who may be next, and since when (s).
+    /// The person who may engage next, and the time since when (s).
     candidate: Option<(PersonId, f64)>,
     last_time: Option<f64>,
     next: u64,
 }
 
 impl People {
-    /// Nobody yet.
+    /// Creates a set of people without any person.
     ///
     /// # Errors
     /// [`Error::Value`] if a setting is outside its range.
@@ -61,10 +61,11 @@ impl People {
         })
     }
 
-    /// Takes the bodies of one frame in. Frames come in the order of their time stamps.
+    /// Updates the tracks with the bodies of one frame. Frames must come in the order of their time
+    /// stamps.
     ///
     /// # Errors
-    /// [`Error::Value`]; nothing is then changed.
+    /// [`Error::Value`]. Nothing is then changed.
     pub fn update(&mut self, time: f64, bodies: &[Body]) -> Result<(), Error> {
         check_time(time, self.last_time)?;
         let interval = self.last_time.map_or(f64::INFINITY, |previous| time - previous);
@@ -91,19 +92,19 @@ impl People {
         Ok(())
     }
 
-    /// Everybody who is followed.
+    /// Returns all people who are followed.
     pub fn tracks(&self) -> &[PersonTrack] {
         &self.tracks
     }
 
-    /// The person who works with the robot, or is about to.
+    /// Returns the person who works with the robot or is about to.
     pub fn engaged(&self) -> Option<&PersonTrack> {
         let engaged = self.engaged?;
         self.tracks.iter().find(|track| track.id() == engaged)
     }
 
-    /// The heading at the time `now` (s) of the person who is where this body is, once they have been
-    /// taken up (rad): for [`Lifter::lift`](crate::Lifter::lift).
+    /// Returns the heading at the time `now` (s) of the tracked person nearest to this body (rad).
+    /// It is an input of [`Lifter::lift`](crate::Lifter::lift).
     pub fn heading_near(&self, body: &Body, now: f64) -> Option<f64> {
         let near = self.tracks.iter().filter_map(|track| {
             let person = track.predict(now).filter(|person| person.status.is_usable())?;
@@ -115,7 +116,7 @@ impl People {
             .map(|(_, heading)| heading)
     }
 
-    /// Of the tracks without a body and the bodies without a track, the two that are nearest.
+    /// Returns the nearest pair of a track without a body and a body without a track.
     fn nearest_pair(&self, bodies: &[Body], interval: f64, now: f64) -> Option<(usize, usize)> {
         let mut best: Option<(f64, usize, usize)> = None;
         for (index, track) in self.tracks.iter().enumerate() {
@@ -136,7 +137,7 @@ impl People {
         best.map(|(_, track, body)| (track, body))
     }
 
-    /// Begins tracks for people who are nobody's, but for a second skeleton of one person.
+    /// Begins tracks for bodies without a track. A second skeleton of the same person gets none.
     fn begin(&mut self, bodies: &[Body], interval: f64, time: f64) -> Result<(), Error> {
         for body in bodies {
             let Some(floor) = floor(body, &self.tracker, interval, None) else { continue };
@@ -156,7 +157,8 @@ impl People {
         Ok(())
     }
 
-    /// Ends a track that is where another is: the younger, unless it is of who is engaged.
+    /// Merges tracks at the same position. The younger one ends, unless it belongs to the engaged
+    /// person.
     fn merge(&mut self, time: f64) {
         let double = (1..self.tracks.len()).find_map(|younger| {
             let (before, track) = (self.tracks.get(..younger)?, self.tracks.get(younger)?);
@@ -171,7 +173,7 @@ impl People {
         }
     }
 
-    /// Keeps who is engaged, or selects the nearest to the place of work who faces it.
+    /// Keeps the engaged person, or selects the person nearest to the workplace who faces it.
     fn select(&mut self, time: f64) {
         let settings = &self.settings;
         let kept = self.engaged.filter(|&id| {
@@ -197,7 +199,8 @@ impl People {
     }
 }
 
-/// The floor below a body, of a person who faces that way where it is known.
+/// Returns the floor position below a body. `facing` is the direction that the person faces, if it
+/// is known.
 fn floor(
     body: &Body,
     settings: &TrackerSettings,

@@ -1,8 +1,8 @@
-//! Where the person is.
+//! The person's position and motion.
 
 use nalgebra::{Isometry3, Matrix2, Point2, Translation3, UnitQuaternion, Vector2, Vector3};
 
-/// How well the person's pose is known.
+/// The quality of a person's pose.
 ///
 /// ```
 /// use vision_models::TrackStatus;
@@ -12,23 +12,23 @@ use nalgebra::{Isometry3, Matrix2, Point2, Translation3, UnitQuaternion, Vector2
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum TrackStatus {
-    /// Measured in the last frames.
+    /// Measured in the latest frames.
     Tracked,
-    /// Not measured for a moment: moved on at the last velocity.
+    /// Unmeasured for a moment. The pose is predicted with the last velocity.
     Coasting,
-    /// Stale: not measured for longer than the coasting limit. The pose is where coasting ended.
+    /// Unmeasured for longer than the coasting limit. The pose is the last prediction.
     Lost,
 }
 
 impl TrackStatus {
-    /// Whether the control side may act on the pose.
+    /// Returns true if the controller may use the pose.
     pub fn is_usable(self) -> bool {
         self != Self::Lost
     }
 }
 
-/// The person whom a [`BodyTracker`](crate::BodyTracker) follows: where they are on the floor of the
-/// world, how they move, and how old that is.
+/// The person whom a [`BodyTracker`](crate::BodyTracker) follows: the pose on the floor of the
+/// world, the motion, and the age of both.
 ///
 /// ```
 /// use nalgebra::{Matrix2, Point2, Point3, Vector2};
@@ -53,29 +53,29 @@ impl TrackStatus {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrackedPerson {
-    /// The floor below the pelvis (m).
+    /// Floor position below the pelvis (m).
     pub floor: Point2<f64>,
-    /// The yaw of the person's forward direction, unwrapped: it goes on past ±π (rad).
+    /// Yaw of the person's forward direction, unwrapped: it continues past ±π (rad).
     pub heading: f64,
-    /// Of the pelvis over the floor; zero once lost (m/s).
+    /// Velocity of the pelvis over the floor (m/s). Zero if the person is lost.
     pub velocity: Vector2<f64>,
-    /// Zero once the heading is held (rad/s).
+    /// Yaw rate (rad/s). Zero if the heading is held.
     pub heading_rate: f64,
     /// Covariance of `floor` (m²).
     pub floor_covariance: Matrix2<f64>,
-    /// Covariance of `velocity` as long as the person is not lost (m²/s²).
+    /// Covariance of `velocity` if the person is not lost (m²/s²).
     pub velocity_covariance: Matrix2<f64>,
     /// Time since the position was last measured (s).
     pub age: f64,
     /// Time since the heading was last measured (s).
     pub heading_age: f64,
-    /// Follows from `age`.
+    /// Status that follows from `age`.
     pub status: TrackStatus,
 }
 
 impl TrackedPerson {
-    /// The pose of the person's frame: origin on the floor below the pelvis, x forwards, y to the
-    /// left, z up.
+    /// Returns the pose of the person's frame: origin on the floor below the pelvis, x forwards, y
+    /// to the left, z up.
     pub fn world_from_person(&self) -> Isometry3<f64> {
         Isometry3::from_parts(
             Translation3::new(self.floor.x, self.floor.y, 0.0),
@@ -83,7 +83,7 @@ impl TrackedPerson {
         )
     }
 
-    /// The velocity in the person's own frame: x forwards, y to the left (m/s).
+    /// Returns the velocity in the person's own frame: x forwards, y to the left (m/s).
     pub fn velocity_in_person(&self) -> Vector2<f64> {
         nalgebra::Rotation2::new(-self.heading) * self.velocity
     }

@@ -1,4 +1,4 @@
-//! What no person's body can be, in metres.
+//! Checks for bodies that no person can have.
 
 use nalgebra::Point3;
 
@@ -6,14 +6,14 @@ use super::keypoints::{Body, Body25};
 use super::lengths::is_possible;
 use super::segment::ENDS;
 
-/// Fewer segments than these say nothing.
+/// Smallest number of segments for a decision.
 const ENOUGH: usize = 4;
 
-/// Why a body is nobody's.
+/// Why no person can have a body.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ImpossibleBody {
-    /// A joint is farther away than anything in a room, or no number.
+    /// A joint is farther away than anything in a room, or not a number.
     #[error(
         "the {} has a coordinate {value} m from the origin of the check, beyond {} m; give metres, not millimetres",
         joint.name(),
@@ -22,24 +22,25 @@ pub enum ImpossibleBody {
     Far {
         /// The joint.
         joint: Body25,
-        /// Its first such coordinate, from the origin of the check (m).
+        /// The joint's first such coordinate, relative to the origin of the check (m).
         value: f64,
     },
-    /// Most of its segments are too long or too short for anybody of 1.2 to 2.3 m, by half and more.
+    /// Most segments are too long or too short, by half or more, for any person of 1.2 to 2.3 m.
     #[error("{impossible} of {measured} segments have lengths that no person's have; give metres")]
     Segments {
-        /// How many have such lengths.
+        /// Number of segments with such lengths.
         impossible: usize,
-        /// How many were measured.
+        /// Number of measured segments.
         measured: usize,
     },
 }
 
 impl Body {
-    /// Nothing in a room is farther away along an axis (m): joints in millimetres are.
+    /// Largest distance along an axis within a room (m). Joints in millimetres exceed it.
     pub const FARTHEST: f64 = 100.0;
 
-    /// The first coordinate of a place that is not within [`FARTHEST`](Self::FARTHEST) of `origin`, from there (m).
+    /// Returns the first coordinate that is not within [`FARTHEST`](Self::FARTHEST) of `origin`,
+    /// relative to it (m).
     pub fn far_coordinate(place: &Point3<f64>, origin: &Point3<f64>) -> Option<f64> {
         let within = |value: &f64| (-Self::FARTHEST..=Self::FARTHEST).contains(value);
         (place - origin).iter().copied().find(|value| !within(value))
@@ -47,10 +48,11 @@ impl Body {
 
     /// Checks that a person can have this body.
     ///
-    /// Any joint that is too far from `origin` condemns the body, whatever its confidence. Lengths are judged
-    /// between joints of at least the confidence `least`: the body is condemned if there are four segments or more,
-    /// and more than half of them have lengths that nobody's have. So a single joint that a detector misplaces
-    /// condemns no body.
+    /// A body is rejected if any joint is too far from `origin`, whatever its confidence.
+    ///
+    /// The lengths of segments are checked between joints of at least the confidence `least`. A
+    /// body of four or more segments is rejected if more than half of them have impossible lengths.
+    /// One misplaced joint therefore rejects no body.
     ///
     /// ```
     /// use nalgebra::Point3;

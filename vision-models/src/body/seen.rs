@@ -1,4 +1,4 @@
-//! Where one camera frame says that the person stands, and which way the person faces.
+//! Position and heading of the person in one camera frame.
 
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3, vector};
 
@@ -9,60 +9,60 @@ use super::{
     settings::TrackerSettings,
 };
 
-/// Further from the origin nothing is a person in a room (m).
+/// Largest distance of a person from the origin (m).
 const FARTHEST: f64 = 1e3;
 
-/// Below this length the line through shoulders and hips has no direction to speak of (m).
+/// Shortest line through shoulders and hips whose direction is used (m).
 const SHORTEST_LEFT: f64 = 0.05;
 
-/// From the middle of the hips and of the shoulders to either, of adults (m), and how unsure that is, as a
-/// share.
+/// Distances from the midpoint of the hips and of the shoulders to either joint, for adults (m),
+/// and their relative uncertainty.
 const HIP: f64 = 0.09;
 const SHOULDER: f64 = 0.2;
 const UNSURE: f64 = 0.1;
 
-/// A covariance with a larger variance than this says nothing (m²).
+/// A covariance with a larger variance than this gives no information (m²).
 const VAGUE: f64 = 10.0;
 
-/// The joints of a body that can be trusted.
+/// The joints of a body that are confident enough.
 pub(super) struct Seen<'body> {
     body: &'body Body,
     least_confidence: f64,
-    /// Whether joints come with covariances.
+    /// True if joints have covariances.
     measured: bool,
-    /// Of a joint of which no covariance is known (m²).
+    /// Covariance of a joint whose covariance is unknown (m²).
     assumed: Matrix3<f64>,
-    /// What errors that last from frame to frame make of the variance of a mean.
+    /// Factor of the variance of a mean due to errors that last over several frames.
     inflation: f64,
 }
 
-/// A point in the frame: where it is and, where known, how well (m, m²).
+/// A point in the frame: its position (m) and, if known, its covariance (m²).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Joint {
     pub(super) position: Vector3<f64>,
     pub(super) covariance: Option<Matrix3<f64>>,
 }
 
-/// A heading in one frame.
+/// The heading in one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Heading {
-    /// In (-π, π] (rad).
+    /// Angle in (-π, π] (rad).
     pub(super) angle: f64,
-    /// Where it is known (rad²).
+    /// Variance, if it is known (rad²).
     pub(super) variance: Option<f64>,
 }
 
-/// The way that a person is known to face.
+/// The known direction that a person faces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Facing {
-    /// (rad)
+    /// Angle (rad).
     pub(super) angle: f64,
-    /// (rad²)
+    /// Variance (rad²).
     pub(super) variance: f64,
 }
 
 impl<'body> Seen<'body> {
-    /// `interval` is the time since the frame before (s).
+    /// Creates the view of a body. `interval` is the time since the previous frame (s).
     pub(super) fn new(body: &'body Body, settings: &TrackerSettings, interval: f64) -> Self {
         let measured = Body25::ALL.into_iter().any(|joint| body.covariance(joint).is_some());
         Self {
@@ -70,12 +70,12 @@ impl<'body> Seen<'body> {
             least_confidence: settings.least_confidence,
             measured,
             assumed: Matrix3::identity() * settings.position_sigma.powi(2),
-            // What is assumed counts that already.
+            // The assumed covariance already includes the factor.
             inflation: if measured { settings.inflation(interval) } else { 1.0 },
         }
     }
 
-    /// A joint that is seen.
+    /// Returns a joint that is seen.
     pub(super) fn joint(&self, joint: Body25) -> Option<Joint> {
         let keypoint = self.body.get(joint)?;
         let position = keypoint.position.coords;
@@ -85,7 +85,7 @@ impl<'body> Seen<'body> {
         trusted.then_some(Joint { position, covariance })
     }
 
-    /// The same, with the covariance that is assumed where none is known of any joint.
+    /// Returns the joint, with the assumed covariance if no joint has a covariance.
     pub(super) fn place(&self, joint: Body25) -> Option<Joint> {
         let assumed = (!self.measured).then_some(self.assumed);
         let joint = self.joint(joint)?;
@@ -97,15 +97,18 @@ impl<'body> Seen<'body> {
         self.measured
     }
 
-    /// The share of variances that lasts from frame to frame; what is assumed counts that already.
+    /// Returns the share of variances that lasts from frame to frame. The assumed covariance
+    /// already includes it.
     pub(super) fn lasting(&self) -> f64 {
         if self.measured { LASTING } else { 0.0 }
     }
 
-    /// The floor below the pelvis (m): below mid hip and hips, and below neck and shoulders, which are above
-    /// the pelvis but for the person's lean. Both where their covariances are known, else the first; of a body
-    /// without any, all are taken for equally sure. With the way that the person faces, one hip or shoulder
-    /// tells where the middle is.
+    /// Returns measurements of the floor position below the pelvis (m): below the hips, and below
+    /// neck and shoulders, corrected by the person's lean.
+    ///
+    /// Both are returned if their covariances are known, else the first. In a body without
+    /// covariances all joints are equally certain. If the person's direction is known, one hip or
+    /// shoulder gives the midpoint.
     pub(super) fn floors(
         &self,
         lean: &LeanInWorld,
@@ -126,16 +129,16 @@ impl<'body> Seen<'body> {
         [hips, above]
     }
 
-    /// The best measurement of the floor below the pelvis (m), without knowing how the person leans, and
-    /// the way that they face only where nothing else tells.
+    /// Returns the best measurement of the floor position below the pelvis (m), without the
+    /// person's lean. It uses the person's direction only if nothing else gives a position.
     pub(super) fn best_floor(&self, facing: Option<Facing>) -> Option<Measurement<2>> {
         let best =
             |facing| self.floors(&LeanInWorld::default(), facing).into_iter().flatten().next();
         best(None).or_else(|| best(Some(facing?)))
     }
 
-    /// From the pelvis to the neck on the floor plan, and the variance of each axis, where both are
-    /// measured (m, m²).
+    /// Returns the horizontal offset from the pelvis to the neck (m) and the variance of each axis
+    /// (m²), if both are measured.
     pub(super) fn lean(&self, facing: Option<Facing>) -> Option<(Vector2<f64>, f64)> {
         let hips = [Body25::LeftHip, Body25::RightHip];
         let pelvis = self.girdle(Body25::MidHip, hips, HIP, facing)?;
@@ -150,9 +153,11 @@ impl<'body> Seen<'body> {
         self.girdle(Body25::Neck, shoulders, SHOULDER, facing)
     }
 
-    /// The middle of a pair of joints that are as far apart from it as `aside` says (m): the mean of what the
-    /// joint there says and each of the pair, the surer the more. Without covariances or a way that the
-    /// person faces it is the joint there, or the middle of both.
+    /// Returns the midpoint of a pair of joints, each of which is `aside` away from it (m).
+    ///
+    /// It is the mean of the middle joint and of the points that each of the pair gives, weighted
+    /// by their information. Where covariances or the person's direction are unknown, it is the
+    /// middle joint or the midpoint of the pair.
     fn girdle(
         &self,
         middle: Body25,
@@ -168,7 +173,8 @@ impl<'body> Seen<'body> {
         };
         let forwards = vector![angle.cos(), angle.sin(), 0.0];
         let aside_left = vector![-forwards.y, forwards.x, 0.0];
-        // Off by the difference of people, and along the way that they face by the error of the heading.
+        // The distance varies between people. The error of the heading moves the point along the
+        // person's direction.
         let unsure = Matrix3::identity() * (UNSURE * aside).powi(2)
             + forwards * forwards.transpose() * (variance * aside.powi(2));
         let moved = |joint: Option<Joint>, side: f64| {
@@ -196,10 +202,11 @@ impl<'body> Seen<'body> {
         Measurement { position: joint.position.xy(), covariance, lasting: self.lasting() }
     }
 
-    /// The person's forward direction: left is from the right to the left shoulder plus from the
-    /// right to the left hip, made horizontal; forward is left × up. Where covariances are known the
-    /// two count by how well they tell the direction. Where a shoulder or a hip is hidden, the other
-    /// pair serves alone.
+    /// Returns the person's forward direction: left × up. Left is the sum of right shoulder to left
+    /// shoulder and right hip to left hip, made horizontal.
+    ///
+    /// If covariances are known, the two pairs are weighted by how accurately they give the
+    /// direction. If a shoulder or a hip is hidden, the other pair alone is used.
     pub(super) fn heading(&self) -> Option<Heading> {
         let pair = |right, left| {
             let (right, left) = (self.joint(right)?, self.joint(left)?);
@@ -215,7 +222,7 @@ impl<'body> Seen<'body> {
         let mut left = unit(pairs().map(|(left, _)| left).sum())?;
         let mut information = None;
         if pairs().all(|(_, covariance)| covariance.is_some()) {
-            // Of each pair, how far the direction is off: across the line, over its length.
+            // The error of a pair's direction is the error across its line, divided by its length.
             let forwards = vector![left.y, -left.x];
             let mut sums = (Vector2::zeros(), 0.0);
             for (pair, covariance) in pairs() {
@@ -287,13 +294,13 @@ mod tests {
 
     #[test]
     fn heading_is_left_cross_up() {
-        // Left shoulder towards +y: the person looks along +x.
+        // The left shoulder is towards +y, so the person faces +x.
         let facing_x = body(&[
             (Body25::LeftShoulder, [1.0, 0.2, 1.4]),
             (Body25::RightShoulder, [1.0, -0.2, 1.5]),
         ]);
         assert_eq!(heading(&facing_x), Some(-0.0));
-        // Left hip towards -x: the person looks along +y.
+        // The left hip is towards -x, so the person faces +y.
         let facing_y =
             body(&[(Body25::LeftHip, [-0.2, 0.0, 0.9]), (Body25::RightHip, [0.2, 0.0, 0.9])]);
         assert_eq!(heading(&facing_y), Some(std::f64::consts::FRAC_PI_2));
@@ -309,9 +316,9 @@ mod tests {
         assert_eq!(heading(&point), None);
     }
 
-    /// The variance of the heading against errors of each joint, one at a time.
+    /// Compares the variance of the heading with the errors of each joint, one at a time.
     #[test]
-    fn the_variance_of_the_heading_follows_from_the_joints() {
+    fn heading_variance_follows_from_joint_variances() {
         let joints = [
             (Body25::LeftShoulder, [1.0, 0.2, 1.4]),
             (Body25::RightShoulder, [1.05, -0.2, 1.4]),
@@ -363,7 +370,7 @@ mod tests {
         assert_eq!(floor(&person), None);
     }
 
-    /// With the way that the person faces, one side tells where the middle is.
+    /// If the person's direction is known, one side gives the midpoint.
     #[test]
     fn one_hip_tells_where_the_pelvis_is() {
         let hip = [1.0, 0.5, 0.9];
@@ -372,7 +379,7 @@ mod tests {
         person.set_measured(Body25::LeftHip, keypoint, Matrix3::identity() * 1e-4);
         let floors = |facing| seen(&person).floors(&LeanInWorld::default(), facing);
         assert!(floors(None)[0].is_none() && seen(&person).best_floor(None).is_none());
-        // Left is -y for one who faces -x.
+        // Left is -y for a person who faces -x.
         let angle = std::f64::consts::PI;
         let at = |variance| floors(Some(Facing { angle, variance }))[0].expect("one floor");
         let (sure, unsure) = (at(0.0), at(0.04));
@@ -381,7 +388,7 @@ mod tests {
         let position = |facing| seen(&person).best_floor(facing).map(|floor| floor.position);
         assert_eq!(position(Some(Facing { angle, variance: 0.0 })), Some(sure.position));
         assert!(sure.covariance[(0, 0)] > 1e-4, "less certain than the hip");
-        // Turned by 0.2 rad the middle would be farther ahead or behind, and as far to the side.
+        // A turn by 0.2 rad would move the midpoint forwards or backwards, but not sideways.
         let more = unsure.covariance - sure.covariance;
         assert!((more[(0, 0)] - 0.04 * HIP * HIP).abs() < 1e-12 && more[(1, 1)].abs() < 1e-12);
     }

@@ -2,7 +2,7 @@
 
 use super::keypoints::Body25;
 
-/// A segment of the body, of two sides where it has two.
+/// A segment of the body. Segments with a left and a right side count as one.
 ///
 /// ```
 /// use vision_models::BodySegment;
@@ -21,11 +21,11 @@ pub enum BodySegment {
     UpperArm,
     /// Elbow to wrist.
     Forearm,
-    /// From shoulder to shoulder.
+    /// Shoulder to shoulder.
     Shoulders,
 }
 
-/// Each segment between two joints, the nearer to the trunk first.
+/// Each segment between two joints, the joint nearer to the trunk first.
 pub(super) const ENDS: [(BodySegment, Body25, Body25); 10] = [
     (BodySegment::Trunk, Body25::MidHip, Body25::Neck),
     (BodySegment::Shoulders, Body25::LeftShoulder, Body25::RightShoulder),
@@ -47,7 +47,7 @@ impl BodySegment {
     pub const ALL: [Self; Self::COUNT] =
         [Self::Thigh, Self::Shank, Self::Trunk, Self::UpperArm, Self::Forearm, Self::Shoulders];
 
-    /// The length as a fraction of stature (Drillis & Contini 1966; between the shoulder joints
+    /// Returns the length as a fraction of stature (Drillis & Contini 1966; for the shoulder joints
     /// ANSUR II 2012).
     pub fn fraction(self) -> f64 {
         match self {

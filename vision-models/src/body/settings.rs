@@ -5,7 +5,8 @@ use super::joints::TRUNK;
 use super::keypoints::Body25;
 use crate::error::Error;
 
-/// How fast who stands drifts: the spectral density of the velocity (m²/s), and of turning (rad²/s).
+/// Drift of a standing person: spectral densities of the velocity (m²/s) and of the turning rate
+/// (rad²/s).
 const DRIFT: f64 = 3e-6;
 const TURNING_DRIFT: f64 = 1e-5;
 
@@ -24,51 +25,50 @@ const TURNING_DRIFT: f64 = 1e-5;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct TrackerSettings {
-    /// Keypoints with less confidence are as good as missing. Default 0.3.
+    /// Keypoints with less confidence count as missing. Default 0.3.
     pub least_confidence: f64,
-    /// Standard deviation of a joint's measured position, each axis, where no covariances are known (m).
-    /// Default 0.03.
+    /// Standard deviation of a joint's measured position on each axis, if covariances are unknown
+    /// (m). Default 0.03.
     pub position_sigma: f64,
-    /// Spectral density of the acceleration of who walks (m²/s³): more follows sooner, less smooths more. Default 0.6,
-    /// of gait up to 1.4 m/s.
+    /// Spectral density of a walking person's acceleration (m²/s³). Larger values follow sooner,
+    /// smaller ones smooth more. Default 0.6, for gait up to 1.4 m/s.
     pub walking_density: f64,
-    /// The same of the joints of the trunk and the head (m²/s³). Default 1.
+    /// Spectral density of the acceleration of the joints of trunk and head (m²/s³). Default 1.
     pub trunk_density: f64,
-    /// The same of wrists (m²/s³); elbows have 0.4 of it, knees 0.8, ankles and feet 1.5. Default 8.
+    /// Spectral density of the acceleration of wrists (m²/s³). Elbows have 0.4 of it, knees 0.8,
+    /// ankles and feet 1.5. Default 8.
     pub limb_density: f64,
-    /// Nobody is faster (m/s). Default 3.
+    /// Largest speed of a person (m/s). Default 3.
     pub max_speed: f64,
-    /// Standard deviation of the measured heading, where covariances are not known (rad). Default
-    /// 0.08.
+    /// Standard deviation of the measured heading, if covariances are unknown (rad). Default 0.08.
     pub heading_sigma: f64,
     /// Spectral density of the heading's acceleration (rad²/s³). Default 0.5.
     pub turning_density: f64,
-    /// Nobody turns faster (rad/s). Default 4.
+    /// Largest turning rate of a person (rad/s). Default 4.
     pub max_turning_rate: f64,
-    /// A measurement more standard deviations than this away from what is expected is an outlier.
+    /// A measurement farther than this from the expected value is an outlier (standard deviations).
     /// Default 5.
     pub gate: f64,
-    /// The probability that noise alone is as far from what is expected as a measurement has to be,
-    /// in each of the frames in which a person seems to be elsewhere, to count as a jump. Default
-    /// 1e-9.
+    /// Largest probability with which noise alone explains a jump's distance in each of its frames.
+    /// Default 1e-9.
     pub jump_probability: f64,
-    /// How long errors of joints whose covariances are known last: their correlation fades as
-    /// exp(-interval/time) (s). Default 0.16, as of real detectors.
+    /// Correlation time of the errors of joints with known covariances (s). The correlation fades
+    /// as exp(-interval/time). Default 0.16, measured on real detectors.
     pub correlation_time: f64,
-    /// How many frames in a row have to agree before a person is taken up, at the start, after a
-    /// loss, or in place of a track from which they are outliers. Default 4.
+    /// Number of consecutive frames that must agree before a person is tracked: at the start, after
+    /// a loss, or after outliers that replace a track. Default 4.
     pub acquire_frames: u32,
-    /// Frames agree when the person's position changed by less than this between them (m), and on
-    /// top by no more than the maximum speed allows. Default 0.3.
+    /// Frames agree if the person's position changes between them by less than this (m) plus the
+    /// distance at maximum speed. Default 0.3.
     pub acquire_radius: f64,
-    /// Up to this age of the last measurement the person counts as tracked (s). Default 0.12: two
-    /// frames and a little.
+    /// Largest age of the last measurement at which the person counts as tracked (s). Default 0.12,
+    /// a little more than two frames.
     pub tracked_age: f64,
-    /// Up to this age the person is coasted along at constant velocity, past it lost (s). Default
-    /// and maximum 0.5.
+    /// Largest age up to which the pose is predicted at constant velocity (s). Beyond it the person
+    /// is lost. Default and maximum 0.5.
     pub coast_limit: f64,
-    /// How long a heading that is no longer measured goes on turning before it is held (s).
-    /// Default 0.1.
+    /// How long a heading that is not measured continues to turn before it is held (s). Default
+    /// 0.1.
     pub turn_limit: f64,
 }
 
@@ -136,12 +136,12 @@ impl TrackerSettings {
         in_range("turn_limit", self.turn_limit, 0.0, 0.5, "a time in [0, 0.5] s")
     }
 
-    /// How the person stands and walks.
+    /// Returns the motion of a person who stands or walks.
     pub(super) fn walking(&self) -> Motion {
         self.motion(self.walking_density, DRIFT, self.max_speed, self.coast_limit)
     }
 
-    /// How a joint moves.
+    /// Returns the motion of a joint.
     pub(super) fn joint(&self, joint: Body25) -> Motion {
         use Body25::{LeftElbow, LeftKnee, LeftWrist, RightElbow, RightKnee, RightWrist};
         let of_limb = |share| (share * self.limb_density, 2.0 * self.max_speed);
@@ -163,27 +163,28 @@ impl TrackerSettings {
         Motion { density, drift, max_speed, coasts, correlation_time: self.correlation_time }
     }
 
-    /// A heading, with the standard deviation of one frame where no variance is known.
+    /// Returns a measured heading. An unknown variance is replaced by the standard deviation of one
+    /// frame.
     pub(super) fn heading(&self, angle: f64, variance: Option<f64>) -> Measurement<1> {
         let lasting = if variance.is_some() { LASTING } else { 0.0 };
         let variance = variance.unwrap_or(self.heading_sigma.powi(2));
         Measurement { position: [angle].into(), covariance: [[variance]].into(), lasting }
     }
 
-    /// The square of the distance beyond which a measurement is an outlier.
+    /// Returns the squared distance beyond which a measurement is an outlier.
     pub(super) fn outlier_distance(&self) -> f64 {
         self.gate.powi(2)
     }
 
-    /// The square of the distance beyond which measurements may be a jump. Of two axes, distances
-    /// beyond d have the probability exp(-d²/2); of one, less.
+    /// Returns the squared distance beyond which measurements may be a jump. Distances beyond d
+    /// have the probability exp(-d²/2) on two axes, and less on one.
     pub(super) fn jump_distance(&self) -> f64 {
         self.outlier_distance().max(-2.0 * self.jump_probability.ln())
     }
 
-    /// Of a covariance, by errors that last over several frames: the variance of the mean of many
-    /// frames whose errors have the correlation ρ from one to the next, over that of independent
-    /// ones.
+    /// Returns the factor of a covariance due to errors that last over several frames. It is the
+    /// variance of the mean of many frames whose successive errors have the correlation ρ, divided
+    /// by that of independent frames.
     pub(super) fn inflation(&self, interval: f64) -> f64 {
         let correlation = (-interval.max(1e-3) / self.correlation_time.max(1e-9)).exp();
         (1.0 + correlation) / (1.0 - correlation)

@@ -1,33 +1,33 @@
-//! The person as of the last measurements.
+//! The person at the last measurements.
 
 use nalgebra::Vector2;
 
 use super::{filter::Measurement, seen::Heading, settings::TrackerSettings, two_models::TwoModels};
 
-/// The person as of the last measurements that were taken in.
+/// The person at the last measurements.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Track {
     pub(super) floor: TwoModels<2>,
     pub(super) floor_time: f64,
     pub(super) heading: TwoModels<1>,
     pub(super) heading_time: f64,
-    /// Headings in a row that were outliers, and the distance of the nearest of them, squared.
+    /// Number of consecutive outlier headings, and the smallest of their squared distances.
     turned: Option<(u32, f64)>,
 }
 
-/// Someone seen away from the track, who becomes the track if seen there for long enough.
+/// A person seen away from the track. It becomes the track if seen there for enough frames.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Candidate {
     floor: Measurement<2>,
     heading: Option<Heading>,
     time: f64,
     frames: u32,
-    /// The square of the distance from the track in the frame in which it was nearest.
+    /// Squared distance from the track in the frame in which it was nearest.
     distance: f64,
 }
 
 impl Track {
-    /// At rest, with the heading on this branch.
+    /// Creates a track at rest with this heading, unwrapped.
     pub(super) fn starting_at(
         floor: &Measurement<2>,
         heading: &Measurement<1>,
@@ -43,8 +43,8 @@ impl Track {
         }
     }
 
-    /// Takes those measurements of the position in that are no outliers. If all are, gives the
-    /// square of the distance of the nearest.
+    /// Updates the position with the measurements that are not outliers. If all are, returns the
+    /// squared distance of the nearest.
     pub(super) fn take_floor(
         &mut self,
         floors: impl Iterator<Item = Measurement<2>>,
@@ -67,8 +67,8 @@ impl Track {
         Ok(())
     }
 
-    /// Takes a heading in unless it is an outlier that does not last. Returns true if the person
-    /// turned at once.
+    /// Updates the heading. An outlier is ignored unless it lasts. Returns true if the person
+    /// turned suddenly.
     pub(super) fn take_heading(
         &mut self,
         heading: Heading,
@@ -103,8 +103,8 @@ impl Track {
 }
 
 impl Candidate {
-    /// Somebody seen in a frame, `distance` (squared) away from the track if there is one; goes on
-    /// from the frame before if the two agree.
+    /// Returns the candidate after a frame. `distance` is the squared distance from the track, if
+    /// there is one. The previous candidate continues if the two agree.
     pub(super) fn seen(
         before: Option<Self>,
         floor: Measurement<2>,
@@ -131,20 +131,20 @@ impl Candidate {
         elapsed <= settings.coast_limit && (floor - self.floor.position).norm() <= reach
     }
 
-    /// Where the person is, if they were seen there for long enough.
+    /// Returns the person's position and heading, if they were seen there for enough frames.
     pub(super) fn accepted(&self, settings: &TrackerSettings) -> Option<(Measurement<2>, Heading)> {
         let lasting = self.frames >= settings.acquire_frames;
         self.heading.filter(|_| lasting).map(|heading| (self.floor, heading))
     }
 
-    /// Returns true if the person was somewhere else at once: noise alone is not so far from the
-    /// track in each of the frames. Otherwise the track has drifted away from the person.
+    /// Returns true if the position jumped: noise alone cannot explain the distance in each of the
+    /// frames. Otherwise the track has drifted away from the person.
     pub(super) fn is_jump(&self, settings: &TrackerSettings) -> bool {
         self.distance.is_finite() && self.distance > settings.jump_distance()
     }
 }
 
-/// The angle that differs from `angle` by whole turns and is nearest to `reference` (rad).
+/// Returns the angle nearest to `reference` that differs from `angle` by whole turns (rad).
 pub(super) fn nearest_branch(angle: f64, reference: f64) -> f64 {
     use std::f64::consts::TAU;
     angle + TAU * ((reference - angle) / TAU).round()

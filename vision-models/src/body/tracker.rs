@@ -1,4 +1,4 @@
-//! From noisy bodies to a pose that the control loop can use.
+//! Tracks a person from noisy bodies and predicts a pose for the control loop.
 
 use nalgebra::Point2;
 
@@ -19,16 +19,18 @@ use crate::percept::Percept;
 
 /// Follows one person through the camera's frames.
 ///
-/// Floor position and heading each have two Kalman filters, of who stands and of who moves, weighed by how well they
-/// explain the frames. Measurements have the covariances of the body's joints where these are known. Measurements
-/// outside the gate are left out; when they persist for some frames, agree with one another and are
-/// too far away for noise, the person really is there and the track starts again. Without
-/// measurements the person is coasted along at constant velocity for at most half a second and is
-/// then lost. Lengths of segments measured after that tell whether it is another person.
+/// Position and heading each have two Kalman filters, one for a standing and one for a moving
+/// person. Their weights follow from how well they explain the frames. The body's covariances are
+/// used if they are known.
 ///
-/// [`update`](Self::update) takes each percept as it comes; [`predict`](Self::predict) says where
-/// the person is now, at any rate, and allocates nothing. Joints that are missing, doubtful or not
-/// finite are done without: whatever the input, no pose ever holds NaN.
+/// Measurements outside the gate are left out. If they last for several frames, agree with one
+/// another and are too far away for noise, the track restarts there. If measurements are missing,
+/// the track is predicted at constant velocity for at most half a second. The person is then lost.
+/// The lengths of segments measured after a restart show whether it is another person.
+///
+/// [`update`](Self::update) takes each percept as it comes. [`predict`](Self::predict) returns the
+/// person's pose at any time and allocates nothing. Joints that are missing, have low confidence or
+/// are not finite are ignored. No pose ever contains NaN, whatever the input.
 ///
 /// ```
 /// use vision_models::{BodyTracker, Percept, TrackerSettings};
@@ -50,7 +52,7 @@ pub struct BodyTracker {
 }
 
 impl BodyTracker {
-    /// A tracker that has seen nobody yet.
+    /// Creates a tracker without a person.
     ///
     /// # Errors
     /// [`Error::Value`] if a setting is outside its range.
@@ -72,11 +74,12 @@ impl BodyTracker {
         &self.settings
     }
 
-    /// Takes a percept in. Percepts come in the order of their time stamps, at any rate.
+    /// Updates the track with a percept. Percepts must come in the order of their time stamps, at
+    /// any rate.
     ///
     /// # Errors
-    /// [`Error::Value`] for a time stamp that is not finite or not later than
-    /// the one before; the tracker is then as it was.
+    /// [`Error::Value`] if a time stamp is not finite or not later than the previous one. The
+    /// tracker is then unchanged.
     pub fn update(&mut self, percept: &Percept) -> Result<(), Error> {
         let time = percept.time;
         check_time(time, self.last_time)?;
@@ -124,17 +127,17 @@ impl BodyTracker {
         Ok(())
     }
 
-    /// Forgets where anybody was, and when: for frames whose time stamps turned out to be wrong, or a
-    /// clock that was set. The lengths of the person's segments stay.
+    /// Forgets the track and the time. Use it if time stamps were wrong or a clock was set. The
+    /// lengths of the person's segments stay.
     pub fn forget(&mut self) {
         self.last_time = None;
         self.track = None;
         self.candidate = None;
     }
 
-    /// Where the person is at the time `now` (s), or `None` if nobody has been taken up yet. A time
-    /// before the last measurement gives the pose of that measurement; one that is earlier by more
-    /// than `tracked_age` says that a clock is wrong, and the person counts as lost.
+    /// Returns the person's pose at the time `now` (s), or `None` if no person is tracked yet. A
+    /// time before the last measurement gives the pose of that measurement. If it is earlier by
+    /// more than `tracked_age`, a clock is wrong and the person counts as lost.
     pub fn predict(&self, now: f64) -> Option<TrackedPerson> {
         let settings = &self.settings;
         let track = self.track.as_ref()?;
@@ -165,7 +168,7 @@ impl BodyTracker {
         })
     }
 
-    /// The way that the person faces at the time `now` (s), as far as it is known.
+    /// Returns the direction that the person faces at the time `now` (s), if it is known.
     pub(super) fn facing(&self, now: f64) -> Option<Facing> {
         let heading = self.heading(self.track.as_ref()?, now);
         Some(Facing { angle: heading.position().x, variance: heading.position_covariance().x })
@@ -176,23 +179,23 @@ impl BodyTracker {
         track.heading.advanced(age, &self.settings.turning())
     }
 
-    /// The person's stature, once the legs were seen often enough.
+    /// Returns the person's stature, if enough segments were measured.
     pub fn stature(&self) -> Option<StatureEstimate> {
         self.identity.stature()
     }
 
-    /// The length of one of the person's segments, once it was seen often enough.
+    /// Returns the length of one of the person's segments, if it was measured often enough.
     pub fn segment(&self, segment: BodySegment) -> Option<SegmentLength> {
         self.identity.length(segment)
     }
 
-    /// How many times a person who was tracked was somewhere else at once, or turned at once.
+    /// Returns how many times a tracked person's position or heading jumped.
     pub fn jumps(&self) -> u64 {
         self.jumps
     }
 
-    /// Somebody is seen where the track does not expect anybody: `distance` squared away, infinite
-    /// without a track.
+    /// Considers a person seen away from the track. `distance` is squared, and infinite without a
+    /// track.
     fn consider(
         &mut self,
         floor: Measurement<2>,
@@ -204,7 +207,7 @@ impl BodyTracker {
         let candidate = Candidate::seen(self.candidate, floor, heading, time, distance, settings);
         self.candidate = Some(candidate);
         if let Some((floor, heading)) = candidate.accepted(settings) {
-            // The heading stays on the branch where it was, so that it never jumps by a turn.
+            // The heading stays near the previous one, so that it never jumps by a whole turn.
             let angle = self
                 .predict(time)
                 .map_or(heading.angle, |old| nearest_branch(heading.angle, old.heading));
@@ -221,19 +224,20 @@ impl BodyTracker {
     }
 }
 
-/// The time since `then`; infinite if `now` is no time at all, or earlier by more than `tolerance`.
+/// Returns the time since `then`. Infinite if `now` is not a number, or earlier by more than
+/// `tolerance`.
 fn age_at(now: f64, then: f64, tolerance: f64) -> f64 {
     let age = now - then;
     if age >= -tolerance { age.max(0.0) } else { f64::INFINITY }
 }
 
-/// How long a motion measured at `then` is carried on until `now`: at most `limit`, and for all of it
-/// if `now` is no time at all.
+/// Returns how long a motion measured at `then` is continued until `now`: at most `limit`, and
+/// `limit` if `now` is not a number.
 fn extrapolated(now: f64, then: f64, limit: f64) -> f64 {
     if now < then { 0.0 } else { (now - then).min(limit) }
 }
 
-/// Checks that a time is finite and later than the one before.
+/// Checks that a time is finite and later than the previous one.
 pub(super) fn check_time(time: f64, previous: Option<f64>) -> Result<(), Error> {
     if !time.is_finite() {
         return Err(Error::value("time stamp", format!("{time} s"), "finite seconds"));

@@ -4,34 +4,37 @@ use nalgebra::{SMatrix, SVector};
 
 use super::filter::{Measurement, Motion, PointFilter};
 
-/// How often who stands begins to move, and who moves stops (1/s).
+/// Rates at which a standing point begins to move, and a moving point stops (1/s).
 const BEGINS: f64 = 0.01;
 const STOPS: f64 = 0.2;
 
-/// One measurement changes the odds by no more than e to this: a single wrong one tells little.
+/// Largest logarithm of the factor by which one measurement changes the odds. One wrong measurement
+/// counts little.
 const MOST: f64 = 2.0;
 
-/// Two Kalman filters, of a point that moves and of one that stands, weighed by how well each explains the measurements.
+/// Two Kalman filters, one for a moving and one for a standing point, weighted by how well each
+/// explains the measurements.
 ///
-/// Interacting multiple models (Blom and Bar-Shalom 1988), where only standing begins from the other: a point that stops
-/// does so where it is. Position and velocity are the weighed means. Their covariances are those of a point that moves,
-/// about these means: that it stands is no claim, since it may have begun to move in this moment.
+/// Interacting multiple models (Blom and Bar-Shalom 1988). Only the standing filter is mixed with
+/// the other: a point that stops stays where it is. Position and velocity are the weighted means.
+/// The covariances are those of the moving filter about these means, since a standing point may
+/// have just begun to move.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TwoModels<const D: usize> {
     moving: PointFilter<D>,
     standing: PointFilter<D>,
-    /// The probability that it stands.
+    /// Probability that the point stands.
     stands: f64,
 }
 
 impl<const D: usize> TwoModels<D> {
-    /// Where it was measured; it may stand or move.
+    /// Creates the filters at the measured position. The point may stand or move.
     pub(super) fn starting_at(measured: &Measurement<D>, motion: &Motion) -> Self {
         let moving = PointFilter::starting_at(measured, motion);
         Self { moving, standing: moving.at_rest(), stands: 0.5 }
     }
 
-    /// The state after a time without a measurement (s).
+    /// Returns the state after a time without a measurement (s).
     pub(super) fn advanced(&self, elapsed: f64, motion: &Motion) -> Self {
         Self {
             moving: self.moving.advanced(&motion.moving(elapsed)),
@@ -40,7 +43,7 @@ impl<const D: usize> TwoModels<D> {
         }
     }
 
-    /// The state after a time (s), with what was measured then.
+    /// Returns the state after a time (s) and a measurement.
     pub(super) fn corrected(
         &self,
         measured: &Measurement<D>,
@@ -84,12 +87,13 @@ impl<const D: usize> TwoModels<D> {
         self.moving.velocity_covariance() + away * away.transpose()
     }
 
-    /// The weight of standing: none where moving is more probable, all where that has less than a tenth.
+    /// Returns the weight of the standing filter: 0 if moving is more probable, 1 if moving has
+    /// less than a tenth.
     fn share(&self) -> f64 {
         ((self.stands - 0.5) / 0.4).clamp(0.0, 1.0)
     }
 
-    /// From where the point is if it moves to the weighed mean.
+    /// Returns the vector from the moving filter's position to the weighted mean.
     fn away(&self) -> SVector<f64, D> {
         (self.standing.position() - self.moving.position()) * self.share()
     }

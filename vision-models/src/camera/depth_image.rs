@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 
-/// Depths along the optical axis (m), row after row; where nothing was measured there is none.
+/// Depths along the optical axis (m), row by row. Pixels without a measurement have none.
 ///
 /// ```
 /// use vision_models::DepthImage;
@@ -22,11 +22,11 @@ pub struct DepthImage {
 }
 
 impl DepthImage {
-    /// An image of width × height `size` from depths in metres. What is NaN, infinite or not
-    /// positive counts as no measurement.
+    /// Creates an image of width × height `size` from depths in metres. Depths that are NaN,
+    /// infinite or not positive count as not measured.
     ///
     /// # Errors
-    /// [`Error::Size`] if the depths do not fill the image.
+    /// [`Error::Size`] if the number of depths does not match the size.
     pub fn from_metres(size: [usize; 2], mut depths: Vec<f32>) -> Result<Self, Error> {
         check_size(size, depths.len())?;
         for depth in &mut depths {
@@ -37,10 +37,10 @@ impl DepthImage {
         Ok(Self { size, depths })
     }
 
-    /// An image from whole numbers of `scale` metres.
+    /// Creates an image from integers in units of `scale` metres. 0 is not measured.
     ///
     /// # Errors
-    /// [`Error::Size`] as above, [`Error::Value`] for a scale that is not positive.
+    /// [`Error::Size`] as above. [`Error::Value`] if the scale is outside [1e-6, 1] m.
     pub fn from_units(size: [usize; 2], units: &[u16], scale: f64) -> Result<Self, Error> {
         check_size(size, units.len())?;
         check_scale(scale)?;
@@ -52,12 +52,12 @@ impl DepthImage {
         Ok(Self { size, depths: depths.collect() })
     }
 
-    /// Width and height (pixels).
+    /// Returns width and height (pixels).
     pub fn size(&self) -> [usize; 2] {
         self.size
     }
 
-    /// The depth at a pixel (m), if it is in the image and was measured.
+    /// Returns the depth at a pixel (m), if it is in the image and was measured.
     pub fn depth(&self, column: usize, row: usize) -> Option<f32> {
         let [width, _] = self.size;
         if column >= width {
@@ -67,13 +67,13 @@ impl DepthImage {
         (*depth > 0.0).then_some(*depth)
     }
 
-    /// The depths (m), row after row; 0 where nothing was measured.
+    /// Returns the depths (m), row by row. 0 where nothing was measured.
     pub fn depths(&self) -> &[f32] {
         &self.depths
     }
 }
 
-/// The size of a unit of depth (m).
+/// Checks the size of a unit of depth (m).
 pub(super) fn check_scale(scale: f64) -> Result<(), Error> {
     if (1e-6..=1.0).contains(&scale) {
         Ok(())

@@ -1,9 +1,9 @@
-//! How wrong a depth camera is.
+//! The noise of a depth camera.
 
 use crate::error::Error;
 
-/// The noise of a stereo depth camera: the standard deviation of a depth z is a constant plus
-/// `quadratic` · z².
+/// Noise of a stereo depth camera: the standard deviation of a depth z is `constant` + `quadratic`
+/// · z².
 ///
 /// A disparity error of s pixels at focal length f (pixels) and baseline B (m) gives z² s / (f B).
 ///
@@ -15,7 +15,7 @@ use crate::error::Error;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DepthNoise {
-    /// At no distance (m).
+    /// Standard deviation at distance zero (m).
     pub constant: f64,
     /// Growth with the square of the distance (1/m).
     pub quadratic: f64,
@@ -25,7 +25,7 @@ impl DepthNoise {
     /// An Intel `RealSense` D435i at 640 × 480: s = 0.08 px, f = 385 px, B = 50 mm.
     pub const D435I: Self = Self { constant: 0.001, quadratic: 0.08 / (385.0 * 0.05) };
 
-    /// The standard deviation of a depth (m).
+    /// Returns the standard deviation of a depth (m).
     pub fn sigma(&self, depth: f64) -> f64 {
         self.constant + self.quadratic * depth * depth
     }

@@ -8,21 +8,22 @@ use super::depth_image::{DepthImage, check_scale};
 use crate::error::Error;
 use crate::file::{in_file, read_bytes};
 
-/// The longest side of an image that is read (pixels).
+/// Longest side of an image that is read (pixels).
 const MAX_SIDE: u32 = 16_384;
-/// The most pixels.
+/// Largest number of pixels.
 const MAX_PIXELS: u64 = 64 << 20;
-/// The most memory for what a file holds beside pixels (bytes).
+/// Largest memory for a file's contents other than pixels (bytes).
 const MAX_METADATA: u64 = 16 << 20;
-/// The largest file (bytes).
+/// Largest file (bytes).
 const MAX_FILE: u64 = 256 << 20;
 
-/// Reads a grey PNG of 16 bits a pixel, whose numbers are multiples of `scale` metres; 0 is no
-/// measurement.
+/// Reads a grey PNG of 16 bits per pixel, whose numbers are multiples of `scale` metres. 0 is not
+/// measured.
 ///
 /// # Errors
-/// [`Error::File`] if it cannot be read or has more than 256 MiB, [`Error::Image`] if it is no such
-/// PNG or has more than 64 megapixels, [`Error::Value`] for a scale outside [1e-6, 1] m.
+/// - [`Error::File`] if it cannot be read or has more than 256 MiB.
+/// - [`Error::Image`] if it is not such a PNG or has more than 64 megapixels.
+/// - [`Error::Value`] if the scale is outside [1e-6, 1] m.
 pub fn read_depth(path: impl AsRef<Path>, scale: f64) -> Result<DepthImage, Error> {
     check_scale(scale)?;
     let path = path.as_ref();
@@ -36,11 +37,12 @@ pub fn read_depth(path: impl AsRef<Path>, scale: f64) -> Result<DepthImage, Erro
     })
 }
 
-/// The same from the bytes of a file. Takes at most 512 MiB of memory.
+/// Decodes a depth image from the bytes of a PNG file, as [`read_depth`] does. Takes at most 512
+/// MiB of memory.
 ///
 /// # Errors
-/// [`Error::Image`] if it is no such PNG or has more than 64 megapixels, [`Error::Value`] for a
-/// scale outside [1e-6, 1] m.
+/// - [`Error::Image`] if it is not such a PNG or has more than 64 megapixels.
+/// - [`Error::Value`] if the scale is outside [1e-6, 1] m.
 pub fn decode_depth(bytes: &[u8], scale: f64) -> Result<DepthImage, Error> {
     check_scale(scale)?;
     let refuse = |reason| Error::Image { path: String::new(), reason };
@@ -48,7 +50,7 @@ pub fn decode_depth(bytes: &[u8], scale: f64) -> Result<DepthImage, Error> {
     DepthImage::from_units(size, &units, scale)
 }
 
-/// Width and height, and the numbers row after row; else the reason.
+/// Returns width and height, and the numbers row by row, or the reason for failing.
 fn decode(bytes: &[u8]) -> Result<([usize; 2], Vec<u16>), String> {
     let mut limits = Limits::default();
     limits.max_image_width = Some(MAX_SIDE);

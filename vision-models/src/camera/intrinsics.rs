@@ -1,16 +1,16 @@
-//! From pixels to rays and back.
+//! Conversion between pixels and rays.
 
 use nalgebra::{Point2, Point3, Vector3};
 
 use crate::error::Error;
 
-/// The longest side of an image (pixels).
+/// Longest side of an image (pixels).
 const MAX_SIDE: usize = 16_384;
 
-/// The pinhole model of a camera whose images are without distortion.
+/// Pinhole model of a camera without distortion.
 ///
-/// Points are in the optical frame: x to the right, y downwards, z forwards (m). Pixels have their
-/// centres at whole numbers, (0, 0) at the top left.
+/// Points are in the optical frame: x to the right, y downwards, z forwards (m). The centres of
+/// pixels are at whole numbers, (0, 0) at the top left.
 ///
 /// ```
 /// use nalgebra::{Point2, Point3};
@@ -31,12 +31,14 @@ pub struct Intrinsics {
 }
 
 impl Intrinsics {
-    /// The intrinsics of images of width × height `size`, with the focal lengths fx, fy and the
-    /// principal point cx, cy (pixels).
+    /// Creates the intrinsics for images of width × height `size`, with the focal lengths fx, fy
+    /// and the principal point cx, cy (pixels).
     ///
     /// # Errors
-    /// [`Error::Value`] for a side of no pixels or more than 16,384, a focal length that is not
-    /// positive and finite, or a principal point outside the image.
+    /// [`Error::Value`] if one of these is wrong:
+    /// - A side has no pixels or more than 16,384.
+    /// - A focal length is not positive and finite.
+    /// - The principal point is outside the image.
     pub fn new(size: [usize; 2], focal: [f64; 2], centre: [f64; 2]) -> Result<Self, Error> {
         for (axis, side) in ["width", "height"].into_iter().zip(size) {
             if side == 0 || side > MAX_SIDE {
@@ -57,34 +59,34 @@ impl Intrinsics {
         Ok(Self { size, focal, centre })
     }
 
-    /// Width and height (pixels).
+    /// Returns width and height (pixels).
     pub fn size(&self) -> [usize; 2] {
         self.size
     }
 
-    /// The focal lengths fx and fy (pixels).
+    /// Returns the focal lengths fx and fy (pixels).
     pub fn focal(&self) -> [f64; 2] {
         self.focal
     }
 
-    /// The principal point cx, cy (pixels).
+    /// Returns the principal point cx, cy (pixels).
     pub fn centre(&self) -> [f64; 2] {
         self.centre
     }
 
-    /// The ray through a pixel, in the optical frame, with z = 1.
+    /// Returns the ray through a pixel, in the optical frame, with z = 1.
     pub fn ray(&self, pixel: &Point2<f64>) -> Vector3<f64> {
         let ([fx, fy], [cx, cy]) = (self.focal, self.centre);
         Vector3::new((pixel.x - cx) / fx, (pixel.y - cy) / fy, 1.0)
     }
 
-    /// The point at `depth` (its z, m) that is seen at a pixel.
+    /// Returns the point at `depth` (its z, m) that is seen at a pixel.
     pub fn back_project(&self, pixel: &Point2<f64>, depth: f64) -> Point3<f64> {
         Point3::from(self.ray(pixel) * depth)
     }
 
-    /// The pixel at which a point is seen, which may lie outside the image; `None` for a point that
-    /// is not in front of the camera.
+    /// Returns the pixel at which a point is seen. It may lie outside the image. `None` if the
+    /// point is not in front of the camera.
     pub fn project(&self, point: &Point3<f64>) -> Option<Point2<f64>> {
         let ([fx, fy], [cx, cy]) = (self.focal, self.centre);
         let pixel = Point2::new(cx + fx * point.x / point.z, cy + fy * point.y / point.z);

@@ -5,13 +5,13 @@ use nalgebra::{Isometry3, Matrix3, Point2, Point3, Vector3};
 use super::{depth_noise::DepthNoise, intrinsics::Intrinsics};
 use crate::error::Error;
 
-/// The image's downward direction may point above the horizon by no more than this (rad).
+/// Largest angle by which the image's downward direction may point above the horizon (rad).
 const STEEPEST: f64 = 0.17;
 
-/// Measured gravity and the extrinsics may differ by no more than this (rad).
+/// Largest angle between measured gravity and the extrinsics (rad).
 const GRAVITY_TOLERANCE: f64 = 0.26;
 
-/// Where a camera is and what it sees.
+/// A camera with its pose in the world, its intrinsics and its noise.
 ///
 /// ```
 /// use nalgebra::{Isometry3, Point3, Vector3};
@@ -36,11 +36,12 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// A camera whose optical frame (x right, y down, z forwards) has this pose in the world.
+    /// Creates a camera whose optical frame (x right, y down, z forwards) has this pose in the
+    /// world.
     ///
     /// # Errors
-    /// [`Error::Value`] for a pose that is not finite or has the top of the image at the bottom, and for noise
-    /// that is negative or above 1.
+    /// [`Error::Value`] if the pose is not finite or turns the image upside down, or if the noise
+    /// is negative or above 1.
     pub fn new(
         intrinsics: Intrinsics,
         world_from_camera: Isometry3<f64>,
@@ -66,10 +67,10 @@ impl Camera {
         Ok(Self { intrinsics, pose: world_from_camera, noise })
     }
 
-    /// A camera at `eye` that looks at `target` (world, m), with the image's top upwards.
+    /// Creates a camera at `eye` that looks at `target` (world, m), with the image's top upwards.
     ///
     /// # Errors
-    /// [`Error::Value`] for points that are one above the other or not finite.
+    /// [`Error::Value`] if one point is above the other, or a point is not finite.
     pub fn looking_at(
         intrinsics: Intrinsics,
         eye: Point3<f64>,
@@ -84,11 +85,11 @@ impl Camera {
         Self::new(intrinsics, world_from_camera, noise)
     }
 
-    /// Checks that gravity is where the pose says that down is. `gravity` is in the optical frame,
-    /// in any unit: along +y for a level camera.
+    /// Checks that gravity points in the direction that the pose calls down. `gravity` is in the
+    /// optical frame, in any unit: along +y for a level camera.
     ///
     /// # Errors
-    /// [`Error::Value`] if they differ by more than 15°, or for a vector that has no direction.
+    /// [`Error::Value`] if they differ by more than 15°, or if the vector has no direction.
     pub fn check_gravity(&self, gravity: &Vector3<f64>) -> Result<(), Error> {
         let limit = GRAVITY_TOLERANCE;
         let direction = gravity.try_normalize(1e-9).unwrap_or(Vector3::repeat(f64::NAN));
@@ -101,23 +102,23 @@ impl Camera {
         Err(Error::value("gravity as the camera measures it", got, &wanted))
     }
 
-    /// The pinhole model.
+    /// Returns the pinhole model.
     pub fn intrinsics(&self) -> &Intrinsics {
         &self.intrinsics
     }
 
-    /// The pose of the optical frame in the world.
+    /// Returns the pose of the optical frame in the world.
     pub fn world_from_camera(&self) -> &Isometry3<f64> {
         &self.pose
     }
 
-    /// The noise of its depths.
+    /// Returns the noise of the camera's depths.
     pub fn noise(&self) -> &DepthNoise {
         &self.noise
     }
 
-    /// The pixel at which a point of the world (m) is seen, which may lie outside the image; `None`
-    /// for a point that is not in front of the camera.
+    /// Returns the pixel at which a point of the world (m) is seen. It may lie outside the image.
+    /// `None` if the point is not in front of the camera.
     pub fn project(&self, point: &Point3<f64>) -> Option<Point2<f64>> {
         self.intrinsics.project(&self.pose.inverse_transform_point(point))
     }

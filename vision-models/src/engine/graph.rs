@@ -1,27 +1,27 @@
-//! A network as its papers draw it: layers from one activation to the next.
+//! A network as a graph of layers.
 
 use crate::kernels::{Alignment, Window};
 
 use super::head::Pooling;
 use super::layer::Convolution;
 
-/// An activation of a [`Graph`]: one box between the arrows of a paper's figure.
+/// An activation of a [`Graph`]: the output of one layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Value(pub(super) usize);
 
-/// Which frames of the given clip an input takes.
+/// The frames of a clip that an input takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Frames {
-    /// All.
+    /// All frames.
     All,
-    /// One of so many, spread evenly from the first to the last.
+    /// This many frames, spread evenly from the first to the last.
     Spread(usize),
-    /// Every so-manieth from the first on.
+    /// Every n-th frame, beginning with the first.
     Every(usize),
 }
 
 impl Frames {
-    /// How many frames it takes of so many.
+    /// Returns how many frames are taken from a clip of `given` frames.
     pub(super) fn taken(self, given: usize) -> usize {
         match self {
             Self::All => given,
@@ -29,7 +29,7 @@ impl Frames {
         }
     }
 
-    /// The frame that is taken as the `index`-th of `taken`.
+    /// Returns the index of the clip's frame that is the `index`-th of `taken`.
     pub(super) fn source(self, index: usize, taken: usize, given: usize) -> usize {
         match self {
             Self::All => index,
@@ -39,7 +39,7 @@ impl Frames {
     }
 }
 
-/// How an activation comes about.
+/// How an activation is computed.
 #[derive(Clone, Debug)]
 pub(super) enum Node {
     Input(Frames),
@@ -50,21 +50,21 @@ pub(super) enum Node {
     Reshape { size: [usize; 3], input: Value },
 }
 
-/// The end of a classifier: activations pooled to features, then a linear layer.
+/// The end of a classifier: activations are pooled to features and given to a linear layer.
 #[derive(Clone, Debug)]
 pub(super) struct Head {
-    /// The features are those of the parts, one behind the other.
+    /// The pooled parts, whose features are concatenated.
     pub(super) pooled: Vec<(Value, Pooling)>,
-    /// What the linear layer is called, without `.weight`.
+    /// The name of the linear layer, without `.weight`.
     pub(super) classifier: String,
 }
 
-/// A network to be: its layers, what their weights are called, and what it gives.
+/// The structure of a network: its layers, the names of their weights, and its outputs.
 ///
-/// Every method that adds a layer gives its activation. What does not fit (channels, shapes, a value of
-/// another graph) is an error when the network is loaded, with the layer's name. Activations that are read no
-/// more give up their memory; a residual connection and a concatenation are computed in place wherever that
-/// is possible.
+/// Every method that adds a layer returns its activation. Errors of the graph (channels, shapes, a
+/// value of another graph) are reported when the network is loaded, with the layer's name. The
+/// memory of an activation is reused after its last read. Residual connections and concatenations
+/// are computed in place wherever possible.
 ///
 /// ```
 /// use vision_models::engine::{Activation::Relu, Convolution, Graph, Pooling};
@@ -90,73 +90,75 @@ pub struct Graph {
 }
 
 impl Graph {
-    /// A network without layers.
+    /// Creates a graph without layers.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// An image or clip of so many channels, as it is given.
+    /// Adds an input: an image or clip with this number of channels.
     pub fn input(&mut self, channels: usize) -> Value {
         self.sampled_input(channels, Frames::All)
     }
 
-    /// Some frames of the given clip.
+    /// Adds an input that takes some frames of the clip.
     pub fn sampled_input(&mut self, channels: usize, frames: Frames) -> Value {
         self.push(Node::Input(frames), channels)
     }
 
-    /// A convolution, with the batch norm and the activation that are part of it.
+    /// Adds a convolution with its batch norm and activation.
     pub fn convolution(&mut self, input: Value, layer: Convolution) -> Value {
         let outputs = layer.outputs;
         self.push(Node::Convolution { layer, input, shortcut: None }, outputs)
     }
 
-    /// The end of a residual block: activation(layer(input) + shortcut).
+    /// Adds the end of a residual block: activation(layer(input) + shortcut).
     pub fn residual(&mut self, input: Value, layer: Convolution, shortcut: Value) -> Value {
         let outputs = layer.outputs;
         self.push(Node::Convolution { layer, input, shortcut: Some(shortcut) }, outputs)
     }
 
-    /// The largest value of each window; what lies outside the input does not count. The padding is at most
-    /// half the kernel, and there is no dilation.
+    /// Adds max pooling. Values outside the input do not count. The padding is at most half the
+    /// kernel, and dilation is not allowed.
     pub fn max_pool(&mut self, input: Value, window: Window) -> Value {
         let channels = self.channels(input);
         self.push(Node::MaxPool { window, input }, channels)
     }
 
-    /// The channels of all parts, one behind the other.
+    /// Concatenates the channels of all parts.
     pub fn concatenation(&mut self, parts: &[Value]) -> Value {
         let channels =
             parts.iter().fold(0_usize, |sum, &part| sum.saturating_add(self.channels(part)));
         self.push(Node::Concatenation { parts: parts.to_vec() }, channels)
     }
 
-    /// The bilinear interpolation of each channel to so many rows and columns.
+    /// Adds bilinear interpolation of each channel to this number of rows and columns.
     pub fn resize(&mut self, input: Value, size: [usize; 2], alignment: Alignment) -> Value {
         let channels = self.channels(input);
         self.push(Node::Resize { size, alignment, input }, channels)
     }
 
-    /// The same elements as so many frames, rows and columns of so many channels. They keep their order: frames,
-    /// rows, columns, channels, the last fastest.
+    /// Returns the same elements with another number of frames, rows, columns and channels. Their
+    /// order stays: frames, rows, columns, channels, the last fastest.
     pub fn reshape(&mut self, input: Value, size: [usize; 3], channels: usize) -> Value {
         self.push(Node::Reshape { size, input }, channels)
     }
 
-    /// Makes an activation an output: [`Inference::map`](super::Inference::map) gives it, by the order of
-    /// these calls.
+    /// Makes an activation an output. [`Inference::map`](super::Inference::map) returns the outputs
+    /// in the order of these calls.
     pub fn output(&mut self, value: Value) {
         self.outputs.push(value);
     }
 
-    /// Pools activations to features, and gives them to a linear layer: tensors `classifier.weight` and
-    /// `classifier.bias`, or `classifier.1.weight` and `classifier.1.bias` as behind a dropout. The checkpoint
-    /// says how many classes there are. If it has none of these tensors, the network gives features alone.
+    /// Pools activations to features and adds a linear layer.
+    ///
+    /// Its tensors are `classifier.weight` and `classifier.bias`, or `classifier.1.weight` and
+    /// `classifier.1.bias` as after a dropout. Their shape gives the number of classes. If the
+    /// checkpoint has none of these tensors, the network returns features only.
     pub fn classify(&mut self, pooled: &[(Value, Pooling)], classifier: impl Into<String>) {
         self.head = Some(Head { pooled: pooled.to_vec(), classifier: classifier.into() });
     }
 
-    /// The channels of an activation; 0 for one of another graph.
+    /// Returns the number of channels of an activation, or 0 if it belongs to another graph.
     pub fn channels(&self, value: Value) -> usize {
         self.channels.get(value.0).copied().unwrap_or(0)
     }

@@ -1,20 +1,20 @@
-//! The end of a classifier: pool the last activation, then a linear layer.
+//! The end of a classifier: pooling of the last activation, then a linear layer.
 
 use crate::error::Error;
 use crate::layout::{Channels, Layout, offset, position};
 
-/// How the last activation becomes a vector of features.
+/// How the last activation is pooled to a vector of features.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pooling {
     /// The mean over all frames, rows and columns.
     Mean,
-    /// The mean of the means of all windows of this size, a step apart. The linear layer that
-    /// follows may be applied before or after, as it is affine. Frames, rows and columns.
+    /// The mean of the means of all windows of this size (frames, rows, columns) with a stride of
+    /// one. The linear layer is affine, so it may be applied before or after.
     Windows([usize; 3]),
 }
 
 impl Pooling {
-    /// The weight of each index of an axis of this length.
+    /// Returns the weight of each index of an axis of this length.
     fn weights(self, axis: usize, length: usize) -> Result<Vec<f64>, Error> {
         match self {
             Self::Mean => Ok(vec![1.0 / length as f64; length]),
@@ -37,7 +37,7 @@ impl Pooling {
         }
     }
 
-    /// The weight of each pixel, in order.
+    /// Returns the weight of each pixel, in order.
     pub(crate) fn pixel_weights(self, layout: &Layout) -> Result<Vec<f32>, Error> {
         let axes = [0, 1, 2].map(|axis| self.weights(axis, layout.size[axis]));
         let [frames, rows, columns] = axes;
@@ -51,7 +51,7 @@ impl Pooling {
     }
 }
 
-/// The weighted sum of all pixels.
+/// Computes the weighted sum of all pixels.
 pub(crate) fn pool(weights: &[f32], (input, from): (&[f32], &Channels), features: &mut [f32]) {
     let layout = from.layout;
     features.fill(0.0);

@@ -2,33 +2,34 @@
 
 use crate::kernels::Window;
 
-/// What comes behind a convolution.
+/// The function after a convolution.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Activation {
-    /// Nothing.
+    /// No function.
     #[default]
     None,
-    /// max(x, 0). What is not finite becomes NaN, so that no overflow looks like a score.
+    /// max(x, 0). A value that is not finite becomes NaN, so that an overflow never looks like a
+    /// score.
     Relu,
-    /// min(max(x, 0), 6). What is not finite becomes NaN.
+    /// min(max(x, 0), 6). A value that is not finite becomes NaN.
     Relu6,
-    /// 1 / (1 + exp(-x)). What is not finite becomes NaN.
+    /// 1 / (1 + exp(-x)). A value that is not finite becomes NaN.
     Logistic,
-    /// max(x, 0) + a min(x, 0), K. He, X. Zhang, S. Ren and J. Sun, "Delving deep into rectifiers", ICCV
-    /// 2015, eq. 1. What is not finite becomes NaN.
+    /// max(x, 0) + a min(x, 0), K. He, X. Zhang, S. Ren and J. Sun, "Delving deep into rectifiers",
+    /// ICCV 2015, eq. 1. A value that is not finite becomes NaN.
     Prelu {
-        /// What the slopes are called, without `.weight`.
+        /// The name of the slopes, without `.weight`.
         name: String,
-        /// One slope for all channels, PyTorch's default, instead of one for each.
+        /// True for one slope for all channels, PyTorch's default, instead of one per channel.
         shared: bool,
     },
 }
 
-/// A convolution: its shape, what its weights are called in a checkpoint, and what follows it.
+/// A convolution: its shape, the names of its weights in a checkpoint, and the functions after it.
 ///
-/// Frames come first in every extent, then rows and columns; an image is a clip of one frame. A new
-/// convolution has stride one, a padding that keeps the size, one group, no bias, no batch norm and no
-/// activation, as the methods then say.
+/// Frames come first in every extent, then rows and columns. An image is a clip of one frame. A new
+/// convolution has stride one, padding that keeps the size, and one group. It has no bias, no batch
+/// norm and no activation.
 ///
 /// ```
 /// use vision_models::engine::{Activation, Convolution};
@@ -45,27 +46,27 @@ pub enum Activation {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Convolution {
-    /// What its tensors are called, without `.weight` and `.bias`.
+    /// The name of its tensors, without `.weight` and `.bias`.
     pub(super) name: String,
-    /// Output channels.
+    /// Number of output channels.
     pub(super) outputs: usize,
     pub(super) window: Window,
     pub(super) groups: usize,
-    /// Whether it spreads its input over a larger output.
+    /// True if the convolution is transposed.
     pub(super) transposed: bool,
     pub(super) bias: bool,
     pub(super) norm: Option<Norm>,
     pub(super) activation: Activation,
-    /// How many axes the checkpoint's kernel has: two for images, three for clips.
+    /// Number of axes of the kernel in the checkpoint: two for images, three for clips.
     pub(super) axes: usize,
 }
 
-/// A batch norm behind a convolution.
+/// A batch norm after a convolution.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Norm {
-    /// What its tensors are called, without `.weight`.
+    /// The name of its tensors, without `.weight`.
     pub(super) name: String,
-    /// What is added to the variance.
+    /// Term added to the variance.
     pub(super) epsilon: f64,
 }
 
@@ -87,20 +88,20 @@ impl Convolution {
         }
     }
 
-    /// PyTorch's `Conv2d`: a kernel of rows × columns on each frame, whose tensor is `name.weight`, outputs ×
-    /// inputs per group × rows × columns.
+    /// Creates PyTorch's `Conv2d`: a kernel of rows × columns on each frame. The tensor is
+    /// `name.weight`, outputs × inputs per group × rows × columns.
     pub fn image(name: impl Into<String>, outputs: usize, [rows, columns]: [usize; 2]) -> Self {
         Self::new(name, outputs, Window::same([1, rows, columns]), 2)
     }
 
-    /// PyTorch's `Conv3d`: a kernel of frames × rows × columns.
+    /// Creates PyTorch's `Conv3d`: a kernel of frames × rows × columns.
     pub fn clip(name: impl Into<String>, outputs: usize, kernel: [usize; 3]) -> Self {
         Self::new(name, outputs, Window::same(kernel), 3)
     }
 
-    /// PyTorch's `ConvTranspose2d`, without padding: every input adds its kernel to the output, a stride
-    /// apart. The tensor is inputs × outputs per group × rows × columns. A kernel must not be smaller than
-    /// its stride.
+    /// Creates PyTorch's `ConvTranspose2d`, without padding: every input adds its kernel to the
+    /// output, at distances of the stride. The tensor is inputs × outputs per group × rows ×
+    /// columns. A kernel must not be smaller than its stride.
     pub fn transposed_image(
         name: impl Into<String>,
         outputs: usize,
@@ -110,30 +111,32 @@ impl Convolution {
         Self { transposed: true, ..Self::new(name, outputs, window, 2) }
     }
 
-    /// Steps along frames, rows and columns from one output to the next; of a transposed convolution, from
-    /// one input to the next in the output.
+    /// Sets the stride: the distance in the input from one output to the next. In a transposed
+    /// convolution it is the distance in the output from one input to the next.
     #[must_use]
     pub fn stride(mut self, stride: [usize; 3]) -> Self {
         self.window.stride = stride;
         self
     }
 
-    /// Zeros around the input; of a transposed convolution, what is cut off around the output.
+    /// Sets the zeros around the input. A transposed convolution instead cuts this much off around
+    /// the output.
     #[must_use]
     pub fn padding(mut self, padding: [usize; 3]) -> Self {
         self.window.padding = padding;
         self
     }
 
-    /// Zeros behind the input beyond the padding; see [`Window::extra`].
+    /// Sets the zeros after the input beyond the padding; see [`Window::extra`].
     #[must_use]
     pub fn extra_padding(mut self, extra: [isize; 3]) -> Self {
         self.window.extra = extra;
         self
     }
 
-    /// Steps from one tap to the next. The padding grows with it, so that it still keeps the size; give
-    /// another afterwards. A transposed convolution has none.
+    /// Sets the distance from one tap to the next. The padding grows with it, so that it still
+    /// keeps the size. Set another padding afterwards if needed. A transposed convolution has no
+    /// dilation.
     #[must_use]
     pub fn dilation(mut self, dilation: [usize; 3]) -> Self {
         self.window.dilation = dilation;
@@ -143,7 +146,7 @@ impl Convolution {
         self
     }
 
-    /// Parts of the channels that see each other alone: the g-th share of the outputs sees the g-th share of
+    /// Divides the channels into groups: the g-th share of the outputs sees only the g-th share of
     /// the inputs.
     #[must_use]
     pub fn groups(mut self, groups: usize) -> Self {
@@ -151,39 +154,39 @@ impl Convolution {
         self
     }
 
-    /// A bias, `name.bias`.
+    /// Adds a bias, `name.bias`.
     #[must_use]
     pub fn bias(mut self) -> Self {
         self.bias = true;
         self
     }
 
-    /// A batch norm behind it, with PyTorch's ε of 1e-5.
+    /// Adds a batch norm with PyTorch's ε of 1e-5.
     #[must_use]
     pub fn norm(self, name: impl Into<String>) -> Self {
         self.norm_with(name, NORM_EPSILON)
     }
 
-    /// A batch norm behind it, with another ε.
+    /// Adds a batch norm with another ε.
     #[must_use]
     pub fn norm_with(mut self, name: impl Into<String>, epsilon: f64) -> Self {
         self.norm = Some(Norm { name: name.into(), epsilon });
         self
     }
 
-    /// What comes behind the batch norm, and behind the addition of a residual connection.
+    /// Sets the function after the batch norm and after the addition of a residual connection.
     #[must_use]
     pub fn activation(mut self, activation: Activation) -> Self {
         self.activation = activation;
         self
     }
 
-    /// Whether no function comes behind it.
+    /// Returns true if there is no function after the convolution.
     pub(crate) fn is_linear(&self) -> bool {
         self.activation == Activation::None
     }
 
-    /// The output's frames, rows and columns for an input's.
+    /// Returns the output's frames, rows and columns for an input's.
     pub(super) fn output(&self, size: [usize; 3]) -> Option<[usize; 3]> {
         if self.transposed { self.window.transposed_output(size) } else { self.window.output(size) }
     }

@@ -1,7 +1,8 @@
-//! From a graph to steps: which values share an activation.
+//! Turns a graph into steps, and decides which values share an activation.
 //!
-//! A part of a concatenation is written where the concatenation has it, and a residual block adds to its
-//! shortcut where that lies, wherever nothing else reads what would be overwritten. What is left is copied.
+//! Concatenations and residual connections are computed in place where no other step reads the
+//! overwritten memory: a part of a concatenation is written into it, and a residual block adds to
+//! its shortcut. All others are copied.
 
 use crate::error::Error;
 
@@ -9,15 +10,15 @@ use super::graph::{Graph, Head, Node, Value};
 use super::program::{Classifier, Layer, Program, Slot, Step};
 use super::validation::validate;
 
-/// Makes steps of a graph.
+/// Turns a graph into steps.
 ///
 /// # Errors
-/// [`Error::Layer`] for a graph that cannot be computed.
+/// [`Error::Layer`] if the graph cannot be computed.
 pub(crate) fn lower(graph: &Graph) -> Result<Program, Error> {
     validate(graph)?;
     let homes = Homes::of(graph);
     let mut program = Program::default();
-    // The activation of each value that lives in no other.
+    // The activation of each value that is not part of another.
     let mut activations = vec![None; graph.nodes.len()];
     let mut slot = |program: &mut Program, value: Value| {
         let (root, first) = homes.place(value.0);
@@ -83,12 +84,12 @@ pub(crate) fn lower(graph: &Graph) -> Result<Program, Error> {
     Ok(program)
 }
 
-/// Where values live: in an activation of their own, or in some channels of another value.
+/// The memory of values: an activation of their own, or some channels of another value.
 struct Homes<'a> {
     graph: &'a Graph,
-    /// The value that a value lives in, and from which channel on.
+    /// The value that contains a value, and the first channel there.
     within: Vec<Option<(usize, usize)>>,
-    /// The last node that reads a value; beyond all for those that live on.
+    /// The last node that reads a value. Outputs have the largest number.
     last_reads: Vec<usize>,
 }
 
@@ -125,7 +126,7 @@ impl<'a> Homes<'a> {
         homes
     }
 
-    /// The value in whose activation a value lives, and from which channel on.
+    /// Returns the value whose activation contains a value, and the first channel there.
     fn place(&self, mut value: usize) -> (usize, usize) {
         let mut first = 0;
         while let Some((home, at)) = self.within[value] {
@@ -135,13 +136,14 @@ impl<'a> Homes<'a> {
         (value, first)
     }
 
-    /// Whether a node may overwrite a value: nothing reads it, or what lives in it, later.
+    /// Returns true if a node may overwrite a value: no later node reads it or a value in the same
+    /// activation.
     fn is_free(&self, value: Value, node: usize) -> bool {
         (0..node).all(|other| self.place(other).0 != value.0 || self.last_reads[other] <= node)
     }
 
-    /// Lets a value live in another, if it has no home yet and no step would then read and write one
-    /// activation.
+    /// Places a value inside another, if it has no place yet and no step would read and write the
+    /// same activation.
     fn try_to_place(&mut self, Value(value): Value, home: usize, first: usize) {
         let is_input = matches!(self.graph.nodes[value], Node::Input(_));
         if is_input || self.within[value].is_some() {
@@ -153,10 +155,10 @@ impl<'a> Homes<'a> {
         }
     }
 
-    /// Whether no step reads and writes one activation.
+    /// Returns true if no step reads and writes the same activation.
     fn is_sound(&self) -> bool {
         let root = |value: usize| self.place(value).0;
-        // What is in place needs no copy; anything else must come from another activation.
+        // A value in place needs no copy. Any other must come from another activation.
         let can_be_moved =
             |from: usize, to: (usize, usize)| self.place(from) == to || self.place(from).0 != to.0;
         (0..).zip(&self.graph.nodes).all(|(at, node)| match node {
@@ -180,7 +182,7 @@ impl<'a> Homes<'a> {
     }
 }
 
-/// The values that a node reads.
+/// Returns the values that a node reads.
 fn reads(node: &Node) -> Vec<Value> {
     match node {
         Node::Input(_) => Vec::new(),

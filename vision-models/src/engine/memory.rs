@@ -1,38 +1,39 @@
-//! Which activations share memory.
+//! Decides which activations share memory.
 
 use crate::layout::Layout;
 
 use super::program::{Slot, Step};
 
-/// An activation's place.
+/// The place of an activation in memory.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Place {
     pub(crate) buffer: usize,
     pub(crate) layout: Layout,
 }
 
-/// Where everything is.
+/// The places of all activations, and the buffers.
 #[derive(Clone, Debug)]
 pub(crate) struct Memory {
-    /// The place of each activation that the steps touch.
+    /// The place of each activation that the steps use.
     pub(crate) places: Vec<Option<Place>>,
     /// The length of each buffer.
     pub(crate) lengths: Vec<usize>,
-    /// The steps before which a border must be made zero, as another activation lived there.
+    /// The steps before which a border must be set to zero, because another activation used the
+    /// memory.
     pub(crate) clear: Vec<(usize, Place)>,
 }
 
-/// A buffer that activations take turns in.
+/// A buffer that several activations use one after the other.
 #[derive(Debug)]
 struct Shared {
     length: usize,
     taken: bool,
-    /// Activations that have lived here.
+    /// Number of activations that have used it.
     lived: usize,
 }
 
-/// Gives every activation a place. Those that are never alive together share a buffer; `inputs` and
-/// `outputs` keep theirs between runs.
+/// Gives every activation a place. Activations that are never needed at the same time share a
+/// buffer. `inputs` and `outputs` keep their buffers between runs.
 pub(crate) fn place(
     steps: &[Step],
     layouts: &[Option<Layout>],
@@ -67,13 +68,13 @@ pub(crate) fn place(
             }
         }
     }
-    // Alone in its buffer, a border stays as it was made: zero.
+    // The border of an activation alone in its buffer stays zero.
     first_writes.retain(|(_, place)| place.layout.has_border() && buffers[place.buffer].lived > 1);
     let lengths = buffers.iter().map(|buffer| buffer.length).collect();
     Memory { places, lengths, clear: first_writes }
 }
 
-/// Takes the free buffer that fits best, or a new one.
+/// Takes the free buffer that fits best, or adds one.
 fn take(buffers: &mut Vec<Shared>, layout: Layout) -> Place {
     let length = layout.length();
     let best = buffers

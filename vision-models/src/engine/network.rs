@@ -17,7 +17,7 @@ use super::session::{Session, Weights, copy_clip, copy_map};
 use super::shapes::{Algorithm, sizes};
 use super::threads::{ThreadSettings, Threads};
 
-/// A network that runs: a graph with its weights, packed, and its passes for some input sizes, planned.
+/// A network that runs: a graph with packed weights, and planned passes for some input sizes.
 ///
 /// ```
 /// use ndarray::Array5;
@@ -49,9 +49,9 @@ pub struct Network {
     pub(crate) weights: Weights,
     pub(crate) options: Options,
     pub(crate) threads: Threads,
-    /// The passes for the sizes that were planned.
+    /// The planned passes by input size.
     planned: Vec<(Extent, Session)>,
-    /// The pass for the last size that was not.
+    /// The pass for the last size that was not planned in advance.
     unplanned: Option<(Extent, Session)>,
     operations: u64,
     features: Vec<f32>,
@@ -68,23 +68,26 @@ struct Map {
 }
 
 impl Network {
-    /// The names and shapes of the tensors that a checkpoint with this many classes must hold; of a network
-    /// without a head the classes do not matter.
+    /// Returns the names and shapes of the tensors that a checkpoint with this many classes must
+    /// hold. In a network without a head the number of classes does not matter.
     ///
     /// # Errors
-    /// [`Error::Layer`] for a graph that cannot be computed.
+    /// [`Error::Layer`] if the graph cannot be computed.
     pub fn parameters(graph: &Graph, classes: usize) -> Result<Vec<(String, Vec<usize>)>, Error> {
         Ok(lower(graph)?.expected(classes).into_tensors())
     }
 
-    /// Takes the weights of a checkpoint ([`NetworkKind::of`](crate::NetworkKind::of) says which), packs them for inputs of so many frames, rows and columns, and plans
-    /// the pass for them.
+    /// Loads a network: packs the weights of a checkpoint for inputs of this size (frames, rows,
+    /// columns) and plans the pass. [`NetworkKind::of`](crate::NetworkKind::of) tells which network
+    /// a checkpoint holds.
     ///
     /// # Errors
-    /// [`Error::Layer`] for a graph that cannot be computed; [`Error::Weights`] with every tensor that is
-    /// missing, surplus or misshapen; [`Error::Value`] for one that is not finite and for negative variances,
-    /// [`Error::Overflow`]; [`Error::Size`] for a size that does not
-    /// fit; [`Error::Threads`] for a number of threads that cannot be started.
+    /// - [`Error::Layer`] if the graph cannot be computed.
+    /// - [`Error::Weights`] with every tensor that is missing, surplus or of the wrong shape.
+    /// - [`Error::Value`] if a weight is not finite or a variance is negative.
+    /// - [`Error::Overflow`] if a weight is too large for f32.
+    /// - [`Error::Size`] if the size does not fit.
+    /// - [`Error::Threads`] if this number of threads cannot be started.
     pub fn load(
         graph: &Graph,
         tensors: impl TensorSource,
@@ -104,7 +107,7 @@ impl Network {
         Self::of_program(program, tensors, size, options)
     }
 
-    /// Loads tensors that the program has checked. Compiled once for all sources of tensors.
+    /// Loads tensors that the program has checked. It is compiled once for all sources of tensors.
     pub(crate) fn of_program(
         program: Program,
         mut tensors: Box<dyn TensorSource + '_>,
@@ -152,13 +155,15 @@ impl Network {
         Ok(network)
     }
 
-    /// Plans the pass for another size (frames, rows, columns) and keeps it beside those planned before. An
-    /// inference of a size that was never planned plans it then, and is kept until one of another such size.
-    /// Weights stay packed for the size that was loaded.
+    /// Plans the pass for another size (frames, rows, columns) and keeps it beside those planned
+    /// before.
+    ///
+    /// An inference of a size that was not planned plans it, and keeps it until an inference of
+    /// another such size. Weights stay packed for the size given at loading.
     ///
     /// # Errors
-    /// [`Error::Size`] if the kernels, the head's windows or the memory do not fit; [`Error::Layer`] where
-    /// activations that are joined come out in different sizes.
+    /// - [`Error::Size`] if the kernels, the head's windows or the memory do not fit.
+    /// - [`Error::Layer`] if joined activations have different sizes.
     pub fn plan(&mut self, size: [usize; 3]) -> Result<(), Error> {
         if self.planned.iter().all(|(planned, _)| *planned != size) {
             let session = self.session(&self.program.steps, &self.program.input_sizes(size))?;
@@ -167,10 +172,11 @@ impl Network {
         Ok(())
     }
 
-    /// Runs on other threads from now on, which networks may share. All sizes are planned anew.
+    /// Makes the network run on other threads, which networks may share. All sizes are planned
+    /// again.
     ///
     /// # Errors
-    /// As of [`Self::plan`].
+    /// Those of [`Self::plan`].
     pub fn share_threads(&mut self, threads: &Threads) -> Result<(), Error> {
         self.threads = threads.clone();
         self.unplanned = None;
@@ -180,17 +186,20 @@ impl Network {
         Ok(())
     }
 
-    /// Multiplications and additions for one input of the size that the network was loaded for.
+    /// Returns the number of multiplications and additions for one input of the size given at
+    /// loading.
     pub fn operations(&self) -> u64 {
         self.operations
     }
 
-    /// How many classes there are: the width of the logits. 0 for a checkpoint without a head.
+    /// Returns the number of classes, which is the width of the logits. 0 for a checkpoint without
+    /// a head.
     pub fn classes(&self) -> usize {
         self.weights.classifier.as_ref().map_or(0, |classifier| classifier.panels.outputs())
     }
 
-    /// How many features the last layer sees: the width of the features. 0 for a network without a head.
+    /// Returns the width of the features, which the last layer reads. 0 for a network without a
+    /// head.
     pub fn features(&self) -> usize {
         self.program.classifier.as_ref().map_or(0, Classifier::features)
     }
@@ -208,9 +217,10 @@ impl Network {
     /// Runs the network on a batch, N × channels × frames × rows × columns.
     ///
     /// # Errors
-    /// [`Error::Size`] if there are no inputs or other channels than the graph's, and what [`Self::plan`] gives
-    /// for a new size;
-    /// [`Error::Value`] if a value is NaN or infinite, [`Error::Overflow`] if an output is.
+    /// - [`Error::Size`] if there are no inputs or the channels are not the graph's.
+    /// - Those of [`Self::plan`] for a new size.
+    /// - [`Error::Value`] if a value is NaN or infinite.
+    /// - [`Error::Overflow`] if an output is NaN or infinite.
     pub fn infer(&mut self, clips: ArrayView5<'_, f32>) -> Result<Inference<'_>, Error> {
         let (count, channels, frames, rows, columns) = clips.dim();
         let size = [frames, rows, columns];
@@ -220,7 +230,7 @@ impl Network {
         }
         let is_planned = self.planned.iter().any(|(planned, _)| *planned == size);
         if !is_planned && self.unplanned.as_ref().is_none_or(|(planned, _)| *planned != size) {
-            // The memory of the size before is given back first.
+            // The memory of the previous size is released first.
             self.unplanned = None;
             let session = self.session(&self.program.steps, &self.program.input_sizes(size))?;
             self.unplanned = Some((size, session));
@@ -267,8 +277,8 @@ impl Network {
     }
 }
 
-/// Whether an input's features and scores are numbers. The kernels make NaN of what overflows, and
-/// whatever depends on it is NaN or infinite.
+/// Checks that an input's features and scores are finite. The kernels turn an overflow into NaN,
+/// and every value that depends on it is NaN or infinite.
 ///
 /// # Errors
 /// [`Error::Overflow`].
@@ -280,23 +290,24 @@ pub(crate) fn check_finite(input: usize, features: &[f32], logits: &[f32]) -> Re
     }
 }
 
-/// What a network makes of a batch.
+/// The output of a network for a batch.
 #[derive(Clone, Copy, Debug)]
 pub struct Inference<'a> {
     scores: Scores<'a>,
     maps: &'a [Map],
-    /// Inputs of the batch.
+    /// Number of inputs of the batch.
     count: usize,
 }
 
 impl<'a> Inference<'a> {
-    /// Features and class scores: N × 0 arrays if the network has no head, or the checkpoint none.
+    /// Returns features and class scores. They are N × 0 arrays if the network or the checkpoint
+    /// has no head.
     pub fn scores(&self) -> Scores<'a> {
         self.scores
     }
 
-    /// The `index`-th output of the graph, N × channels × frames × rows × columns; `None` if there are fewer.
-    /// Channels run fastest in memory.
+    /// Returns the `index`-th output of the graph, N × channels × frames × rows × columns, or
+    /// `None` if there are fewer. Channels run fastest in memory.
     pub fn map(&self, index: usize) -> Option<ArrayView5<'a, f32>> {
         let Map { size: [frames, rows, columns], channels, data } = self.maps.get(index)?;
         let shape = (self.count, *frames, *rows, *columns, *channels);

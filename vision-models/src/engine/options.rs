@@ -1,11 +1,11 @@
-//! How a network runs.
+//! Options for running a network.
 
 use crate::error::Error;
 use crate::kernels::InstructionSet;
 
 use super::threads::ThreadSettings;
 
-/// How a network runs.
+/// Options for running a network.
 ///
 /// ```
 /// use vision_models::Options;
@@ -15,28 +15,28 @@ use super::threads::ThreadSettings;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Options {
-    /// Threads that share the work, the caller's included: from 1 to [`Self::MAX_THREADS`]. The
-    /// results are the same for any number.
+    /// Number of threads that share the work, the caller's included: from 1 to
+    /// [`Self::MAX_THREADS`]. The results are the same for any number.
     pub threads: usize,
     /// The instruction set of the kernels.
     pub instruction_set: InstructionSet,
 }
 
 impl Options {
-    /// The most threads, more than any processor runs at once.
+    /// Largest number of threads, more than any processor runs at once.
     pub const MAX_THREADS: usize = ThreadSettings::MAX_THREADS;
 
     /// Checks every setting.
     ///
     /// # Errors
-    /// [`Error::Threads`] for none or more than [`Self::MAX_THREADS`].
+    /// [`Error::Threads`] if there are none or more than [`Self::MAX_THREADS`].
     pub fn validate(&self) -> Result<(), Error> {
         ThreadSettings { threads: self.threads, ..ThreadSettings::default() }.validate()
     }
 }
 
 impl Default for Options {
-    /// One thread, and the fastest instruction set that the processor has.
+    /// One thread, and the processor's fastest instruction set.
     fn default() -> Self {
         Self { threads: 1, instruction_set: InstructionSet::detect() }
     }

@@ -1,4 +1,4 @@
-//! Weights as the kernels read them.
+//! Weights in the order in which the kernels read them.
 
 use crate::error::Error;
 use crate::excerpt::Excerpt;
@@ -9,7 +9,7 @@ use super::layer::{Activation, Convolution};
 use super::program::{Layer, slopes, take, take_where};
 use super::shapes::Algorithm;
 
-/// The narrowest panel: groups with fewer outputs are computed together.
+/// Width of the narrowest panel. Groups with fewer outputs are computed together.
 const NARROWEST: usize = 16;
 
 /// A layer ready to run.
@@ -17,9 +17,9 @@ const NARROWEST: usize = 16;
 pub(crate) struct Packed {
     pub(crate) algorithm: Algorithm,
     pub(crate) panels: Panels,
-    /// One for each phase.
+    /// Weights of each phase.
     weights: Vec<Buffer>,
-    /// One for each channel of the panels.
+    /// Bias of each channel of the panels.
     bias: Vec<f32>,
     activation: PackedActivation,
 }
@@ -30,15 +30,15 @@ enum PackedActivation {
     Relu,
     Relu6,
     Logistic,
-    /// A slope for each channel of the panels.
+    /// Slope of each channel of the panels.
     Prelu(Vec<f32>),
 }
 
 impl Packed {
-    /// Takes a layer's tensors out of the checkpoint, folds the batch norm (in f64) and packs.
+    /// Packs a convolution's tensors from the checkpoint. The batch norm is folded in f64.
     ///
     /// # Errors
-    /// [`Error::Value`], [`Error::Overflow`], and what the source gives.
+    /// [`Error::Value`], [`Error::Overflow`], and the errors of the source.
     pub(crate) fn convolution(
         isa: InstructionSet,
         layer: &Layer,
@@ -84,10 +84,10 @@ impl Packed {
         Ok(Self { algorithm, panels, weights, bias, activation })
     }
 
-    /// Takes a linear layer's tensors out of the checkpoint and packs them.
+    /// Packs a linear layer's tensors from the checkpoint.
     ///
     /// # Errors
-    /// As of [`Self::convolution`].
+    /// Those of [`Self::convolution`].
     pub(crate) fn linear(
         isa: InstructionSet,
         name: &str,
@@ -106,12 +106,12 @@ impl Packed {
         Ok(Self { algorithm, panels, weights: vec![weights], bias, activation })
     }
 
-    /// What a phase multiplies and adds.
+    /// Returns the operands of a phase's product.
     pub(crate) fn operands<'a>(&'a self, phase: usize, input: &'a [f32]) -> Operands<'a> {
         Operands { input, weights: &self.weights[phase], bias: &self.bias }
     }
 
-    /// What becomes of the sums.
+    /// Returns the function that is applied to the sums.
     pub(crate) fn finish(&self) -> Finish<'_> {
         match &self.activation {
             PackedActivation::None => Finish::Keep,
@@ -128,7 +128,7 @@ fn narrow(value: f64) -> f32 {
     value as f32
 }
 
-/// Bias and batch norm as one factor and one term for each output channel.
+/// Bias and batch norm as one factor and one term per output channel.
 struct Affine {
     scale: Vec<f64>,
     shift: Vec<f32>,
@@ -179,12 +179,12 @@ impl Kernel<'_> {
         self.layer.convolution.window.kernel.iter().product()
     }
 
-    /// Inputs of a group.
+    /// Returns the number of inputs of a group.
     fn inputs(&self) -> usize {
         self.layer.inputs / self.layer.convolution.groups
     }
 
-    /// How many groups are computed as one, with zeros between them, so that a panel is filled.
+    /// Returns how many groups are computed as one, with zeros between them, to fill a panel.
     fn groups_together(&self) -> usize {
         let Convolution { groups, outputs, .. } = self.layer.convolution;
         let fills = |count: &usize| {
@@ -193,7 +193,8 @@ impl Kernel<'_> {
         (1..=groups).find(fills).unwrap_or(groups)
     }
 
-    /// Where the taps of an output's first input begin, and how far the next input's are from there.
+    /// Returns where the taps of an output's first input begin, and the distance to those of the
+    /// next input.
     fn row(&self, output: usize) -> (usize, usize) {
         let Convolution { groups, outputs, transposed, .. } = self.layer.convolution;
         let (of_group, inputs, taps) = (outputs / groups, self.inputs(), self.taps());
@@ -205,10 +206,10 @@ impl Kernel<'_> {
         }
     }
 
-    /// A matrix for each phase.
+    /// Returns a matrix for each phase.
     fn direct(&self, panels: Panels) -> Vec<Buffer> {
         let Convolution { window, transposed, groups, outputs, .. } = self.layer.convolution;
-        // The taps of a phase are those of any size.
+        // The taps of a phase are the same for any size.
         let size = window.stride;
         let phases = if transposed { window.phases(size) } else { vec![window.whole(size)] };
         let together = groups / panels.groups;
@@ -233,7 +234,7 @@ impl Kernel<'_> {
         phases.iter().map(matrix).collect()
     }
 
-    /// A row of channels for each tap.
+    /// Returns a row of channels for each tap.
     fn depthwise(&self) -> Buffer {
         let channels = self.layer.inputs;
         let taps = self.taps();

@@ -1,4 +1,4 @@
-//! The forward pass for one input size: where every activation lives, and what runs on it.
+//! The forward pass for one input size: the place of every activation, and the steps.
 
 use crate::error::Error;
 use crate::kernels::{
@@ -12,16 +12,16 @@ use super::packed::Packed;
 use super::program::{Program, Slot, Step};
 use super::shapes::{Algorithm, channels, layouts, sizes};
 
-/// A convolution with all that it needs but numbers.
+/// A planned convolution without its weights.
 #[derive(Clone, Debug)]
 enum Convolution {
-    /// One for each phase.
+    /// One plan for each phase.
     Direct(Vec<Direct>),
     Depthwise(Depthwise),
     Winograd(Winograd),
 }
 
-/// What a step computes.
+/// The computation of a step.
 #[derive(Clone, Debug)]
 enum Work {
     Convolution { plan: Convolution, layer: usize, add: bool },
@@ -33,15 +33,15 @@ enum Work {
 /// A step with the buffers that it reads and writes.
 #[derive(Clone, Debug)]
 struct Planned {
-    /// An activation whose border is made zero first.
+    /// An activation whose border is first set to zero.
     clear: Option<Place>,
     work: Work,
     input: usize,
     output: usize,
 }
 
-/// The steps of a network, or of a part of it, for one input size, with the memory that they work
-/// in. Running it allocates nothing.
+/// The steps of a network, or of a part of it, for one input size, with their memory. Running it
+/// allocates nothing.
 #[derive(Debug)]
 pub(crate) struct Plan {
     steps: Vec<Planned>,
@@ -55,8 +55,8 @@ impl Plan {
     /// Plans the steps from `inputs` to `outputs`.
     ///
     /// # Errors
-    /// [`Error::Size`] if a kernel does not fit or there is not the memory,
-    /// [`Error::Layer`] for a step that does not fit the others.
+    /// - [`Error::Size`] if a kernel does not fit or there is not enough memory.
+    /// - [`Error::Layer`] if a step does not fit the others.
     pub(crate) fn new(
         isa: InstructionSet,
         lanes: usize,
@@ -119,13 +119,13 @@ impl Plan {
         })
     }
 
-    /// The channels and the memory of each input.
+    /// Returns the channels and the memory of an input.
     pub(crate) fn input(&mut self, index: usize) -> (&Channels, &mut [f32]) {
         let (channels, buffer) = &self.inputs[index];
         (channels, &mut self.buffers[*buffer])
     }
 
-    /// The channels and the memory of each output.
+    /// Returns the channels and the memory of each output.
     pub(crate) fn outputs(&self) -> impl Iterator<Item = (&Channels, &[f32])> {
         self.outputs.iter().map(|(channels, buffer)| (channels, &*self.buffers[*buffer]))
     }
@@ -165,7 +165,7 @@ impl Plan {
     }
 }
 
-/// Plans one convolution as its weights are packed.
+/// Plans one convolution for the way in which its weights are packed.
 fn plan(
     isa: InstructionSet,
     lanes: usize,
@@ -191,8 +191,8 @@ fn plan(
     }
 }
 
-/// A step's input and output. They are two activations, and one is alive while the other is written, so that
-/// they have two buffers.
+/// Returns a step's input and output. Both activations are needed at the same time, so they have
+/// different buffers.
 fn both(buffers: &mut [Buffer], input: usize, output: usize) -> (&[f32], &mut [f32]) {
     assert_ne!(input, output, "a step reads and writes one buffer");
     if input < output {

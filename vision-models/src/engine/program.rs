@@ -1,4 +1,4 @@
-//! A network as steps from one piece of memory to another.
+//! A network as a sequence of steps between activations.
 
 mod fit;
 mod parameters;
@@ -16,18 +16,18 @@ use parameters::Expected;
 pub(crate) use parameters::Misfit;
 pub(super) use parameters::{take, take_where};
 
-/// Some channels of an activation: where a step reads or writes.
+/// The channels of an activation that a step reads or writes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Slot {
-    /// Several values of a graph may share an activation.
+    /// The activation. Several values of a graph may share one.
     pub(crate) activation: usize,
-    /// The first of the channels.
+    /// First channel.
     pub(crate) first: usize,
-    /// How many they are.
+    /// Number of channels.
     pub(crate) count: usize,
 }
 
-/// A convolution with the channels that it reads.
+/// A convolution with the number of channels that it reads.
 #[derive(Clone, Debug)]
 pub(crate) struct Layer {
     pub(crate) convolution: Convolution,
@@ -35,7 +35,8 @@ pub(crate) struct Layer {
 }
 
 impl Layer {
-    /// Multiplications and additions for an input and an output of these sizes.
+    /// Returns the number of multiplications and additions for an input and an output of these
+    /// sizes.
     pub(crate) fn operations(&self, input: Extent, output: Extent) -> u64 {
         let Convolution { window, outputs, groups, transposed, .. } = &self.convolution;
         // A transposed convolution multiplies every input by every tap.
@@ -45,7 +46,7 @@ impl Layer {
         factors.fold(2, |product: u64, factor| product.saturating_mul(factor as u64))
     }
 
-    /// The shape of the kernel's tensor.
+    /// Returns the shape of the kernel's tensor.
     pub(crate) fn kernel_shape(&self) -> Vec<usize> {
         let Convolution { window, outputs, groups, transposed, axes, .. } = &self.convolution;
         let (first, second) = if *transposed {
@@ -93,7 +94,7 @@ impl Step {
         }
     }
 
-    /// What errors call the step.
+    /// Returns the step's name for errors.
     pub(crate) fn name(&self, layers: &[Layer]) -> String {
         match *self {
             Self::Convolution { layer, .. } => layers[layer].convolution.name.clone(),
@@ -104,7 +105,7 @@ impl Step {
         }
     }
 
-    /// The size of the output for the input's; `None` if a kernel does not fit.
+    /// Returns the size of the output for an input's, or `None` if a kernel does not fit.
     pub(crate) fn size(&self, layers: &[Layer], size: Extent) -> Option<Extent> {
         match *self {
             Self::Convolution { layer, .. } => layers[layer].convolution.output(size),
@@ -115,7 +116,7 @@ impl Step {
         }
     }
 
-    /// Whether the step looks at several frames at once.
+    /// Returns true if the step reads several frames at once.
     fn is_temporal(&self, layers: &[Layer]) -> bool {
         match *self {
             Self::Convolution { layer, .. } => layers[layer].convolution.window.kernel[0] > 1,
@@ -126,28 +127,29 @@ impl Step {
     }
 }
 
-/// The linear layer behind the features.
+/// The linear layer after the features.
 #[derive(Clone, Debug)]
 pub(crate) struct Classifier {
-    /// What is pooled.
+    /// The pooled parts.
     pub(crate) pooled: Vec<(Slot, Pooling)>,
-    /// What the layer is called.
+    /// The name of the layer.
     pub(crate) name: String,
 }
 
 impl Classifier {
-    /// How many features there are.
+    /// Returns the number of features.
     pub(crate) fn features(&self) -> usize {
         self.pooled.iter().map(|(slot, _)| slot.count).sum()
     }
 
-    /// What the layer is called in this checkpoint, and how many classes it has; `None` in one without it.
+    /// Returns the layer's name in this checkpoint and its number of classes, or `None` if the
+    /// checkpoint lacks it.
     pub(crate) fn find(&self, tensors: Behind<'_>) -> Option<(String, usize)> {
         let prefix = format!("{}.", self.name);
         let behind_dropout = format!("{}.1", self.name);
         let classes = |name: &str| {
             let shape = tensors.shape(&format!("{name}.weight"));
-            // A layer of no classes is misshapen.
+            // A layer of no classes has the wrong shape.
             shape
                 .and_then(|shape| shape.first().copied())
                 .filter(|&classes| classes > 0)
@@ -164,7 +166,7 @@ impl Classifier {
 /// A network, ready to be planned.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Program {
-    /// The channels of each activation.
+    /// The number of channels of each activation.
     pub(crate) channels: Vec<usize>,
     pub(crate) layers: Vec<Layer>,
     pub(crate) steps: Vec<Step>,
@@ -174,7 +176,7 @@ pub(crate) struct Program {
 }
 
 impl Program {
-    /// The tensors of the layers.
+    /// Returns the tensors of the layers.
     fn expected_layers(&self) -> Expected {
         let mut expected = Expected::default();
         for layer in &self.layers {
@@ -183,7 +185,7 @@ impl Program {
         expected
     }
 
-    /// The tensors of a checkpoint with this many classes.
+    /// Returns the tensors of a checkpoint with this many classes.
     pub(crate) fn expected(&self, classes: usize) -> Expected {
         let mut expected = self.expected_layers();
         if let Some(classifier) = &self.classifier {
@@ -192,10 +194,11 @@ impl Program {
         expected
     }
 
-    /// Finds this network's tensors in a checkpoint: all of them behind one prefix, mostly none.
+    /// Finds this network's tensors in a checkpoint. All of them have the same prefix, which is
+    /// mostly empty.
     ///
     /// # Errors
-    /// What is wrong behind the prefix with which the least is.
+    /// The misfit of the prefix that fits best.
     pub(crate) fn fit(&self, tensors: &dyn TensorSource) -> Result<Fit, Misfit> {
         let layers = self.expected_layers();
         let mut least: Option<Misfit> = None;
@@ -220,27 +223,27 @@ impl Program {
         Err(least.unwrap_or_default())
     }
 
-    /// Frames, rows and columns of each input for a clip of this size.
+    /// Returns frames, rows and columns of each input for a clip of this size.
     pub(crate) fn input_sizes(&self, [frames, rows, columns]: Extent) -> Vec<(Slot, Extent)> {
         let size = |&(slot, taken): &(Slot, Frames)| (slot, [taken.taken(frames), rows, columns]);
         self.inputs.iter().map(size).collect()
     }
 
-    /// Everything that lives on behind the last step.
+    /// Returns the activations that are still needed after the last step.
     pub(crate) fn ends(&self) -> Vec<Slot> {
         let pooled = self.classifier.iter().flat_map(|classifier| &classifier.pooled);
         self.outputs.iter().copied().chain(pooled.map(|&(slot, _)| slot)).collect()
     }
 
-    /// What the first step reads whose kernel sees several frames, and which step that is: before it, each
-    /// frame is on its own.
+    /// Returns the input and the index of the first step whose kernel reads several frames. Before
+    /// it, each frame is computed alone.
     pub(crate) fn first_temporal_step(&self) -> Option<(Slot, usize)> {
         let at = self.steps.iter().position(|step| step.is_temporal(&self.layers))?;
         Some((self.steps[at].input(), at))
     }
 }
 
-/// Whether a layer's activation has tensors, and what they are called.
+/// Returns the name of an activation's slopes and whether they are shared, if it has any.
 pub(crate) fn slopes(activation: &Activation) -> Option<(String, bool)> {
     match activation {
         Activation::Prelu { name, shared } => Some((format!("{name}.weight"), *shared)),

@@ -1,4 +1,4 @@
-//! What a classifier says.
+//! The scores of a classifier.
 
 use ndarray::ArrayView2;
 
@@ -6,33 +6,33 @@ use crate::error::Error;
 use crate::labels::ClassNames;
 use crate::metrics::{softmax, top_k};
 
-/// What a network says about each input of a batch.
+/// The scores and features of each input of a batch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scores<'a> {
     /// N × classes: the scores before any softmax.
     pub logits: ArrayView2<'a, f32>,
-    /// N × features: what the linear layer sees.
+    /// N × features: the input of the linear layer.
     pub features: ArrayView2<'a, f32>,
 }
 
 /// A class with its probability.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RankedClass<'n> {
-    /// Its number, from zero.
+    /// The class's number, from zero.
     pub class: usize,
-    /// Its name.
+    /// The class's name.
     pub name: &'n str,
-    /// The softmax of its score.
+    /// The softmax of the class's score.
     pub probability: f32,
 }
 
 impl Scores<'_> {
-    /// The k most probable classes of one input of the batch, the most probable first; of equal ones the first
-    /// class comes first.
+    /// Returns the k most probable classes of one input of the batch, in falling order of
+    /// probability. Equal classes are in the order of their numbers.
     ///
     /// # Errors
-    /// [`Error::Size`] if there is not a name for every class, [`Error::Value`] for an input that
-    /// the batch does not have.
+    /// - [`Error::Size`] if the number of names is not the number of classes.
+    /// - [`Error::Value`] if the batch does not have this input.
     ///
     /// ```
     /// use ndarray::array;

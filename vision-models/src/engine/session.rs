@@ -16,15 +16,15 @@ use super::program::{Classifier, Program, Slot, Step};
 #[derive(Debug)]
 pub(crate) struct Weights {
     pub(crate) layers: Vec<Packed>,
-    /// None if the checkpoint has none.
+    /// The classifier, or none if the checkpoint has none.
     pub(crate) classifier: Option<Packed>,
 }
 
-/// The forward pass from some inputs to the ends, planned.
+/// The planned forward pass from some inputs to the ends.
 #[derive(Debug)]
 pub(crate) struct Session {
     pub(crate) plan: Plan,
-    /// How many of the plan's outputs are the network's; those that are pooled follow.
+    /// Number of the plan's outputs that are the network's. The pooled activations follow them.
     maps: usize,
     /// The weight of each pixel of each pooled activation in the features.
     pixel_weights: Vec<Vec<f32>>,
@@ -32,7 +32,7 @@ pub(crate) struct Session {
 }
 
 impl Session {
-    /// Plans `steps`, which end where the network does.
+    /// Plans `steps`, which end at the network's ends.
     pub(crate) fn new(
         isa: InstructionSet,
         lanes: usize,
@@ -59,7 +59,7 @@ impl Session {
         Ok(Self { plan, maps, pixel_weights, classify })
     }
 
-    /// Runs the network on what its inputs hold.
+    /// Runs the network on the contents of its inputs.
     pub(crate) fn run(
         &mut self,
         pool: &mut Pool,
@@ -82,16 +82,16 @@ impl Session {
         }
     }
 
-    /// The layout of each of the network's outputs, and the memory that holds it.
+    /// Returns the layout and the memory of each of the network's outputs.
     pub(crate) fn maps(&self) -> impl Iterator<Item = (&Channels, &[f32])> {
         self.plan.outputs().take(self.maps)
     }
 }
 
-/// Copies an output, pixel by pixel, and says whether it is finite.
+/// Copies an output, pixel by pixel, and returns true if it is finite.
 pub(crate) fn copy_map((from, memory): (&Channels, &[f32]), map: &mut [f32]) -> bool {
     let layout = from.layout;
-    // Pixels of a row lie side by side, unless there are channels to leave out.
+    // The pixels of a row are contiguous, unless some channels are left out.
     let pixels = if from.count == layout.channels { layout.size[2] } else { 1 };
     let mut zero = 0.0;
     for (index, run) in map.chunks_exact_mut(pixels * from.count).enumerate() {
@@ -102,7 +102,7 @@ pub(crate) fn copy_map((from, memory): (&Channels, &[f32]), map: &mut [f32]) -> 
     zero == 0.0
 }
 
-/// Copies the frames of a clip, channels × frames × height × width, that an input takes.
+/// Copies the frames of a clip that an input takes. The clip is channels × frames × height × width.
 pub(crate) fn copy_clip(
     clip: &ArrayView4<'_, f32>,
     index: usize,
@@ -118,8 +118,8 @@ pub(crate) fn copy_clip(
     Ok(())
 }
 
-/// Copies a channels × height × width image into a frame of an input, channels innermost. An error names
-/// the image by its clip and its frame there.
+/// Copies a channels × height × width image into a frame of an input, channels innermost. An error
+/// names the image by its clip and its frame in the clip.
 pub(crate) fn copy_frame(
     image: &ArrayView3<'_, f32>,
     [clip, source]: [usize; 2],

@@ -1,4 +1,4 @@
-//! The size of every activation, and how each convolution is computed.
+//! The size of every activation, and the algorithm of each convolution.
 
 use crate::error::Error;
 use crate::kernels::{Tiling, Window};
@@ -8,10 +8,11 @@ use super::input::{too_large, too_small};
 use super::layer::Convolution;
 use super::program::{Layer, Program, Slot, Step};
 
-/// The longest axis of an activation: beyond all images, and small enough for products with windows.
+/// Longest axis of an activation: longer than any image, and short enough for products with
+/// windows.
 const MAX_AXIS: usize = 1 << 24;
 
-/// How a convolution is computed. Its weights are packed for this at load.
+/// The algorithm of a convolution. The weights are packed for it at loading.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Algorithm {
     Direct,
@@ -20,7 +21,8 @@ pub(crate) enum Algorithm {
 }
 
 impl Algorithm {
-    /// What measured fastest for a layer with an output of this size.
+    /// Chooses the algorithm that was measured to be fastest for a layer with an output of this
+    /// size.
     pub(crate) fn choose(layer: &Layer, output: Extent) -> Self {
         let Convolution { window, outputs, groups, transposed, .. } = layer.convolution;
         let Window { kernel, stride, padding, dilation, extra } = window;
@@ -35,7 +37,7 @@ impl Algorithm {
             return Self::Direct;
         }
         match kernel {
-            // On the smallest images there are too few tiles to pay for the larger weights.
+            // The smallest images have too few tiles for the larger weights.
             [1, 3, 3] if rows * columns <= 49 && frames == 1 => Self::Direct,
             [1, 3, 3] if frames * rows * columns <= 196 => Self::Winograd(Tiling::Two),
             [1, 3, 3] => Self::Winograd(Tiling::Four),
@@ -45,12 +47,13 @@ impl Algorithm {
     }
 }
 
-/// The size of every activation that the steps read or write, for the sizes of their inputs.
+/// Returns the size of every activation that the steps read or write, for the sizes of their
+/// inputs.
 ///
 /// # Errors
-/// [`Error::Size`] if a kernel does not fit or an activation is beyond all
-/// memory, [`Error::Layer`] for a step that reads what is not there, or whose output is not as large as what
-/// it joins.
+/// - [`Error::Size`] if a kernel does not fit or an activation is too large for any memory.
+/// - [`Error::Layer`] if a step reads a missing activation, or joins activations of different
+///   sizes.
 pub(crate) fn sizes(
     program: &Program,
     steps: &[Step],
@@ -102,7 +105,8 @@ fn check_size(size: Extent, given: Extent) -> Result<(), Error> {
     Ok(())
 }
 
-/// The layout of every activation: its size, and the border that the steps that read it need.
+/// Returns the layout of every activation: its size, and the border that the steps that read it
+/// need.
 pub(crate) fn layouts(
     program: &Program,
     steps: &[Step],
@@ -115,7 +119,7 @@ pub(crate) fn layouts(
         .map(|(size, &channels)| size.map(|size| Layout::dense(size, channels)))
         .collect();
     for step in steps {
-        // A pooling looks where the edges are.
+        // A pooling handles the edges itself.
         let Step::Convolution { layer, input, output, .. } = *step else { continue };
         let Convolution { window, transposed, .. } = program.layers[layer].convolution;
         let Some(made) = sizes[output.activation] else { continue };
@@ -134,7 +138,7 @@ pub(crate) fn layouts(
     layouts
 }
 
-/// The channels of a slot in their layout.
+/// Returns the channels of a slot in their layout.
 pub(crate) fn channels(slot: Slot, layout: Layout) -> Channels {
     Channels { layout, first: slot.first, count: slot.count }
 }

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use crate::error::Error;
 use crate::kernels::{Pool, Waiting};
 
-/// How many threads there are, where they run, and how they wait.
+/// Settings of threads: their number, their cores, and how they wait.
 ///
 /// ```
 /// use vision_models::engine::{ThreadSettings, Waiting};
@@ -17,12 +17,13 @@ use crate::kernels::{Pool, Waiting};
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ThreadSettings {
-    /// Threads that share the work, the caller's included: from 1 to [`Self::MAX_THREADS`].
+    /// Number of threads that share the work, the caller's included: from 1 to
+    /// [`Self::MAX_THREADS`].
     pub threads: usize,
-    /// The cores that the workers may run on, as the operating system numbers them; all if there are none.
-    /// The caller's thread stays where it is. On Linux only; elsewhere an error.
+    /// The cores that the workers may run on, as numbered by the operating system. All cores if
+    /// empty. The caller's thread is not moved. Linux only; elsewhere cores are an error.
     pub cores: Vec<usize>,
-    /// What threads do between the layers of a network.
+    /// Behaviour between the layers of a network.
     pub waiting: Waiting,
 }
 
@@ -34,13 +35,13 @@ impl Default for ThreadSettings {
 }
 
 impl ThreadSettings {
-    /// The most threads, more than any processor runs at once.
+    /// Largest number of threads, more than any processor runs at once.
     pub const MAX_THREADS: usize = 1024;
 
     /// Checks every setting.
     ///
     /// # Errors
-    /// [`Error::Threads`] for none or more than [`Self::MAX_THREADS`].
+    /// [`Error::Threads`] if there are none or more than [`Self::MAX_THREADS`].
     pub fn validate(&self) -> Result<(), Error> {
         if (1..=Self::MAX_THREADS).contains(&self.threads) {
             return Ok(());
@@ -50,9 +51,10 @@ impl ThreadSettings {
     }
 }
 
-/// Threads that several networks share: a clone is a handle of the same threads, which end with the last one.
+/// Threads that several networks share. Clones refer to the same threads, which end with the last
+/// clone.
 ///
-/// One network at a time runs on them; another that is asked to infer on another thread waits for it.
+/// Only one network at a time runs on them. Another network's inference waits for it.
 ///
 /// ```
 /// use vision_models::engine::{ThreadSettings, Threads};
@@ -71,7 +73,7 @@ impl Threads {
     /// Starts the threads.
     ///
     /// # Errors
-    /// [`Error::Threads`] for a number that cannot be started, or cores that there are not.
+    /// [`Error::Threads`] if the threads cannot be started or a core does not exist.
     pub fn new(settings: &ThreadSettings) -> Result<Self, Error> {
         settings.validate()?;
         let ThreadSettings { threads, cores, waiting } = settings;
@@ -80,13 +82,13 @@ impl Threads {
         Ok(Self { pool: Arc::new(Mutex::new(pool)), count: *threads })
     }
 
-    /// How many threads share the work, the caller's included.
+    /// Returns the number of threads that share the work, the caller's included.
     pub fn count(&self) -> usize {
         self.count
     }
 
-    /// The threads, once no other network runs on them. After a panic in a kernel they run nothing more, which
-    /// the pool itself sees to.
+    /// Returns the threads as soon as no other network runs on them. After a panic in a kernel the
+    /// pool itself refuses to run.
     pub(crate) fn lock(&self) -> MutexGuard<'_, Pool> {
         self.pool.lock().unwrap_or_else(PoisonError::into_inner)
     }

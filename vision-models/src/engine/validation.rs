@@ -1,4 +1,4 @@
-//! What a graph must be before anything is computed from it.
+//! Checks of a graph before it is computed.
 
 use crate::error::Error;
 use crate::kernels::Window;
@@ -6,10 +6,10 @@ use crate::kernels::Window;
 use super::graph::{Graph, Node, Value};
 use super::layer::{Activation, Convolution};
 
-/// The largest kernel, stride, padding and dilation: more than any network has, and small enough for sums and
-/// products of some of them.
+/// Largest kernel, stride, padding and dilation. No network exceeds it, and sums and products of a
+/// few do not overflow.
 const MAX_WINDOW: usize = 1 << 12;
-/// The most channels, likewise.
+/// Largest number of channels, chosen for the same reasons.
 const MAX_CHANNELS: usize = 1 << 24;
 
 /// Checks everything that does not depend on the input's size.
@@ -79,7 +79,7 @@ pub(super) fn validate(graph: &Graph) -> Result<(), Error> {
     }
 }
 
-/// Values must come from nodes before the one that reads them.
+/// Returns the problem if a node reads a value that no earlier node gives.
 fn unknown<'a>(at: usize, values: impl IntoIterator<Item = &'a Value>) -> Option<String> {
     let is_unknown = values.into_iter().any(|value| value.0 >= at);
     is_unknown.then(|| "it reads a value that is not of this graph".into())
@@ -129,7 +129,7 @@ fn window(window: &Window) -> Option<String> {
     })
 }
 
-/// What errors call a node.
+/// Returns a node's name for errors.
 fn name(node: &Node) -> String {
     match node {
         Node::Input(_) => "input".into(),

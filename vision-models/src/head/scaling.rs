@@ -1,24 +1,25 @@
-//! Features of mean zero and variance one, for steps of one length.
+//! Standardisation of features to mean zero and variance one, so that one step length fits all.
 
 use ndarray::{Array1, Array2, ArrayView2, Axis};
 
 use super::LinearHead;
 use crate::error::Error;
 
-/// What features are trained on.
+/// Scaling of the features for training.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FeatureScaling {
-    /// As the network gives them.
+    /// The features as the network gives them.
     None,
-    /// Each moved and scaled so that it has mean zero and variance one over the samples. The head takes the
-    /// network's features as they are: it holds move and scale in its weights and biases.
+    /// Each feature is shifted and scaled to mean zero and variance one over the samples. The head
+    /// accepts unscaled features: shift and scale are folded into its weights and biases.
     Standardised,
 }
 
-/// A feature that varies by less than this share of its size holds rounding only.
+/// A feature whose relative variation is smaller than this contains only rounding errors.
 const CONSTANT: f64 = 1e-6;
 
-/// The mean of each feature, and one over its standard deviation: zero for one that is constant.
+/// The mean of each feature, and one over its standard deviation. The latter is zero for a constant
+/// feature.
 #[derive(Clone, Debug)]
 pub(super) struct Standardisation {
     mean: Array1<f64>,
@@ -26,7 +27,7 @@ pub(super) struct Standardisation {
 }
 
 impl Standardisation {
-    /// Over samples × features, at least one sample.
+    /// Computes both over samples × features, at least one sample.
     pub(super) fn of(samples: &ArrayView2<'_, f32>) -> Self {
         let samples = samples.mapv(f64::from);
         let mean = samples.mean_axis(Axis(0)).unwrap_or_else(|| Array1::zeros(samples.ncols()));
@@ -39,21 +40,22 @@ impl Standardisation {
         Self { mean, scale }
     }
 
-    /// The standardised samples.
+    /// Returns the standardised samples.
     pub(super) fn apply(&self, samples: &ArrayView2<'_, f32>) -> Array2<f32> {
         let standardised = (samples.mapv(f64::from) - &self.mean) * &self.scale;
-        #[allow(clippy::cast_possible_truncation)] // What a network computes with.
+        #[allow(clippy::cast_possible_truncation)] // Networks compute in f32.
         standardised.mapv(|value| value as f32)
     }
 
-    /// The head that gives to features as they are the scores that this one gives to standardised ones.
+    /// Returns the head that gives unscaled features the same scores as `head` gives standardised
+    /// ones.
     ///
     /// # Errors
-    /// None for a head of as many features.
+    /// None if the head has as many features.
     pub(super) fn fold(&self, head: &LinearHead) -> Result<LinearHead, Error> {
         let weights = head.weights.mapv(f64::from) * &self.scale;
         let biases = head.biases.mapv(f64::from) - weights.dot(&self.mean);
-        #[allow(clippy::cast_possible_truncation)] // What a network computes with.
+        #[allow(clippy::cast_possible_truncation)] // Networks compute in f32.
         let rounded = |value: f64| value as f32;
         LinearHead::new(head.classes.clone(), weights.mapv(rounded), biases.mapv(rounded))
     }

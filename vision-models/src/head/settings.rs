@@ -1,4 +1,4 @@
-//! How a head is trained.
+//! Settings for training a head.
 
 use crate::error::Error;
 use crate::head::scaling::FeatureScaling;
@@ -15,22 +15,22 @@ use crate::head::scaling::FeatureScaling;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HeadSettings {
-    /// Length of a step along the gradient; 0.001 (paper, Sec. "Experiment 1").
+    /// Learning rate. Default 0.001 (paper, Sec. "Experiment 1").
     pub learning_rate: f64,
-    /// Share of the last step that is taken again; 0.9.
+    /// Momentum: share of the previous step that is added again. Default 0.9.
     pub momentum: f64,
-    /// Weight of ½|w|² beside the mean cross-entropy; 0.
+    /// Weight of ½|w|² beside the mean cross-entropy. Default 0.
     pub weight_decay: f64,
-    /// Probability that a feature of a sample is left out of a step; 0.5. The others are scaled up, so
-    /// that nothing changes when the head is used.
+    /// Probability that a feature of a sample is left out of a step. Default 0.5. The others are
+    /// scaled up, so that nothing changes when the head is used.
     pub dropout: f64,
-    /// Samples a step; 32.
+    /// Number of samples per step. Default 32.
     pub batch: usize,
-    /// How often all samples are gone through; 100.
+    /// Number of passes through all samples. Default 100.
     pub epochs: usize,
-    /// What [`LinearHead::train`](super::LinearHead::train) does to the features; nothing.
+    /// Scaling of the features in [`LinearHead::train`](super::LinearHead::train). Default none.
     pub scaling: FeatureScaling,
-    /// Seed of the first weights, the order of the samples and what is left out.
+    /// Seed of the initial weights, the order of the samples and the dropout.
     pub seed: u64,
 }
 

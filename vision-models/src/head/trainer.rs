@@ -9,20 +9,20 @@ use crate::head::settings::HeadSettings;
 use crate::random::{shuffle, uniform};
 use crate::samples::{check_finite, check_labels, misfit};
 
-/// What going once through all samples gave.
+/// The result of one pass through all samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Epoch {
-    /// Its number; the first is 1.
+    /// The epoch's number. The first is 1.
     pub number: usize,
-    /// Mean cross-entropy of its steps, with the features that were left out.
+    /// Mean cross-entropy of the epoch's steps, computed with dropout.
     pub loss: f64,
 }
 
-/// Trains a head step by step, for those who choose the batches themselves; [`LinearHead::train`]
-/// goes through all samples in random order.
+/// Trains a head step by step, on batches that the caller chooses. [`LinearHead::train`] goes
+/// through all samples in random order.
 ///
-/// A step is PyTorch's: `v ← momentum v + g`, `w ← w - learning_rate v`, with g the gradient of the mean
-/// cross-entropy and the weight decay, and v = 0 at the beginning. It is computed in f64.
+/// A step is PyTorch's: `v ← momentum v + g`, `w ← w - learning_rate v`. Here g is the gradient of
+/// the mean cross-entropy and the weight decay, and v = 0 at the beginning. It is computed in f64.
 ///
 /// ```
 /// use ndarray::array;
@@ -53,7 +53,7 @@ pub struct HeadTrainer {
 }
 
 impl HeadTrainer {
-    /// Begins with this head.
+    /// Creates a trainer that begins with this head.
     ///
     /// # Errors
     /// [`Error::Value`].
@@ -72,9 +72,9 @@ impl HeadTrainer {
         })
     }
 
-    /// The head as it is now, rounded to f32.
+    /// Returns the current head, rounded to f32.
     pub fn head(&self) -> LinearHead {
-        #[allow(clippy::cast_possible_truncation)] // What a network computes with.
+        #[allow(clippy::cast_possible_truncation)] // Networks compute in f32.
         let rounded = |value: &f64| *value as f32;
         LinearHead {
             classes: self.classes.clone(),
@@ -83,12 +83,15 @@ impl HeadTrainer {
         }
     }
 
-    /// One step along the gradient of a batch, samples × features; the mean cross-entropy before it.
+    /// Makes one step along the gradient of a batch, samples × features. Returns the mean
+    /// cross-entropy before it.
     ///
     /// # Errors
-    /// [`Error::Malformed`] for an empty batch, another number of features or labels, a label that is
-    /// no class, and weights that the step makes infinite; [`Error::Value`] for one that is not
-    /// finite. The head is then as before.
+    /// - [`Error::Malformed`] if the batch is empty, the number of features or labels is wrong, a
+    ///   label is no class, or the step makes weights infinite.
+    /// - [`Error::Value`] if a feature is not finite.
+    ///
+    /// The head is then unchanged.
     pub fn step(&mut self, samples: ArrayView2<'_, f32>, labels: &[usize]) -> Result<f64, Error> {
         let (count, features) = samples.dim();
         if count == 0 || labels.len() != count || features != self.weights.ncols() {
@@ -132,7 +135,7 @@ impl HeadTrainer {
         Ok(loss / count as f64)
     }
 
-    /// The samples with features left out.
+    /// Returns the samples with features left out at random.
     fn dropped(&mut self, mut samples: Array2<f64>) -> Array2<f64> {
         let dropout = self.settings.dropout;
         if dropout > 0.0 {
@@ -144,8 +147,8 @@ impl HeadTrainer {
         samples
     }
 
-    /// Goes once through all samples in random order; the mean of the steps' losses, each by its
-    /// samples.
+    /// Goes through all samples once in random order. Returns the mean loss of the steps, weighted
+    /// by their samples.
     pub(super) fn epoch(
         &mut self,
         samples: ArrayView2<'_, f32>,
@@ -164,7 +167,8 @@ impl HeadTrainer {
     }
 }
 
-/// The cross-entropy of a sample's scores; they become its gradient, softmax minus the class.
+/// Returns the cross-entropy of a sample's scores and replaces them by its gradient, softmax minus
+/// the class.
 fn cross_entropy_and_gradient(scores: &mut [f64], label: usize) -> f64 {
     let highest = scores.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let own = scores.get(label).copied().unwrap_or(highest);

@@ -1,11 +1,11 @@
-//! On which cores a thread runs.
+//! The cores on which a thread runs.
 
 use std::{io, thread::JoinHandle};
 
-/// Lets a thread run on these cores alone.
+/// Restricts a thread to these cores.
 ///
 /// # Errors
-/// The operating system's, or that a core does not exist.
+/// The operating system's error, or an error if a core does not exist.
 #[cfg(target_os = "linux")]
 pub(super) fn restrict<T>(thread: &JoinHandle<T>, cores: &[usize]) -> io::Result<()> {
     use std::os::unix::thread::JoinHandleExt;
@@ -20,14 +20,14 @@ pub(super) fn restrict<T>(thread: &JoinHandle<T>, cores: &[usize]) -> io::Result
         // SAFETY: the core is a bit of the set.
         unsafe { libc::CPU_SET(core, &mut set) };
     }
-    // SAFETY: the handle keeps the thread's identity valid, and the set has the size that is given.
+    // SAFETY: the handle keeps the thread's identity valid, and the given size is the set's.
     let code = unsafe {
         libc::pthread_setaffinity_np(thread.as_pthread_t(), size_of_val(&set), &raw const set)
     };
     if code == 0 { Ok(()) } else { Err(io::Error::from_raw_os_error(code)) }
 }
 
-/// Elsewhere no way is known.
+/// Fails, because other systems are not supported.
 ///
 /// # Errors
 /// Always.

@@ -19,7 +19,7 @@ pub(crate) struct Buffer {
 }
 
 impl Buffer {
-    /// `length` zeros.
+    /// Creates a buffer of `length` zeros.
     pub(crate) fn zeroed(length: usize) -> Self {
         let count = length.div_ceil(Line::FLOATS);
         let mut lines = Vec::with_capacity(count);
@@ -28,15 +28,15 @@ impl Buffer {
         Self { lines, length }
     }
 
-    /// The same, or `None` where there is not the memory.
+    /// Creates a buffer of `length` zeros, or returns `None` if there is not enough memory.
     pub(crate) fn try_zeroed(length: usize) -> Option<Self> {
         Vec::<Line>::new().try_reserve_exact(length.div_ceil(Line::FLOATS)).ok()?;
         Some(Self::zeroed(length))
     }
 }
 
-/// Asks for huge pages before the memory is first touched: the weights of a network lie on
-/// thousands of small ones, whose addresses the processor cannot all keep translated.
+/// Asks for huge pages before the memory is first used. A network's weights would cover thousands
+/// of small pages, too many for the processor's address translation cache.
 #[cfg(target_os = "linux")]
 fn advise_huge_pages(lines: &mut Vec<Line>) {
     const HUGE_PAGE: usize = 2 << 20;
@@ -47,7 +47,7 @@ fn advise_huge_pages(lines: &mut Vec<Line>) {
     if end >= first + HUGE_PAGE {
         let address = spare.as_mut_ptr().wrapping_byte_add(first - start);
         // SAFETY: the range lies inside the vector's memory, and the advice changes no contents.
-        // Whether it is taken matters to nobody but the clock.
+        // Ignored advice only costs speed.
         unsafe { libc::madvise(address.cast(), end - first, libc::MADV_HUGEPAGE) };
     }
 }

@@ -1,5 +1,5 @@
-//! Channels of one activation, copied into another: a concatenation that cannot be written in place, or another
-//! shape of the same elements.
+//! Copies channels of one activation into another: for a concatenation that cannot be written in
+//! place, or to reshape.
 
 use crate::layout::{Channels, offset, position};
 
@@ -12,7 +12,7 @@ use super::threads::Pool;
 pub(crate) struct Copy {
     from: Channels,
     to: Channels,
-    /// Floats that lie side by side in both.
+    /// Number of floats that are contiguous in both.
     run: usize,
 }
 
@@ -20,7 +20,7 @@ impl Copy {
     /// Plans the copy. Elements keep their order: frames, rows, columns, channels, the last fastest.
     ///
     /// # Panics
-    /// If there are not as many elements on both sides, or the channels do not exist.
+    /// If the numbers of elements differ, or the channels do not exist.
     pub(crate) fn new(from: Channels, to: Channels) -> Self {
         assert!(from.exist() && to.exist());
         assert_eq!(from.layout.pixels() * from.count, to.layout.pixels() * to.count);
@@ -50,7 +50,8 @@ impl Copy {
                 let (source, target) = (place(&from, index * run), place(&to, index * run));
                 let source = &input[source..source + run];
                 assert!(target + run <= output.len());
-                // SAFETY: the target lies inside the output, as just checked; no other task has this run.
+                // SAFETY: the target lies inside the output, as just checked. No other task has
+                // this run.
                 unsafe {
                     std::ptr::copy_nonoverlapping(source.as_ptr(), output.at(target), source.len());
                 }

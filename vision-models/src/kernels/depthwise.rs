@@ -1,4 +1,4 @@
-//! Convolution of each channel by itself.
+//! Depthwise convolution: each channel by itself.
 
 use crate::layout::{Channels, Extent, offset, position};
 
@@ -10,22 +10,22 @@ use super::threads::Pool;
 use super::vector::Vector;
 use super::window::Phase;
 
-/// Pixels of the register tile.
+/// Pixels per register tile.
 const TILE: usize = 4;
 
-/// A depthwise convolution for one input size: everything but the numbers. Its weights are a row of channels
-/// for each tap, in the order of [`Phase::kernel_taps`].
+/// A depthwise convolution for one input size, without its weights. The weights are a row of
+/// channels for each tap, in the order of [`Phase::kernel_taps`].
 #[derive(Clone, Debug)]
 pub(crate) struct Depthwise {
     isa: InstructionSet,
     input: Channels,
     output: Channels,
     size: Extent,
-    /// Where the input of the first pixel starts, its taps counted from the first of them.
+    /// Start of the first pixel's input, measured from its first tap.
     origin: usize,
     input_step: Extent,
     output_step: Extent,
-    /// From where a pixel's input starts.
+    /// Offset of each tap from the start of a pixel's input.
     taps: Vec<usize>,
 }
 
@@ -33,8 +33,8 @@ impl Depthwise {
     /// Plans a phase that has all outputs, in order.
     ///
     /// # Panics
-    /// If the phase does not fit the sizes and the input's border or has not all outputs, or the channels do
-    /// not exist or are not equally many.
+    /// - If the phase does not fit the sizes and the input's border, or lacks outputs.
+    /// - If the channels do not exist, or input and output have different numbers of them.
     pub(crate) fn new(
         isa: InstructionSet,
         phase: &Phase,
@@ -113,8 +113,8 @@ impl Depthwise {
                     pixels: columns,
                     epilogue,
                 };
-                // SAFETY: the line was checked against both slices, weights and biases against the channels;
-                // no other task has this line.
+                // SAFETY: the line was checked against both slices, weights and biases against the
+                // channels. No other task has this line.
                 unsafe { self.isa.run(line) };
             }
         });
@@ -135,8 +135,8 @@ struct Line<'a> {
     epilogue: Epilogue<'a>,
 }
 
-/// Asks for: all taps of all pixels inside the input, all pixels inside the output, which no other thread
-/// touches; weights, biases and slopes for all channels.
+/// Requires that all taps of all pixels lie inside the input and all pixels inside the output. No
+/// other thread may use these pixels. There must be weights, biases and slopes for all channels.
 impl Task for Line<'_> {
     #[inline(always)]
     unsafe fn run<V: Vector>(self) {
@@ -163,7 +163,7 @@ impl Task for Line<'_> {
 }
 
 impl Line<'_> {
-    /// A register of channels of `PIXELS` neighbouring pixels.
+    /// Computes a register of channels of `PIXELS` neighbouring pixels.
     #[inline(always)]
     unsafe fn tile<V: Vector, const PIXELS: usize>(&self, channel: usize, pixel: usize) {
         // SAFETY: passed on to the caller.
@@ -187,7 +187,7 @@ impl Line<'_> {
         }
     }
 
-    /// One channel of one pixel, where channels fill no register.
+    /// Computes one channel of one pixel, for channels that do not fill a register.
     #[inline(always)]
     unsafe fn one(&self, channel: usize, pixel: usize) {
         // SAFETY: passed on to the caller.

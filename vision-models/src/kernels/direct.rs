@@ -11,23 +11,23 @@ use super::shared_slice::SharedSlice;
 use super::threads::Pool;
 use super::window::{Phase, Tap};
 
-/// Pixels of a block: their inputs stay in the second-level cache while the panels go by.
+/// Pixels of a block. Their inputs stay in the second-level cache for all panels.
 const BLOCK: usize = 96;
-/// Floats of a pixel's input that are worked off at once.
+/// Floats of a pixel's input that are processed at once.
 const CHUNK: usize = 512;
 
-/// What a convolution multiplies and adds, as its kernel has packed it.
+/// The operands of a convolution, as packed for its kernel.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Operands<'a> {
-    /// Of the activation that is read.
+    /// The activation that is read.
     pub(crate) input: &'a [f32],
     /// The packed weights.
     pub(crate) weights: &'a Buffer,
-    /// One for each channel of the panels.
+    /// Bias of each channel of the panels.
     pub(crate) bias: &'a [f32],
 }
 
-/// A convolution for one input size: everything but the numbers.
+/// A convolution for one input size, without its weights.
 #[derive(Clone, Debug)]
 pub(crate) struct Direct {
     isa: InstructionSet,
@@ -36,26 +36,27 @@ pub(crate) struct Direct {
     output: Channels,
     /// Outputs along each axis.
     size: Extent,
-    /// Where the input of the first pixel starts.
+    /// Start of the first pixel's input.
     origin: usize,
     /// Floats from the input of one pixel to that of the next, along each axis.
     input_step: Extent,
-    /// Where the first pixel of the output starts.
+    /// Start of the first pixel of the output.
     output_origin: usize,
     /// Floats from one pixel of the output to the next, along each axis.
     output_step: Extent,
     chunks: Vec<Vec<Segment>>,
     depth: usize,
-    /// How far a pixel's input reaches.
+    /// Extent of a pixel's input.
     reach: usize,
 }
 
 impl Direct {
-    /// Plans one phase of a convolution. Each group of the panels reads its share of the input channels.
+    /// Plans one phase of a convolution. Each group of the panels reads its share of the input
+    /// channels.
     ///
     /// # Panics
-    /// If the phase does not fit the sizes and the input's border, or the channels do not exist or are not
-    /// those of the panels.
+    /// - If the phase does not fit the sizes and the input's border.
+    /// - If the channels do not exist or are not those of the panels.
     pub(crate) fn new(
         isa: InstructionSet,
         panels: Panels,
@@ -76,7 +77,8 @@ impl Direct {
         let ahead = |axis: usize, tap: &Tap| (tap.offset - firsts[axis]).unsigned_abs();
         let corner: Extent =
             std::array::from_fn(|axis| from.before[axis].saturating_add_signed(firsts[axis]));
-        // Neighbouring pixels are one segment, unless there are channels or pixels between to leave out.
+        // Neighbouring pixels form one segment, unless channels or pixels between them are left
+        // out.
         let neighbours = (0..).zip(column_taps).all(|(at, tap)| ahead(2, tap) == at);
         let (pieces, length) = if neighbours && inputs == from.channels {
             (&column_taps[..column_taps.len().min(1)], column_taps.len() * inputs)
@@ -132,7 +134,7 @@ impl Direct {
         let output = SharedSlice::new(output);
         let (blocks, tasks) = self.split(pool.lanes());
         let pixels: usize = self.size.iter().product();
-        // What all groups read, and what all panels write.
+        // The input that all groups read, and the output that all panels write.
         let group_inputs = self.input.count / panels.groups;
         let reach = self.reach + self.input.count - group_inputs;
         pool.run(blocks * tasks, &|_, task| {
@@ -143,7 +145,7 @@ impl Direct {
             while first < pixels.end {
                 let count = BLOCK.min(pixels.end - first);
                 let [rows, output_rows] = &mut starts;
-                // Pixels of a row of the output lie a step apart on both sides.
+                // Pixels of a row of the output are contiguous up to a stride on both sides.
                 let mut done = 0;
                 while done < count {
                     let at = position(first + done, self.size);
@@ -176,8 +178,8 @@ impl Direct {
                         start: if add { Start::BiasAndOutput(bias) } else { Start::Bias(bias) },
                         finish: finish.of_panel(start, panels.width),
                     };
-                    // SAFETY: the rows were checked against both slices, the weights, biases and slopes
-                    // against the panels; no other task has these pixels and this panel.
+                    // SAFETY: the rows were checked against both slices, and weights, biases and
+                    // slopes against the panels. No other task has these pixels and this panel.
                     unsafe { self.isa.run(product) };
                 }
                 first += count;
@@ -185,8 +187,8 @@ impl Direct {
         });
     }
 
-    /// Into how many blocks of pixels and parts of the panels the tasks are cut: the larger of the
-    /// activations and the weights is what a thread should have for itself.
+    /// Returns the number of blocks of pixels and of parts of the panels for the tasks. Threads
+    /// divide the larger of the activations and the weights among them.
     fn split(&self, lanes: usize) -> (usize, usize) {
         let pixels: usize = self.size.iter().product();
         if lanes == 1 {
@@ -200,7 +202,7 @@ impl Direct {
     }
 }
 
-/// The `index`-th of `parts` even shares of `total` things.
+/// Returns the `index`-th of `parts` nearly equal shares of `total` elements.
 pub(super) fn share(total: usize, parts: usize, index: usize) -> std::ops::Range<usize> {
     total * index / parts..total * (index + 1) / parts
 }

@@ -1,42 +1,42 @@
-//! What a convolution does with its sums.
+//! The operations on a convolution's sums.
 
 use super::vector::Vector;
 
-/// What a convolution does with its sums.
+/// The operations on a convolution's sums.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Epilogue<'a> {
-    /// Adds what the output holds (the residual connection).
+    /// True to add the output's previous value (the residual connection).
     pub(crate) add: bool,
-    /// What comes last.
+    /// The last operation.
     pub(crate) finish: Finish<'a>,
 }
 
 /// The activation function.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Finish<'a> {
-    /// The sums as they are.
+    /// Keeps the sums.
     Keep,
-    /// Makes negative results zero, and NaN of those that are not finite.
+    /// Sets negative results to zero, and those that are not finite to NaN.
     Relu,
-    /// The same, and at most six.
+    /// Like `Relu`, but limited to six.
     Relu6,
-    /// 1 / (1 + exp(-x)), and NaN of those that are not finite.
+    /// 1 / (1 + exp(-x)), and NaN for results that are not finite.
     Logistic,
-    /// Multiplies negative results by their channel's slope (one for each channel of the panels), and makes
-    /// NaN of those that are not finite.
+    /// Multiplies negative results by their channel's slope (one for each channel of the panels).
+    /// Results that are not finite become NaN.
     Prelu(&'a [f32]),
 }
 
 /// Lanes of the widest register.
 const MOST_LANES: usize = 16;
 
-/// 1 / (1 + exp(-x)); NaN for what is not finite.
+/// Returns 1 / (1 + exp(-x)), or NaN if the value is not finite.
 fn logistic(value: f32) -> f32 {
     1.0 / (1.0 + (-value).exp()) + 0.0 * value
 }
 
 impl Finish<'_> {
-    /// The same for the channels of one panel alone.
+    /// Returns the function for the channels of one panel.
     pub(super) fn of_panel(self, start: usize, width: usize) -> Self {
         match self {
             Self::Prelu(slopes) => Self::Prelu(&slopes[start..start + width]),
@@ -44,15 +44,16 @@ impl Finish<'_> {
         }
     }
 
-    /// Whether there is a slope for each of so many channels, if there are slopes.
+    /// Returns true if there are no slopes, or a slope for each channel.
     pub(super) fn has_slopes(self, channels: usize) -> bool {
         !matches!(self, Self::Prelu(slopes) if slopes.len() < channels)
     }
 
-    /// The function of a register of channels, the first of which is `channel`.
+    /// Applies the function to a register of channels, the first of which is `channel`.
     ///
     /// # Safety
-    /// The vector's instruction set must be enabled, and there must be slopes for the channels, if any.
+    /// The vector's instruction set must be enabled. If there are slopes, there must be one for
+    /// each channel.
     #[inline(always)]
     pub(super) unsafe fn apply<V: Vector>(self, value: V, channel: usize) -> V {
         // SAFETY: passed on to the caller.
@@ -71,9 +72,9 @@ impl Finish<'_> {
         }
     }
 
-    /// The function of one channel's sum.
+    /// Applies the function to one channel's sum.
     pub(super) fn apply_to_one(self, value: f32, channel: usize) -> f32 {
-        // Zero, or NaN where the value is not finite.
+        // Zero, or NaN if the value is not finite.
         let zero = value * 0.0;
         let positive = if value > zero { value } else { zero };
         match self {

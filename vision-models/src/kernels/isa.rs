@@ -1,18 +1,18 @@
-//! Which instruction set the kernels use, chosen when the program runs.
+//! The instruction set of the kernels, chosen at run time.
 
 use super::vector::{Portable, Vector};
 
-/// A piece of work written over any [`Vector`].
+/// A task written over any [`Vector`].
 pub(super) trait Task {
-    /// Does the work.
+    /// Runs the task.
     ///
     /// # Safety
-    /// The instruction set of `V` must be enabled in the caller, and whatever the task's own
-    /// constructor asks for must hold.
+    /// The instruction set of `V` must be enabled in the caller, and the task's own requirements
+    /// must hold.
     unsafe fn run<V: Vector>(self);
 }
 
-/// An instruction set that this processor has: there is no way to make another.
+/// An instruction set that this processor has. It can only be obtained by detection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InstructionSet(Kind);
 
@@ -32,7 +32,7 @@ enum Kind {
 }
 
 impl InstructionSet {
-    /// All that this processor has, the fastest first.
+    /// Returns all instruction sets of this processor, the fastest first.
     pub fn available() -> Vec<Self> {
         let mut available = Vec::new();
         #[cfg(target_arch = "x86_64")]
@@ -52,12 +52,12 @@ impl InstructionSet {
         available
     }
 
-    /// The fastest that this processor has.
+    /// Returns the fastest instruction set of this processor.
     pub fn detect() -> Self {
         Self::available().first().copied().unwrap_or(Self(Kind::Portable))
     }
 
-    /// The name of the instruction set.
+    /// Returns the name of the instruction set.
     pub fn name(self) -> &'static str {
         match self.0 {
             #[cfg(target_arch = "x86_64")]
@@ -70,7 +70,7 @@ impl InstructionSet {
         }
     }
 
-    /// How many output channels the matrix kernel computes at once where a layer has that many.
+    /// Returns how many output channels the matrix kernel computes at once.
     pub(super) fn panel_width(self) -> usize {
         match self.0 {
             #[cfg(target_arch = "x86_64")]
@@ -79,7 +79,7 @@ impl InstructionSet {
         }
     }
 
-    /// How many output channels it computes at once where a layer has fewer.
+    /// Returns how many it computes at once if a layer has fewer.
     pub(super) fn narrowest_panel(self) -> usize {
         match self.0 {
             #[cfg(target_arch = "x86_64")]
@@ -91,7 +91,7 @@ impl InstructionSet {
     /// Runs a task with this instruction set.
     ///
     /// # Safety
-    /// What the task asks for must hold.
+    /// The task's requirements must hold.
     pub(super) unsafe fn run<T: Task>(self, task: T) {
         match self.0 {
             // SAFETY: the processor has the instruction set, or it would not be available.

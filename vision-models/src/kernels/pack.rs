@@ -1,26 +1,27 @@
-//! Weights in the order in which the kernels read them.
+//! Packs weights in the order in which the kernels read them.
 
 use super::buffer::Buffer;
 use super::isa::InstructionSet;
 
-/// How the output channels of a layer are cut into panels.
+/// The division of a layer's output channels into panels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Panels {
-    /// Parts of the layer that see channels of their own.
+    /// Number of groups, each of which reads its own input channels.
     pub(crate) groups: usize,
-    /// Output channels of a group.
+    /// Number of output channels of a group.
     pub(crate) channels: usize,
-    /// Channels of a panel, the last one of a group filled up with zeros.
+    /// Channels of a panel. The last panel of a group is padded with zeros.
     pub(crate) width: usize,
 }
 
 impl Panels {
-    /// The widest panels that this instruction set uses and that waste no more than 16 channels; narrow ones for few.
+    /// Returns the widest panels of the instruction set that waste at most 16 channels, and narrow
+    /// ones for few channels.
     pub(crate) fn new(isa: InstructionSet, channels: usize) -> Self {
         Self::of_groups(isa, 1, channels)
     }
 
-    /// The same for groups of so many channels.
+    /// Returns the panels for groups of this many channels.
     pub(crate) fn of_groups(isa: InstructionSet, groups: usize, channels: usize) -> Self {
         let mut width = isa.panel_width();
         while width > 16 && channels.next_multiple_of(width) >= channels.next_multiple_of(16) + 16 {
@@ -32,43 +33,43 @@ impl Panels {
         Self { groups, channels, width }
     }
 
-    /// Output channels of the layer.
+    /// Returns the number of output channels of the layer.
     pub(crate) fn outputs(&self) -> usize {
         self.groups * self.channels
     }
 
-    /// How many panels there are.
+    /// Returns the number of panels.
     pub(crate) fn count(&self) -> usize {
         self.groups * self.of_group()
     }
 
-    /// How many panels a group has.
+    /// Returns the number of panels of a group.
     fn of_group(&self) -> usize {
         self.channels.div_ceil(self.width)
     }
 
-    /// The group of a panel.
+    /// Returns the group of a panel.
     pub(crate) fn group(&self, panel: usize) -> usize {
         panel / self.of_group()
     }
 
-    /// The first channel of a panel.
+    /// Returns the first channel of a panel.
     pub(crate) fn first(&self, panel: usize) -> usize {
         self.group(panel) * self.channels + panel % self.of_group() * self.width
     }
 
-    /// Channels with those that fill up the last panel.
+    /// Returns the number of channels including the padding.
     pub(crate) fn padded(&self) -> usize {
         self.count() * self.width
     }
 
-    /// How many channels of this panel exist.
+    /// Returns how many channels of this panel exist.
     pub(crate) fn channels_of(&self, panel: usize) -> usize {
         self.width.min(self.channels.saturating_sub(panel % self.of_group() * self.width))
     }
 
-    /// A value for each channel of the panels from one for each channel of the layer; zero where panels are
-    /// filled up.
+    /// Returns a value for each channel of the panels from one for each channel of the layer. The
+    /// padding is zero.
     pub(crate) fn spread(&self, values: &[f32]) -> Vec<f32> {
         let mut spread = vec![0.0; self.padded()];
         for (panel, target) in spread.chunks_exact_mut(self.width).enumerate() {
@@ -79,8 +80,8 @@ impl Panels {
     }
 }
 
-/// Packs a matrix into panels of [depth][width]; `column(channel)` gives the depth-long column of
-/// one output channel through its argument.
+/// Packs a matrix into panels of [depth][width]. `column(channel)` writes the column of one output
+/// channel, of length `depth`, into its argument.
 pub(crate) fn pack(
     panels: Panels,
     depth: usize,

@@ -11,7 +11,8 @@ use super::threads::Pool;
 use super::vector::Vector;
 use super::window::Window;
 
-/// The largest value of each window's part inside the input. A window with NaN or an infinity gives NaN.
+/// The largest value of each window's part inside the input. A window with NaN or infinity gives
+/// NaN.
 #[derive(Clone, Debug)]
 pub(crate) struct MaxPool {
     isa: InstructionSet,
@@ -24,9 +25,10 @@ impl MaxPool {
     /// Plans the pooling.
     ///
     /// # Panics
-    /// If the output has another size than the window gives, the channels do not exist or are not equally
-    /// many, or a window can lie outside the input: its padding is more than half the kernel, as large as it
-    /// behind, or it is dilated.
+    /// - If the output's size is not the one that the window gives.
+    /// - If the channels do not exist, or input and output have different numbers of them.
+    /// - If a window can lie outside the input: it is dilated, or its padding is too large. The
+    ///   padding must be at most half the kernel, and at the end less than the kernel.
     pub(crate) fn new(isa: InstructionSet, window: Window, from: Channels, to: Channels) -> Self {
         assert_eq!(
             window.output(from.layout.size),
@@ -65,14 +67,14 @@ impl MaxPool {
                         output: output.at(to.origin() + offset(at, to.layout.strides())),
                     };
                     // SAFETY: the taps lie inside the input's layout and the pixel inside the
-                    // output's, whose lengths were checked; no other task has this row.
+                    // output's, whose lengths were checked. No other task has this row.
                     unsafe { isa.run(maximum) };
                 }
             }
         });
     }
 
-    /// The part of a window that lies inside the input, along one axis.
+    /// Returns the part of a window that lies inside the input, along one axis.
     fn taps(&self, axis: usize, at: usize) -> Range<usize> {
         let (kernel, padding) = (self.window.kernel[axis], self.window.padding[axis]);
         let start = at * self.window.stride[axis];
@@ -93,7 +95,8 @@ struct Maximum {
     output: *mut f32,
 }
 
-/// Asks for: all channels of all pixels of the window, one at least, inside the input, and of the output's pixel.
+/// Requires at least one pixel in the window. All its channels, and those of the output's pixel,
+/// must lie inside the activations.
 impl Task for Maximum {
     #[inline(always)]
     unsafe fn run<V: Vector>(self) {
@@ -106,7 +109,7 @@ impl Task for Maximum {
                     .flat_map(move |r| (0..columns).map(move |c| f * frame + r * row + c * column))
             })
         };
-        // SAFETY: the caller vouches for all taps and channels.
+        // SAFETY: the caller guarantees all taps and channels.
         unsafe {
             for channel in (0..whole).step_by(V::LANES) {
                 let zero = V::splat(0.0);
@@ -114,7 +117,7 @@ impl Task for Maximum {
                 for tap in taps() {
                     let value = V::load(self.input.add(tap + channel));
                     largest = largest.max(value);
-                    // Zero, until a value is NaN.
+                    // Zero, until a value is not finite.
                     overflow = value.mul_add(zero, overflow);
                 }
                 largest.add(overflow).store(self.output.add(channel));

@@ -1,10 +1,10 @@
-//! The matrix product that every convolution comes down to.
+//! The matrix product that computes every direct convolution.
 //!
 //! out\[pixel\]\[channel\] = Σₖ input\[pixel's start + offset(k)\] · weights\[k\]\[channel\]
 //!
 //! Activations have a physical zero border, so that each tap of a convolution is a constant offset
-//! from where a pixel's input starts; a run of neighbouring taps and channels is a [`Segment`].
-//! One kernel therefore serves 1×1, 3×3, 7×7, strided and temporal convolutions without a copy.
+//! from the start of a pixel's input. A run of neighbouring taps and channels is a [`Segment`]. The
+//! same kernel therefore computes 1×1, 3×3, 7×7, strided and temporal convolutions without a copy.
 
 use super::epilogue::Finish;
 use super::isa::Task;
@@ -18,20 +18,20 @@ pub(super) const MAX_PANEL: usize = 64;
 /// A contiguous piece of a pixel's input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Segment {
-    /// Where it starts, from the start of the pixel's input.
+    /// Offset from the start of the pixel's input.
     pub(crate) offset: usize,
-    /// How many floats.
+    /// Number of floats.
     pub(crate) length: usize,
 }
 
-/// What the sums start from.
+/// The initial value of the sums.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Start<'a> {
     /// Zero.
     Zero,
     /// The bias of each channel.
     Bias(&'a [f32]),
-    /// The bias of each channel plus what the output holds: the residual connection.
+    /// The bias of each channel plus the output's previous value: the residual connection.
     BiasAndOutput(&'a [f32]),
 }
 
@@ -40,7 +40,7 @@ pub(super) enum Start<'a> {
 pub(super) struct Product<'a> {
     /// The activations.
     pub(super) input: *const f32,
-    /// Where each pixel's input starts.
+    /// Start of each pixel's input.
     pub(super) rows: &'a [usize],
     /// The pieces of each pixel's input, in chunks whose weights fit the caches.
     pub(super) chunks: &'a [Vec<Segment>],
@@ -48,21 +48,24 @@ pub(super) struct Product<'a> {
     pub(super) weights: *const f32,
     /// Channels of the panel: one, two or four registers, at most [`MAX_PANEL`].
     pub(super) width: usize,
-    /// Channels that exist: at most `width`.
+    /// Number of channels that exist, at most `width`.
     pub(super) channels: usize,
     /// The output's first float for the panel's first channel.
     pub(super) output: *mut f32,
-    /// Where each pixel's output starts.
+    /// Start of each pixel's output.
     pub(super) output_rows: &'a [usize],
-    /// What the sums start from.
+    /// The initial value of the sums.
     pub(super) start: Start<'a>,
-    /// What becomes of the sums.
+    /// The function that is applied to the sums.
     pub(super) finish: Finish<'a>,
 }
 
-/// Asks for: `rows` and `output_rows` of one length; every segment of every row inside the input;
-/// `width` weights for each float of the segments; `channels` floats of the output at every output
-/// row, which no other thread touches; biases and slopes of at least `width` floats.
+/// Requirements:
+/// - `rows` and `output_rows` have the same length.
+/// - Every segment of every row lies inside the input.
+/// - There are `width` weights for each float of the segments.
+/// - The output has `channels` floats at every output row, which no other thread uses.
+/// - Biases and slopes have at least `width` floats.
 impl Task for Product<'_> {
     #[inline(always)]
     unsafe fn run<V: Vector>(self) {
@@ -96,9 +99,9 @@ unsafe fn multiply<V: Vector, const VECTORS: usize>(product: &Product) {
         let mut row = 0;
         let tiles = product.rows.len().div_ceil(TILE_ROWS);
         for tile in 0..tiles {
-            // Spread the rows evenly: 13 are 5 + 4 + 4, never 6 + 6 + 1.
+            // Distribute the rows evenly: 13 are 5 + 4 + 4, not 6 + 6 + 1.
             let rows = (product.rows.len() - row).div_ceil(tiles - tile);
-            // The first tiles fetch the next chunk, a cache line for each step along the depth.
+            // The first tiles fetch the next chunk, one cache line per step along the depth.
             let fetched = tile * length * LINE;
             let ahead = if fetched < length * width {
                 Ahead { start: next.wrapping_add(fetched), step: LINE }
@@ -126,7 +129,7 @@ unsafe fn multiply<V: Vector, const VECTORS: usize>(product: &Product) {
 /// Floats of a cache line.
 const LINE: usize = 16;
 
-/// Weights to fetch into the cache meanwhile.
+/// Weights to fetch into the cache in advance.
 #[derive(Clone, Copy)]
 struct Ahead {
     start: *const f32,
@@ -143,20 +146,20 @@ struct Step<'a> {
     /// The chunk's weights.
     weights: *const f32,
     ahead: Ahead,
-    /// Whether the chunk is the first of the depth.
+    /// True if the chunk is the first of the depth.
     first: bool,
-    /// What becomes of the sums now.
+    /// The function that is applied to the sums in this step.
     finish: Finish<'a>,
 }
 
-/// `ROWS` pixels from `row` on.
+/// Computes `ROWS` pixels from `row` on.
 #[inline(always)]
 unsafe fn tile_of<V: Vector, const ROWS: usize, const VECTORS: usize>(
     product: &Product,
     step: Step,
 ) {
     let row = step.row;
-    // SAFETY: the caller gives `ROWS` rows from `row` on, and pointers as `Product` asks for.
+    // SAFETY: the caller gives `ROWS` rows from `row` on, and pointers as `Product` requires.
     unsafe {
         let input: [*const f32; ROWS] =
             std::array::from_fn(|r| product.input.add(*product.rows.get_unchecked(row + r)));
@@ -173,7 +176,7 @@ unsafe fn tile_of<V: Vector, const ROWS: usize, const VECTORS: usize>(
     }
 }
 
-/// The first `count` lanes from memory; the others are zero.
+/// Loads the first `count` lanes from memory. The others are zero.
 #[inline(always)]
 unsafe fn load_first<V: Vector>(from: *const f32, count: usize) -> V {
     // SAFETY: the caller gives as many floats.
@@ -187,7 +190,7 @@ unsafe fn load_first<V: Vector>(from: *const f32, count: usize) -> V {
     }
 }
 
-/// The first `count` lanes to memory.
+/// Stores the first `count` lanes to memory.
 #[inline(always)]
 unsafe fn store_first<V: Vector>(value: V, to: *mut f32, count: usize) {
     // SAFETY: the caller gives room for as many floats.
@@ -201,7 +204,8 @@ unsafe fn store_first<V: Vector>(value: V, to: *mut f32, count: usize) {
     }
 }
 
-/// The register tile: `ROWS` pixels × `VECTORS` registers of channels, of which the first `channels` exist.
+/// Computes the register tile: `ROWS` pixels × `VECTORS` registers of channels, of which the first
+/// `channels` exist.
 #[inline(always)]
 unsafe fn tile<V: Vector, const ROWS: usize, const VECTORS: usize>(
     input: [*const f32; ROWS],
@@ -213,7 +217,7 @@ unsafe fn tile<V: Vector, const ROWS: usize, const VECTORS: usize>(
 ) {
     let mut weights = step.weights;
     let mut ahead = step.ahead.start;
-    // SAFETY: all pointers are as `Product` asks for, and stay within its rows and panel.
+    // SAFETY: all pointers are as `Product` requires, and stay within its rows and panel.
     unsafe {
         let mut sums = [[V::splat(0.0); VECTORS]; ROWS];
         if let Some(bias) = bias {

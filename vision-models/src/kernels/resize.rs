@@ -8,19 +8,19 @@ use super::shared_slice::SharedSlice;
 use super::threads::Pool;
 use super::vector::Vector;
 
-/// Where in the input a pixel of a resized activation lies.
+/// How the pixels of a resized activation are aligned with the input.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Alignment {
-    /// Pixels are areas, and the outermost edges lie on each other: PyTorch's and OpenCV's.
+    /// Pixels are areas whose outermost edges coincide, as in PyTorch and OpenCV.
     #[default]
     Edges,
-    /// The centres of the first pixels lie on each other: TensorFlow's old one.
+    /// The centres of the first pixels coincide, as in early TensorFlow.
     FirstPixels,
-    /// The centres of the first and of the last pixels lie on each other: `align_corners`.
+    /// The centres of the first and of the last pixels coincide: `align_corners`.
     OuterPixels,
 }
 
-/// The two neighbours of a place along an axis, and how far it is from the first.
+/// The two neighbours of a position along an axis, and its distance from the first.
 #[derive(Clone, Copy, Debug)]
 struct Place {
     first: usize,
@@ -29,7 +29,7 @@ struct Place {
 }
 
 impl Alignment {
-    /// The places of all pixels along an axis.
+    /// Returns the positions of all pixels along an axis.
     #[expect(clippy::cast_possible_truncation, reason = "fractions are f32")]
     #[expect(clippy::cast_sign_loss, reason = "a place is inside the input")]
     fn places(self, from: usize, to: usize) -> Vec<Place> {
@@ -64,7 +64,7 @@ impl Resize {
     /// Plans the interpolation.
     ///
     /// # Panics
-    /// If the frames or the channels are not equally many, or the channels do not exist.
+    /// If the numbers of frames or channels differ, or the channels do not exist.
     pub(crate) fn new(
         isa: InstructionSet,
         alignment: Alignment,
@@ -110,8 +110,8 @@ impl Resize {
                     output: output.at(target),
                     next,
                 };
-                // SAFETY: the columns were checked against both lines, and the target against the output; no other
-                // task has this line.
+                // SAFETY: the columns were checked against both lines, and the target against the
+                // output. No other task has this line.
                 unsafe { isa.run(blend) };
             }
         });
@@ -122,9 +122,9 @@ impl Resize {
 struct Blend<'a> {
     /// The two lines of the input.
     lines: [*const f32; 2],
-    /// Floats from one of their pixels to the next.
+    /// Floats from one pixel of the input to the next.
     step: usize,
-    /// How far the place is from the first line.
+    /// Distance of the position from the first line.
     down: f32,
     columns: &'a [Place],
     channels: usize,
@@ -133,13 +133,14 @@ struct Blend<'a> {
     next: usize,
 }
 
-/// Asks for: all channels of all columns' pixels inside both lines, and of the output's pixels.
+/// Requires that all channels of all columns' pixels lie inside both lines, and those of the
+/// output's pixels inside the output.
 impl Task for Blend<'_> {
     #[inline(always)]
     unsafe fn run<V: Vector>(self) {
         let Self { lines: [upper, lower], step, down, columns, channels, output, next } = self;
         let whole = channels - channels % V::LANES;
-        // SAFETY: the caller vouches for all channels of all pixels.
+        // SAFETY: the caller guarantees all channels of all pixels.
         unsafe {
             let below = V::splat(down);
             for (index, column) in columns.iter().enumerate() {

@@ -1,9 +1,9 @@
-//! Memory that the tasks of one loop write side by side.
+//! Memory of which the tasks of one loop write disjoint parts.
 
 use std::marker::PhantomData;
 
-/// A borrowed slice whose disjoint parts several threads write at once. It hands out pointers
-/// only: who writes through one says why nobody else touches that part.
+/// A borrowed slice whose disjoint parts several threads write at once. It only returns pointers.
+/// Code that writes through one must state why no other thread uses that part.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SharedSlice<'a> {
     start: *mut f32,
@@ -25,7 +25,7 @@ impl<'a> SharedSlice<'a> {
         self.length
     }
 
-    /// The float at `offset`.
+    /// Returns a pointer to the float at `offset`.
     ///
     /// # Panics
     /// If `offset` is beyond the end.

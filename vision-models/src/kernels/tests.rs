@@ -1,4 +1,4 @@
-//! Every kernel, on every instruction set of this machine, against the plain definition.
+//! Compares every kernel on every instruction set of this machine with the definition.
 
 use proptest::prelude::*;
 
@@ -17,7 +17,7 @@ struct Case {
     inputs: usize,
     outputs: usize,
     groups: usize,
-    /// Channels of the layouts that are not used, before the first and behind the last.
+    /// Channels of the layouts that are not used, before the first and after the last.
     spare: usize,
     add: bool,
     activation: Activation,
@@ -34,7 +34,7 @@ enum Activation {
     Prelu,
 }
 
-/// Numbers in [−1, 1).
+/// Random numbers in [−1, 1).
 struct Numbers(u64);
 
 impl Numbers {
@@ -74,7 +74,7 @@ prop_compose! {
 }
 
 prop_compose! {
-    /// Convolutions with groups of any width.
+    /// Generates convolutions with groups of any width.
     fn direct_cases()(
         window in window(),
         size in [3..5_usize, 7..12, 7..13],
@@ -125,7 +125,7 @@ prop_compose! {
     }
 }
 
-/// An activation with numbers inside its border.
+/// Returns an activation with numbers inside its border.
 fn activation_memory(layout: &Layout, numbers: &mut Numbers) -> Vec<f32> {
     let mut memory = vec![0.0; layout.length()];
     for pixel in 0..layout.pixels() {
@@ -135,7 +135,8 @@ fn activation_memory(layout: &Layout, numbers: &mut Numbers) -> Vec<f32> {
     memory
 }
 
-/// The pixels that a convolution or a pooling reads for an output, each with the number of its tap.
+/// Returns the pixels that a convolution or a pooling reads for an output, each with the number of
+/// its tap.
 fn taps(window: Window, size: Extent, at: Extent) -> impl Iterator<Item = (usize, Extent)> {
     (0..window.kernel.iter().product()).filter_map(move |tap| {
         let tap_at = position(tap, window.kernel);
@@ -148,7 +149,7 @@ fn taps(window: Window, size: Extent, at: Extent) -> impl Iterator<Item = (usize
     })
 }
 
-/// The same for a transposed convolution: every input is tried with every tap.
+/// Returns the same for a transposed convolution by trying every input with every tap.
 fn transposed_taps(window: Window, size: Extent, at: Extent) -> Vec<(usize, Extent)> {
     let pairs = (0..size.iter().product::<usize>())
         .flat_map(|pixel| (0..window.kernel.iter().product()).map(move |tap| (pixel, tap)));
@@ -161,11 +162,12 @@ fn transposed_taps(window: Window, size: Extent, at: Extent) -> Vec<(usize, Exte
     hits.collect()
 }
 
-/// A case's numbers, and its result in f64 by the definition of convolution.
+/// The numbers of a case, and its result in f64 by the definition of convolution.
 ///
-/// Summed in single precision in any order, terms `t₁ … tₖ` of random signs pass sums of about
-/// ‖t‖ and round each of them by at most ε/2, ε = 2⁻²³: the errors' root mean square stays below
-/// `ε/2 √k ‖t‖` (Higham and Mary, A New Approach to Probabilistic Rounding Error Analysis, 2019).
+/// Bound of the rounding error: terms `t₁ … tₖ` of random signs, summed in single precision in any
+/// order, have partial sums of about ‖t‖. Each is rounded by at most ε/2, ε = 2⁻²³. The errors'
+/// root mean square stays below `ε/2 √k ‖t‖` (Higham and Mary, A New Approach to Probabilistic
+/// Rounding Error Analysis, 2019).
 struct Numeric {
     input: Vec<f32>,
     from: Channels,
@@ -176,7 +178,7 @@ struct Numeric {
     slopes: Vec<f32>,
     output: Vec<f32>,
     expected: Vec<f64>,
-    /// The bound above for each number of `expected`; 0 where nothing is to be written.
+    /// The bound above for each number of `expected`, and 0 where nothing must be written.
     rounding: Vec<f64>,
 }
 
@@ -222,7 +224,7 @@ impl Numeric {
         Some(all)
     }
 
-    /// One number of the output by the definition.
+    /// Computes one number of the output by the definition.
     fn expect(&mut self, case: &Case, pixels: &[(usize, Extent)], at: Extent, channel: usize) {
         let Case { window, inputs, outputs, groups, .. } = *case;
         let count: usize = window.kernel.iter().product();
@@ -256,7 +258,7 @@ impl Numeric {
         };
         self.rounding[target] = 0.5 * f64::from(f32::EPSILON) * (f64::from(terms) * squares).sqrt();
         if case.activation == Activation::Logistic {
-            // The exponential rounds as well.
+            // The exponential rounds too.
             self.rounding[target] += f64::from(f32::EPSILON);
         }
     }
@@ -283,7 +285,7 @@ impl Numeric {
         output
     }
 
-    /// Nothing else was written, and the results are right to `times` what rounding explains.
+    /// Checks that nothing else was written, and that errors are at most `times` the bound.
     fn check(&self, output: &[f32], times: f64) -> Result<(), TestCaseError> {
         let numbers = output.iter().zip(&self.expected).zip(&self.rounding);
         for (index, ((&value, &expected), &rounding)) in numbers.enumerate() {
@@ -357,8 +359,8 @@ proptest! {
             let output = numeric.run(&case, panels, &weights, |operands, output, epilogue| {
                 plan.run(&mut pool, operands, output, &mut scratch, epilogue);
             });
-            // The worst of 6,400 cases: 57. The points of F(4×4) are up to a hundred times the
-            // result, and cancel.
+            // The largest ratio of 6,400 cases is 57. The points of F(4×4) are up to a hundred
+            // times the result, and cancel.
             numeric.check(&output, 200.0)?;
         }
     }
@@ -406,8 +408,8 @@ proptest! {
     }
 }
 
-/// The matrix kernel on every instruction set, with groups, and a phase after the other where the convolution
-/// is transposed.
+/// Runs the matrix kernel on every instruction set, with groups. The phases of a transposed
+/// convolution run one after the other.
 fn direct(case: &Case, numeric: &Numeric) -> Result<(), TestCaseError> {
     let Case { window, inputs, outputs, groups, .. } = *case;
     let count: usize = window.kernel.iter().product();
@@ -432,22 +434,22 @@ fn direct(case: &Case, numeric: &Numeric) -> Result<(), TestCaseError> {
             let phase = numeric.run(case, panels, &weights, |operands, output, epilogue| {
                 plan.run(&mut pool, operands, output, epilogue);
             });
-            // Phases write pixels of their own.
+            // Each phase writes different pixels.
             for ((output, new), old) in output.iter_mut().zip(phase).zip(&numeric.output) {
                 if new.to_bits() != old.to_bits() {
                     *output = new;
                 }
             }
         }
-        // The worst of 6,400 cases: 4.7.
+        // The largest ratio of 6,400 cases is 4.7.
         numeric.check(&output, 16.0)?;
     }
     Ok(())
 }
 
-/// Threads that sleep between loops and are bound to a core work as well.
+/// Threads that sleep between loops and are bound to one core work too.
 #[test]
-fn parked_threads_on_one_core_run_every_task_once() {
+fn parked_threads_on_one_core_run_all_tasks() {
     let cores: &[usize] = if cfg!(target_os = "linux") { &[0] } else { &[] };
     let mut pool = Pool::new(3, cores, Waiting::Parking).expect("core 0");
     for _ in 0..20 {
@@ -459,7 +461,7 @@ fn parked_threads_on_one_core_run_every_task_once() {
     }
 }
 
-/// As many threads as are promised start, work and end.
+/// The largest number of threads can start, work and end.
 #[test]
 fn the_most_threads_run_every_task_once() {
     let lanes = crate::engine::Options::MAX_THREADS;
@@ -468,7 +470,7 @@ fn the_most_threads_run_every_task_once() {
     assert!(runs(&mut pool, lanes, 5000).iter().all(|&count| count == 1));
 }
 
-/// How often each task of a loop runs.
+/// Returns how often each task of a loop runs.
 fn runs(pool: &mut Pool, lanes: usize, tasks: usize) -> Vec<usize> {
     use std::sync::atomic::{AtomicUsize, Ordering};
     let counts: Vec<AtomicUsize> = (0..tasks).map(|_| AtomicUsize::new(0)).collect();

@@ -1,8 +1,8 @@
-//! A pool of threads that share out the tasks of one layer after another.
+//! A pool of threads that share the tasks of each layer.
 //!
-//! A network is a hundred short parallel loops in a row. Between two of them the workers spin, for
-//! a wake-up costs as much as a small layer; after a while without work they sleep. Where others need the
-//! cores, they can sleep at once.
+//! A network is about a hundred short parallel loops. Between two of them the workers spin, because
+//! a wake-up takes as long as a small layer. After a while without work they sleep. If other
+//! threads need the cores, they can sleep at once.
 
 use std::{
     cell::UnsafeCell,
@@ -13,59 +13,59 @@ use std::{
     thread::{self, JoinHandle, Thread},
 };
 
-/// How often a worker looks for work before it sleeps: some tenths of a millisecond.
+/// Number of checks for work before a worker sleeps: some tenths of a millisecond.
 const SPINS: usize = 20_000;
-/// How often a thread looks before it lets others have the core.
+/// Number of checks before a thread yields the core.
 const SPINS_BEFORE_YIELD: usize = 2_000;
 
-/// What threads do while there is nothing to do.
+/// Behaviour of threads while there is no work.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Waiting {
-    /// They look for work for some tenths of a millisecond, which takes their cores, and then sleep: the
-    /// fastest.
+    /// Threads check for work for some tenths of a millisecond, which occupies their cores, and then
+    /// sleep. This is fastest.
     #[default]
     Spinning,
-    /// They sleep at once, which leaves their cores to others and costs a wake-up for every layer.
+    /// Threads sleep at once. Their cores are free, but every layer costs a wake-up.
     Parking,
 }
 
-/// A loop body: the lane (which thread) and the task's number.
+/// The body of a loop. Its arguments are the lane (which thread) and the task's number.
 type Body<'a> = &'a (dyn Fn(usize, usize) + Sync);
 
-/// The loop that is being run.
+/// The current loop.
 struct Job {
     body: Body<'static>,
     tasks: usize,
-    /// Whom the last worker wakes, if it sleeps.
+    /// The thread that the last worker wakes, if it sleeps.
     caller: Option<Thread>,
 }
 
-/// What the caller and the workers share.
+/// The state that the caller and the workers share.
 struct PoolState {
-    /// Counts the loops; a worker that sees it change has work.
+    /// Counts the loops. A worker that sees it change has work.
     epoch: AtomicUsize,
-    /// Written by the owner while no worker is at work, read by the workers while they are.
+    /// Written by the owner while no worker works, and read by the workers while they work.
     job: UnsafeCell<Option<Job>>,
-    /// The next task to be taken.
+    /// The next task.
     next: AtomicUsize,
-    /// Workers that have not finished this loop.
+    /// Number of workers that have not finished this loop.
     pending: AtomicUsize,
-    /// Whether a task of this loop panicked.
+    /// True if a task of this loop panicked.
     panicked: AtomicBool,
-    /// Whether the workers shall end.
+    /// True if the workers must end.
     stop: AtomicBool,
-    /// Which workers sleep, or are about to.
+    /// True for each worker that sleeps or is about to sleep.
     asleep: Vec<AtomicBool>,
     waiting: Waiting,
 }
 
 // SAFETY: all fields but `job` are atomic. `job` is written only between loops, when `pending` is
-// zero, and read only after the `epoch` that follows the write was seen (release and acquire).
+// zero. It is read only after the `epoch` that follows the write was seen (release and acquire).
 unsafe impl Sync for PoolState {}
 // SAFETY: the body in `job` is `Sync`, and everything else is plain data.
 unsafe impl Send for PoolState {}
 
-/// The threads that run a network: the caller's own, and a number of workers.
+/// The threads that run a network: the caller's own and some workers.
 pub(crate) struct Pool {
     state: Arc<PoolState>,
     workers: Vec<JoinHandle<()>>,
@@ -78,11 +78,11 @@ impl std::fmt::Debug for Pool {
 }
 
 impl Pool {
-    /// A pool of this many threads, the caller's included. The others run on these cores, or on any if there
-    /// are none.
+    /// Creates a pool of this many threads, the caller's included. The others run on these cores,
+    /// or on any if the list is empty.
     ///
     /// # Errors
-    /// The operating system's, if it starts no thread or has not the cores.
+    /// The operating system's error, if a thread cannot be started or a core does not exist.
     pub(crate) fn new(lanes: usize, cores: &[usize], waiting: Waiting) -> std::io::Result<Self> {
         let workers = lanes.saturating_sub(1);
         let state = Arc::new(PoolState {
@@ -111,13 +111,13 @@ impl Pool {
         Ok(pool)
     }
 
-    /// How many threads work, the caller's included.
+    /// Returns the number of threads, the caller's included.
     pub(crate) fn lanes(&self) -> usize {
         self.workers.len() + 1
     }
 
     /// Calls `body(lane, task)` for every task below `tasks`, in any order, and returns when all
-    /// are done. At any time at most one task runs on a lane.
+    /// are done. A lane runs at most one task at a time.
     pub(crate) fn run(&mut self, tasks: usize, body: Body) {
         if self.workers.is_empty() || tasks <= 1 {
             for task in 0..tasks {
@@ -126,13 +126,13 @@ impl Pool {
             return;
         }
         let state = &*self.state;
-        // A worker that panicked is gone.
+        // A worker that panicked has ended.
         assert!(!state.panicked.load(Ordering::Relaxed), "a task of the network panicked");
-        // SAFETY: only the lifetime changes, and the body is called only before this returns: the
-        // workers are waited for below, even if a task panics.
+        // SAFETY: only the lifetime changes, and the body is called only before this function
+        // returns: the workers are waited for below, even if a task panics.
         let body: Body<'static> = unsafe { std::mem::transmute::<Body<'_>, Body<'static>>(body) };
         let caller = (state.waiting == Waiting::Parking).then(thread::current);
-        // SAFETY: `pending` is zero, so that no worker reads the job.
+        // SAFETY: `pending` is zero, so no worker reads the job.
         unsafe { *state.job.get() = Some(Job { body, tasks, caller }) };
         state.next.store(0, Ordering::Relaxed);
         state.pending.store(self.workers.len(), Ordering::Relaxed);
@@ -177,10 +177,10 @@ impl Drop for WaitForWorkers<'_> {
     }
 }
 
-/// Says that a worker has finished the loop, even if a task panicked.
+/// Reports that a worker has finished the loop, even if a task panicked.
 struct Finish<'a> {
     state: &'a PoolState,
-    /// A handle of its own: the job may be gone as soon as this worker is done.
+    /// A separate handle, because the job may be gone as soon as this worker is done.
     caller: Option<Thread>,
 }
 
@@ -227,7 +227,7 @@ fn work(state: &PoolState, worker: usize) {
     }
 }
 
-/// Returns once the epoch is no longer `seen`.
+/// Returns when the epoch differs from `seen`.
 fn wait_for_work(state: &PoolState, worker: usize, seen: usize) {
     let mut spins = 0;
     while state.epoch.load(Ordering::SeqCst) == seen {

@@ -1,34 +1,35 @@
-//! A vector of f32 lanes, one implementation an instruction set.
+//! A vector of f32 lanes, with one implementation per instruction set.
 
-/// A SIMD register. The kernels are written once over this trait, and compiled once for each
-/// instruction set inside a function that has it enabled (see [`InstructionSet::run`](super::isa::InstructionSet::run)).
+/// A SIMD register. The kernels are written once over this trait. They are compiled once for each
+/// instruction set, inside a function that has it enabled (see
+/// [`InstructionSet::run`](super::isa::InstructionSet::run)).
 ///
 /// # Safety
-/// Every method needs the instruction set of the type; `load` and `store` need `LANES` floats at
+/// Every method needs the instruction set of the type. `load` and `store` need `LANES` floats at
 /// the pointer, of any alignment.
 pub(super) unsafe trait Vector: Copy {
-    /// How many floats a register holds.
+    /// Number of floats in a register.
     const LANES: usize;
 
-    /// `LANES` floats from memory.
+    /// Loads `LANES` floats from memory.
     unsafe fn load(from: *const f32) -> Self;
-    /// `LANES` floats to memory.
+    /// Stores `LANES` floats to memory.
     unsafe fn store(self, to: *mut f32);
-    /// The same value in every lane.
+    /// Returns the same value in every lane.
     unsafe fn splat(value: f32) -> Self;
-    /// self · factor + term, rounded once where the instruction set can.
+    /// Returns self · factor + term, rounded once if the instruction set can.
     unsafe fn mul_add(self, factor: Self, term: Self) -> Self;
-    /// self + other.
+    /// Returns self + other.
     unsafe fn add(self, other: Self) -> Self;
-    /// self − other.
+    /// Returns self − other.
     unsafe fn sub(self, other: Self) -> Self;
-    /// The larger of each lane; `other`, if one is NaN.
+    /// Returns the maximum of each lane, or the lane of `other` if one is NaN.
     unsafe fn max(self, other: Self) -> Self;
-    /// The smaller of each lane; `other`, if one is NaN.
+    /// Returns the minimum of each lane, or the lane of `other` if one is NaN.
     unsafe fn min(self, other: Self) -> Self;
 
-    /// Zero for negative lanes; NaN for lanes that are NaN or infinite. An overflow thus stays
-    /// visible, where a plain maximum would make zero of it.
+    /// Returns zero for negative lanes, and NaN for lanes that are NaN or infinite. An overflow
+    /// thus stays visible, which a plain maximum would turn into zero.
     #[inline(always)]
     unsafe fn relu(self) -> Self {
         // SAFETY: passed on to the caller.
@@ -38,7 +39,7 @@ pub(super) unsafe trait Vector: Copy {
         }
     }
 
-    /// Negative lanes times `slope`; NaN for lanes that are NaN or infinite.
+    /// Multiplies negative lanes by `slope`. Lanes that are NaN or infinite become NaN.
     #[inline(always)]
     unsafe fn prelu(self, slope: Self) -> Self {
         // SAFETY: passed on to the caller.
@@ -49,7 +50,7 @@ pub(super) unsafe trait Vector: Copy {
     }
 }
 
-/// Asks for a cache line that will be read soon; the address need not be anybody's.
+/// Fetches a cache line that will be read soon. The address may be invalid.
 #[inline(always)]
 pub(super) fn prefetch(address: *const f32) {
     #[cfg(target_arch = "x86_64")]
@@ -66,13 +67,13 @@ pub(super) fn prefetch(address: *const f32) {
 #[derive(Clone, Copy)]
 pub(super) struct Portable([f32; 8]);
 
-// SAFETY: needs no instruction set; `load` and `store` touch `LANES` floats.
+// SAFETY: needs no instruction set. `load` and `store` use `LANES` floats.
 unsafe impl Vector for Portable {
     const LANES: usize = 8;
 
     #[inline(always)]
     unsafe fn load(from: *const f32) -> Self {
-        // SAFETY: the caller gives eight floats; an array of f32 has their alignment.
+        // SAFETY: the caller gives eight floats, and an array of f32 has their alignment.
         unsafe { Self(from.cast::<[f32; 8]>().read_unaligned()) }
     }
 
@@ -122,7 +123,7 @@ macro_rules! vector {
     ($register:ty, $lanes:literal, $load:ident, $store:ident, $splat:ident, $mul_add:expr,
      $add:ident, $sub:ident, $max:ident, $min:ident) => {
         // SAFETY: the intrinsics are those of the type's instruction set, which the caller has
-        // enabled, and the unaligned loads and stores touch exactly its lanes.
+        // enabled. The unaligned loads and stores use exactly its lanes.
         unsafe impl Vector for $register {
             const LANES: usize = $lanes;
 

@@ -1,9 +1,9 @@
-//! Which pixels of the input make a pixel of the output.
+//! The pixels of the input that give a pixel of the output.
 
 use crate::layout::{Extent, Layout};
 
-/// The window of a convolution or a pooling. Frames come first, then rows and columns; an image is a clip of
-/// one frame.
+/// The window of a convolution or a pooling. Frames come first, then rows and columns. An image is
+/// a clip of one frame.
 ///
 /// ```
 /// use vision_models::engine::Window;
@@ -16,28 +16,30 @@ use crate::layout::{Extent, Layout};
 pub struct Window {
     /// Frames, rows and columns of the kernel.
     pub kernel: Extent,
-    /// Steps from one output to the next; of a transposed convolution, steps in the output from one input to
-    /// the next.
+    /// Distance in the input from one output to the next. In a transposed convolution, distance in
+    /// the output from one input to the next.
     pub stride: Extent,
-    /// Zeros around the input; of a transposed convolution, what is cut off around the output.
+    /// Zeros around the input. A transposed convolution instead cuts this much off around the
+    /// output.
     pub padding: Extent,
-    /// Steps from one tap to the next.
+    /// Distance from one tap to the next.
     pub dilation: Extent,
-    /// Zeros behind the input beyond the padding, or fewer: 1 where TensorFlow's `SAME` pads by an odd number.
-    /// None of a transposed convolution.
+    /// Zeros after the input beyond the padding, or fewer if negative. 1 where TensorFlow's `SAME`
+    /// pads by an odd number. Zero for a transposed convolution.
     pub extra: [isize; 3],
 }
 
 impl Window {
-    /// A window of stride one with a padding that keeps the size, for kernels of odd lengths.
+    /// Creates a window of stride one with a padding that keeps the size, for kernels of odd
+    /// lengths.
     pub const fn same(kernel: [usize; 3]) -> Self {
         let [frames, rows, columns] = kernel;
         let padding = [frames / 2, rows / 2, columns / 2];
         Self { kernel, stride: [1; 3], padding, dilation: [1; 3], extra: [0; 3] }
     }
 
-    /// The output's frames, rows and columns for an input's; `None` if the kernel does not fit, or if the
-    /// sizes are beyond all memory.
+    /// Returns the output's frames, rows and columns for an input's. `None` if the kernel does not
+    /// fit, or if the sizes are too large for any memory.
     pub fn output(&self, size: [usize; 3]) -> Option<[usize; 3]> {
         let mut output = [0; 3];
         for axis in 0..3 {
@@ -49,7 +51,7 @@ impl Window {
         Some(output)
     }
 
-    /// The same for a transposed convolution.
+    /// Returns the same for a transposed convolution.
     pub fn transposed_output(&self, size: [usize; 3]) -> Option<[usize; 3]> {
         let mut output = [0; 3];
         for axis in 0..3 {
@@ -60,19 +62,19 @@ impl Window {
         Some(output)
     }
 
-    /// Whether every window has a tap inside the input along an axis, as a pooling needs.
+    /// Returns true if every window has a tap inside the input along an axis, as a pooling needs.
     pub(crate) fn stays_inside(&self, axis: usize) -> bool {
         let (kernel, padding) = (self.kernel[axis], self.padding[axis]);
         let behind = padding.checked_add_signed(self.extra[axis]);
         2 * padding <= kernel && behind.is_none_or(|behind| behind < kernel)
     }
 
-    /// From the first tap to the last, both included.
+    /// Returns the length from the first tap to the last, both included.
     fn span(&self, axis: usize) -> Option<usize> {
         self.kernel[axis].checked_sub(1)?.checked_mul(self.dilation[axis])?.checked_add(1)
     }
 
-    /// The one phase of a convolution: every output.
+    /// Returns the single phase of a convolution, with every output.
     pub(crate) fn whole(&self, output: Extent) -> Phase {
         let taps = [0, 1, 2].map(|axis| {
             let place = |kernel: usize| Tap {
@@ -86,10 +88,11 @@ impl Window {
         Phase { size: output, start, step, input_step: self.stride, taps }
     }
 
-    /// The phases of a transposed convolution: the outputs that lie a stride apart see the same taps, so that
-    /// each phase is a convolution of stride one whose outputs are spread.
+    /// Returns the phases of a transposed convolution. Outputs at distances of the stride see the
+    /// same taps. Each phase is therefore a convolution of stride one whose outputs are spread.
     ///
-    /// With stride s and padding p, output o gets tap t of input i where s i + d t − p = o.
+    /// If the stride is s and the padding p, output o gets tap t of input i where s i + d t − p =
+    /// o.
     pub(crate) fn phases(&self, output: Extent) -> Vec<Phase> {
         let count: usize = self.stride.iter().product();
         let phase = |index: usize| {
@@ -120,29 +123,29 @@ impl Window {
 /// A tap of a kernel along one axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Tap {
-    /// Its index in the kernel.
+    /// Index in the kernel.
     pub(crate) kernel: usize,
-    /// What it reads, from where the output's input starts.
+    /// Offset from the start of the output's input.
     pub(crate) offset: isize,
 }
 
-/// Outputs that see the same taps.
+/// The outputs that see the same taps.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Phase {
-    /// How many outputs there are along each axis.
+    /// Number of outputs along each axis.
     pub(crate) size: Extent,
     /// The first output.
     pub(crate) start: Extent,
-    /// From one output to the next.
+    /// Distance from one output to the next.
     pub(crate) step: Extent,
-    /// From one output's input to the next one's.
+    /// Distance from one output's input to the next one's.
     pub(crate) input_step: Extent,
     /// The taps along each axis.
     pub(crate) taps: [Vec<Tap>; 3],
 }
 
 impl Phase {
-    /// The index in the kernel of every tap, columns running fastest.
+    /// Returns the index in the kernel of every tap, columns running fastest.
     pub(crate) fn kernel_taps(&self, [_, rows, columns]: Extent) -> Vec<usize> {
         let [frame_taps, row_taps, column_taps] = &self.taps;
         let mut indices = Vec::with_capacity(frame_taps.len() * row_taps.len() * column_taps.len());
@@ -156,7 +159,7 @@ impl Phase {
         indices
     }
 
-    /// The zeros that an input of this size needs before and after.
+    /// Returns the zeros that an input of this size needs before and after.
     pub(crate) fn border(&self, size: Extent) -> [Extent; 2] {
         let before = std::array::from_fn(|axis| {
             let first = self.taps[axis].iter().map(|tap| tap.offset).min().unwrap_or(0);
@@ -170,8 +173,8 @@ impl Phase {
         [before, after]
     }
 
-    /// Whether the outputs lie inside an output of this size, and their taps inside the input with its
-    /// border.
+    /// Returns true if the outputs lie inside an output of this size, and their taps inside the
+    /// input with its border.
     pub(super) fn fits(&self, input: &Layout, output: &Layout) -> bool {
         let [before, after] = self.border(input.size);
         let inside = |axis: usize| {

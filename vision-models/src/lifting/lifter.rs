@@ -1,4 +1,4 @@
-//! Each joint at its depth.
+//! Lifts each joint to its depth.
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
@@ -10,7 +10,7 @@ use crate::body::{Body, Body25, ImageBody, ImageKeypoint, Keypoint};
 use crate::camera::{Camera, DepthImage};
 use crate::error::Error;
 
-/// Joints of which the trunk's place is the median.
+/// Joints whose median range is the trunk's.
 const TRUNK: [Body25; 6] = [
     Body25::Neck,
     Body25::MidHip,
@@ -20,7 +20,7 @@ const TRUNK: [Body25; 6] = [
     Body25::RightHip,
 ];
 
-/// Joints of upright parts: what is above them hides them from a camera that looks down.
+/// Joints of upright parts, whose depth below the skin is measured along the floor.
 const UPRIGHT: [Body25; 10] = [
     Body25::Neck,
     Body25::MidHip,
@@ -37,26 +37,28 @@ const UPRIGHT: [Body25; 10] = [
 /// Joints that hands often hide.
 const HIPS: [Body25; 3] = [Body25::MidHip, Body25::LeftHip, Body25::RightHip];
 
-/// People bend forwards and not backwards: what seems to be a hip so far ahead of the neck is a hand or a
-/// tool before it (m).
+/// People bend forwards, not backwards. A hip farther ahead of the neck than this is a hand or a
+/// tool in front of it (m).
 const LEANING_BACK: f64 = 0.12;
 
-/// A ray steeper than this (cosine to the floor) does not meet the front of an upright part.
+/// A ray steeper than this (cosine to the floor) does not hit the front of an upright part.
 const STEEPEST: f64 = 0.6;
 
-/// Below this length the line through shoulders and hips has no direction to speak of (m).
+/// Shortest line through shoulders and hips whose direction is used (m).
 const SHORTEST_LEFT: f64 = 0.05;
 
-/// At an edge the standard deviation of the depth is larger by this factor.
+/// Factor of the depth's standard deviation at an edge.
 const AT_EDGE: f64 = 1.4;
 
-/// Brings joints from the image into the world, each with its covariance.
+/// Converts joints in the image to joints in the world, each with its covariance.
 ///
-/// A joint's depth is the median of a window around its pixel, of the nearest surface there; where
-/// there is none, or where the joint would be farther from the trunk than an arm reaches, the joint
-/// is left out. The joint itself lies behind the skin ([`SkinDepths`]), along the ray for arms, head and
-/// feet, and for upright parts as far as their depth below the skin is along the floor. Its covariance
-/// has the error of the keypoint across the ray, and those of depth and skin along it.
+/// A joint's depth is the median depth of the nearest surface in a window around its pixel. The
+/// joint is left out if there is no surface, or if it would be farther from the trunk than an arm
+/// reaches.
+///
+/// The joint lies behind the skin ([`SkinDepths`]): along the ray for arms, head and feet, and
+/// along the floor for upright parts. Its covariance has the error of the keypoint across the ray,
+/// and those of depth and skin along it.
 ///
 /// [`SkinDepths`]: crate::SkinDepths
 ///
@@ -91,7 +93,7 @@ pub struct Lifter {
 }
 
 impl Lifter {
-    /// A lifter for the images of a camera.
+    /// Creates a lifter for the images of a camera.
     ///
     /// # Errors
     /// [`Error::Value`] if a setting is outside its range.
@@ -100,19 +102,19 @@ impl Lifter {
         Ok(Self { camera, settings })
     }
 
-    /// The camera.
+    /// Returns the camera.
     pub fn camera(&self) -> &Camera {
         &self.camera
     }
 
-    /// The joints of a person in the world. It allocates nothing.
+    /// Returns the joints of a person in the world. It allocates nothing.
     ///
-    /// `heading` is the yaw of the way that the person faces (rad, world), as a tracker knows it: how deep
-    /// joints of the trunk and the head are below the skin depends on it. Without one it is that of the
-    /// shoulders and hips in this frame.
+    /// `heading` is the yaw of the person's forward direction (rad, world), as a tracker estimates
+    /// it. The depth of the joints of trunk and head below the skin depends on it. If it is
+    /// missing, the heading of shoulders and hips in this frame is used.
     ///
     /// # Errors
-    /// [`Error::Size`] if the depth image has not the size of the camera's intrinsics.
+    /// [`Error::Size`] if the size of the depth image differs from the intrinsics'.
     pub fn lift(
         &self,
         image: &ImageBody,
@@ -122,11 +124,13 @@ impl Lifter {
         self.lift_facing(image, depth, |_| heading)
     }
 
-    /// The same for a person whose heading `facing` knows by where they are: of a body that is lifted as if
-    /// the person faced the camera. The depths are looked at once.
+    /// Returns the joints of a person whose heading depends on their position.
+    ///
+    /// `facing` gets the body lifted as if the person faced the camera, and returns the heading.
+    /// The depths are read once.
     ///
     /// # Errors
-    /// As of [`lift`](Self::lift).
+    /// Those of [`lift`](Self::lift).
     pub fn lift_facing(
         &self,
         image: &ImageBody,
@@ -150,12 +154,14 @@ impl Lifter {
         Ok(heading.map_or(before, |heading| self.body(&seen, Some(heading))))
     }
 
-    /// The body of a person of this heading; of one who faces the camera where there is none.
+    /// Returns the body of a person with this heading. If it is missing, the person faces the
+    /// camera.
     fn body(&self, seen: &[Option<Look>; Body25::COUNT], heading: Option<f64>) -> Body {
         let lifted =
             Body25::ALL.map(|joint| Some(self.joint(joint, &seen[joint.index()]?, heading)));
         let motion = self.camera.world_from_camera();
-        // How far ahead of the camera along the floor; along the axis where it looks straight down.
+        // The distance ahead of the camera along the floor, or along the axis if the camera looks
+        // straight down.
         let axis = motion.rotation * Vector3::z();
         let level = Vector3::new(axis.x, axis.y, 0.0).try_normalize(0.2).unwrap_or(axis);
         let ahead = motion.rotation.inverse() * level;
@@ -184,7 +190,7 @@ impl Lifter {
         body
     }
 
-    /// The surface at a keypoint.
+    /// Returns the surface at a keypoint.
     fn look(&self, keypoint: ImageKeypoint, depth: &DepthImage) -> Option<Look> {
         let settings = &self.settings;
         if keypoint.confidence.value() < settings.least_confidence {
@@ -203,7 +209,7 @@ impl Lifter {
         Some(Look { keypoint, surface })
     }
 
-    /// A joint in the optical frame.
+    /// Returns a joint in the optical frame.
     fn joint(&self, joint: Body25, look: &Look, heading: Option<f64>) -> Lifted {
         let Look { keypoint, surface } = look;
         let settings = &self.settings;
@@ -225,14 +231,15 @@ impl Lifter {
         Lifted { position, covariance, keypoint: Keypoint { position, confidence } }
     }
 
-    /// The yaw of the direction from a point on this ray to the camera (rad, world).
+    /// Returns the yaw of the direction from a point on this ray to the camera (rad, world).
     fn bearing(&self, ray: &Vector3<f64>) -> f64 {
         let towards = -(self.camera.world_from_camera().rotation * ray);
         towards.y.atan2(towards.x)
     }
 
-    /// What the depth below the skin is over the depth along the optical axis, in the part of the body around a joint:
-    /// deep is along the floor for upright parts, and along the ray for others.
+    /// Returns the ratio of the depth below the skin to the depth along the optical axis, for the
+    /// part of the body around a joint. The former is measured along the floor for upright parts,
+    /// and along the ray for others.
     fn slant(&self, joint: Body25, ray: &Vector3<f64>) -> f64 {
         let length = ray.norm();
         let in_world = self.camera.world_from_camera().rotation * ray;
@@ -249,7 +256,7 @@ impl Lifter {
     }
 }
 
-/// A keypoint with the surface there.
+/// A keypoint with the surface at its pixel.
 #[derive(Clone, Copy)]
 struct Look {
     keypoint: ImageKeypoint,
@@ -264,7 +271,7 @@ struct Lifted {
     keypoint: Keypoint,
 }
 
-/// The yaw of the way that a body faces (rad): left is from right to left, of shoulders and hips.
+/// Returns the yaw of a body's forward direction (rad) from its shoulders and hips.
 fn heading_of(body: &Body) -> Option<f64> {
     let pair = |left, right| {
         let (left, right) = (body.get(left)?, body.get(right)?);
@@ -276,14 +283,15 @@ fn heading_of(body: &Body) -> Option<f64> {
     (left.norm() > SHORTEST_LEFT).then(|| (-left.x).atan2(left.y))
 }
 
-/// The median of the trunk's joints, or of all where fewer than two of those are there.
+/// Returns the median of the trunk's joints, or of all joints if fewer than two of the trunk's are
+/// known.
 fn trunk_range(ranges: &[Option<f64>; Body25::COUNT]) -> Option<f64> {
     let range = |joint: Body25| ranges[joint.index()];
     median(TRUNK.into_iter().filter_map(range), 2)
         .or_else(|| median(Body25::ALL.into_iter().filter_map(range), 1))
 }
 
-/// The median of at least `least` values.
+/// Returns the median of at least `least` values.
 fn median(values: impl Iterator<Item = f64>, least: usize) -> Option<f64> {
     let mut sorted = [f64::INFINITY; Body25::COUNT];
     let mut count = 0;

@@ -1,9 +1,9 @@
-//! How deep a joint lies in a part of the body that is wider than deep.
+//! The depth of a joint in a part of the body that is wider than deep.
 
 use crate::error::Error;
 
-/// A horizontal section of the trunk or the head: an ellipse, as wide as the person seen from the front
-/// and as deep as seen from the side (m).
+/// A horizontal section of the trunk or the head: an ellipse whose width is seen from the front and
+/// whose depth is seen from the side (m).
 ///
 /// ```
 /// use vision_models::CrossSection;
@@ -15,16 +15,18 @@ use crate::error::Error;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CrossSection {
-    /// From the middle to either side.
+    /// Distance from the middle to either side (m).
     pub half_width: f64,
-    /// From the middle to the front and to the back.
+    /// Distance from the middle to the front and to the back (m).
     pub half_depth: f64,
 }
 
 impl CrossSection {
-    /// How far a point lies behind the outline (m). `aside` is its place to the left of the middle (m), and
-    /// `bearing` the direction to the camera from the person's forward direction, to the left positive
-    /// (rad). A point outside lies on the outline.
+    /// Returns the distance from the outline to a point behind it (m).
+    ///
+    /// `aside` is the point's distance to the left of the middle (m). `bearing` is the direction to
+    /// the camera relative to the person's forward direction, positive to the left (rad). A point
+    /// outside lies on the outline.
     pub fn depth(&self, aside: f64, bearing: f64) -> f64 {
         // The positive root t of (t cos/b)² + ((aside + t sin)/a)² = 1.
         let (sin, cos) = bearing.sin_cos();

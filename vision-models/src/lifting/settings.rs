@@ -14,28 +14,28 @@ use crate::error::Error;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LiftingSettings {
-    /// Keypoints with less confidence are left out: a pose network guesses joints that it does not
-    /// see, and depth there is that of what hides them. Default 0.4.
+    /// Keypoints with less confidence are left out. A pose network guesses hidden joints, and the
+    /// depth there belongs to the object that hides them. Default 0.4.
     pub least_confidence: f64,
-    /// Standard deviation of a keypoint, each axis (pixels). Default 3.
+    /// Standard deviation of a keypoint on each axis (pixels). Default 3.
     pub pixel_sigma: f64,
-    /// Half the side of the square in which depths are looked at, at the joint (m); in the image it
-    /// is 5 to 17 pixels wide. Default 0.03.
+    /// Half the side of the square around the joint in which depths are read (m). In the image the
+    /// square is 5 to 17 pixels wide. Default 0.03.
     pub window: f64,
-    /// The least share of the window's pixels that must have a depth, and of these the least that
-    /// make a surface of their own. Default 0.3.
+    /// Smallest share of the window's pixels that must have a depth. Also the smallest share of
+    /// these that make a surface. Default 0.3.
     pub least_share: f64,
-    /// Depths that differ by more than this, and by more than four standard deviations of the
-    /// noise, are of two surfaces (m). Default 0.08.
+    /// Depths belong to different surfaces if they differ by more than this (m) and by more than
+    /// four standard deviations of the noise. Default 0.08.
     pub edge: f64,
-    /// Depths outside this range are of no person (m). Default 0.3 to 8.
+    /// Depths outside this range belong to no person (m). Default 0.3 to 8.
     pub range: [f64; 2],
-    /// No joint is farther than this before or behind the middle of the trunk, along the floor (m).
+    /// Largest distance of a joint before or behind the middle of the trunk, along the floor (m).
     /// Default 0.9.
     pub reach: f64,
-    /// No joint of the trunk is (m). Default 0.5: a person who bends down.
+    /// Largest such distance of a joint of the trunk (m). Default 0.5, for a person who bends down.
     pub trunk_reach: f64,
-    /// How far below the skin the joints are.
+    /// Depths of the joints below the skin.
     pub skin: SkinDepths,
     /// Standard deviation of the depth below the skin (m). Default 0.015.
     pub skin_sigma: f64,

@@ -1,15 +1,17 @@
-//! How far below the skin joints are.
+//! Depths of joints below the skin.
 
 use super::section::CrossSection;
 use crate::body::Body25;
 use crate::error::Error;
 
-/// How far the centre of a joint lies behind the skin that depth sees (m).
+/// Distance of the centre of a joint behind the skin that the camera sees (m).
 ///
-/// Limbs are round: their joints lie as deep from every side. The trunk and the head are not: there it
-/// depends on the side from which the camera sees the person, and on how far the joint is from the middle.
-/// The defaults are for adults in working clothes, with breadths and depths that are rounded from
-/// ANSUR II (2012). Nose and eyes are on the skin.
+/// Limbs are round, so their joints are equally deep from every side. Trunk and head are not round.
+/// There the depth depends on the side from which the camera sees the person, and on the joint's
+/// distance from the middle.
+///
+/// The defaults are for adults in working clothes, with breadths and depths rounded from ANSUR II
+/// (2012). Nose and eyes are on the skin.
 ///
 /// ```
 /// use vision_models::{Body25, SkinDepths};
@@ -26,14 +28,14 @@ pub struct SkinDepths {
     pub neck: CrossSection,
     /// The trunk at the hips. Default 0.19 and 0.10.
     pub hips: CrossSection,
-    /// From the middle of the hips to either. Default 0.09.
+    /// Distance from the middle of the hips to either hip. Default 0.09.
     pub hip: f64,
     /// The head at the ears. Default 0.08 and 0.09.
     pub head: CrossSection,
-    /// From the middle of the head to either ear. Default 0.075.
+    /// Distance from the middle of the head to either ear. Default 0.075.
     pub ear: f64,
-    /// Shoulders: the near one lies as deep as both do from the front, and the far one is seen through the
-    /// breadth of the trunk. Default 0.12 and 0.08.
+    /// Shoulders. The near shoulder is as deep as both are from the front. The far one is seen
+    /// through the breadth of the trunk. Default 0.12 and 0.08.
     pub shoulders: CrossSection,
     /// Elbows. Default 0.045.
     pub elbows: f64,
@@ -66,8 +68,8 @@ impl Default for SkinDepths {
 }
 
 impl SkinDepths {
-    /// The depth of a joint below the skin (m), seen from a `bearing`: the direction to the camera from
-    /// the person's forward direction, to the left positive (rad).
+    /// Returns the depth of a joint below the skin (m). `bearing` is the direction to the camera
+    /// relative to the person's forward direction, positive to the left (rad).
     pub fn of(&self, joint: Body25, bearing: f64) -> f64 {
         use Body25::{
             LeftAnkle, LeftBigToe, LeftEar, LeftElbow, LeftEye, LeftHeel, LeftHip, LeftKnee,
@@ -95,12 +97,13 @@ impl SkinDepths {
         }
     }
 
-    /// Of the hip that is so far to the left (m): the trunk does not become thinner towards its sides.
+    /// Returns the depth of the hip at this distance to the left (m). The trunk does not become
+    /// thinner towards its sides.
     fn hip_depth(&self, aside: f64, bearing: f64) -> f64 {
         self.hips.depth(aside, bearing).max(self.hips.half_depth)
     }
 
-    /// Of the shoulder on the side to which bearings are positive.
+    /// Returns the depth of the shoulder on the side of positive bearings.
     fn shoulder(&self, bearing: f64) -> f64 {
         let is_near = bearing.sin() >= 0.0;
         if is_near { self.shoulders.half_depth } else { self.shoulders.depth(0.0, bearing) }

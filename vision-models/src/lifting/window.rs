@@ -4,19 +4,19 @@ use nalgebra::Point2;
 
 use crate::camera::DepthImage;
 
-/// The window's half side (pixels).
+/// Smallest and largest half side of the window (pixels), and its largest number of pixels.
 const SMALLEST: usize = 2;
 const LARGEST: usize = 8;
 const MOST: usize = (2 * LARGEST + 1) * (2 * LARGEST + 1);
 
-/// What a window has to satisfy.
+/// Requirements of a window.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Wanted {
     /// Half the side (m).
     pub(super) half_side: f64,
     /// Focal length (pixels).
     pub(super) focal: f64,
-    /// The least share of pixels with a depth, and of those on one surface.
+    /// Smallest share of pixels with a depth, and of those on one surface.
     pub(super) least_share: f64,
     /// Nearest and farthest depth (m).
     pub(super) range: [f64; 2],
@@ -27,13 +27,15 @@ pub(super) struct Wanted {
 pub(super) struct Surface {
     /// Median depth (m).
     pub(super) depth: f64,
-    /// Whether the window shows another surface, too.
+    /// True if the window shows another surface too.
     pub(super) at_edge: bool,
 }
 
-/// Looks at the depths around a pixel. Where they are of several surfaces, apart by more than
-/// `edge(depth)` (m), the nearest with its share of the pixels counts: a person hides what is behind.
-/// Surfaces that run into each other without a gap give nothing.
+/// Finds the surface around a pixel.
+///
+/// Depths that differ by more than `edge(depth)` (m) belong to different surfaces. The nearest
+/// surface with its share of the pixels counts, since a person hides what is behind. Surfaces that
+/// merge without a gap give nothing.
 pub(super) fn surface(
     image: &DepthImage,
     pixel: &Point2<f64>,
@@ -68,21 +70,22 @@ pub(super) fn surface(
         .find(|surface| surface.len() as f64 >= least)?;
     let at = |share: usize| surface.get(surface.len() * share / 8).copied().map(f64::from);
     let (depth, [low, high]) = (at(4)?, [at(1)?, at(7)?]);
-    // What is left of a slope between two surfaces, or a surface seen along its face.
+    // A slope between two surfaces, or a surface seen along its face.
     if high - low > 2.0 * edge(depth) {
         return None;
     }
     Some(Surface { depth, at_edge: surface.len() < count })
 }
 
-/// The index of the pixel that a coordinate is in.
+/// Returns the index of the pixel that contains a coordinate.
 fn nearest_pixel(coordinate: f64, side: usize) -> Option<usize> {
     let nearest = coordinate.round();
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "in the image")]
     (nearest >= 0.0 && nearest < side as f64).then_some(nearest as usize)
 }
 
-/// As large as the part of the body is in the image, by the first depth around the pixel.
+/// Returns the half side for the size of the body part in the image, by the first depth around the
+/// pixel.
 fn half_side(image: &DepthImage, [column, row]: [usize; 2], wanted: &Wanted) -> usize {
     let mut around = (0..3_usize).flat_map(|y| (0..3_usize).map(move |x| (x, y)));
     let depth = around.find_map(|(x, y)| {
@@ -129,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn an_edge_gives_the_nearer_surface_and_never_a_mean() {
+    fn an_edge_gives_the_nearer_surface() {
         for column in 0..41 {
             let step = |x: usize, _: usize| if x < column { 2.0 } else { 3.5 };
             let depth = look(step).unwrap().depth;

@@ -1,4 +1,4 @@
-//! The layers of the networks, in each of the forms in which checkpoints hold them.
+//! The layers of the networks, for each form of checkpoint.
 
 mod backbone;
 mod naming;

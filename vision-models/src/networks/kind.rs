@@ -1,4 +1,4 @@
-//! The networks of this crate, and which of them a checkpoint holds.
+//! The networks of this crate, and recognition of their checkpoints.
 
 use std::fmt;
 
@@ -11,7 +11,7 @@ use super::architecture::{
     open_pose, resnet, simple_baseline, slow_fast, slow_only,
 };
 
-/// A network by its architecture and the names of its checkpoint.
+/// A network, identified by its architecture and the names in its checkpoint.
 ///
 /// ```
 /// use vision_models::{NetworkKind, ResNet, ResNetDepth, Tensor, Tensors};
@@ -42,7 +42,7 @@ pub enum NetworkKind {
 }
 
 impl NetworkKind {
-    /// Every network of this crate that checkpoints are known of.
+    /// Returns every network of this crate for which checkpoints exist.
     pub fn all() -> Vec<Self> {
         use ResNetDepth::{Eighteen, Fifty, OneHundredFiftyTwo, OneHundredOne, ThirtyFour};
         let depths = [Eighteen, ThirtyFour, Fifty, OneHundredOne, OneHundredFiftyTwo];
@@ -75,24 +75,26 @@ impl NetworkKind {
             .collect()
     }
 
-    /// The network whose tensors these are, all of them and with their shapes, for any number of
-    /// classes or without a head; `None` if they are no known one's. Nothing but names and shapes is read.
+    /// Returns the network to which these tensors belong, with any number of classes or without a
+    /// head. All names and shapes must match. `None` if no known network matches. Only names and
+    /// shapes are read.
     ///
-    /// One prefix, such as `model.`, may stand before all names. Counters may stand beside the weights, and outside
-    /// the prefix whatever no layer multiplies with, such as the weights of classes in a loss:
-    /// [`left_out`](Self::left_out) names them.
+    /// All names may have a common prefix, such as `model.`. The checkpoint may also hold counters.
+    /// Outside the prefix it may hold tensors that are no weights of a layer, such as the weights
+    /// of classes in a loss. [`left_out`](Self::left_out) names them.
     pub fn of(tensors: &dyn TensorSource) -> Option<Self> {
         Self::all().into_iter().find(|kind| kind.left_out(tensors).is_some())
     }
 
-    /// The tensors of a checkpoint that this network leaves out, by their names; `None` if it is no checkpoint of
-    /// this network.
+    /// Returns the names of the tensors of a checkpoint that this network does not use. `None` if
+    /// it is no checkpoint of this network.
     pub fn left_out(self, tensors: &dyn TensorSource) -> Option<Vec<String>> {
         let fit = self.program().ok()?.fit(tensors).ok()?;
         Some(fit.left_out)
     }
 
-    /// The names and shapes of the tensors that a checkpoint with this many classes must hold.
+    /// Returns the names and shapes of the tensors that a checkpoint with this many classes must
+    /// hold.
     pub fn parameters(self, classes: usize) -> Vec<(String, Vec<usize>)> {
         self.program().map(|program| program.expected(classes).into_tensors()).unwrap_or_default()
     }

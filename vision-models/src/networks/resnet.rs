@@ -10,26 +10,28 @@ use super::architecture::ResNetForm;
 use super::clips::from_images;
 use super::kind::NetworkKind;
 
-/// A residual network in torchvision's form (ResNet, ResNeXt, Wide ResNet): features at the average pool, and
-/// class scores.
+/// A residual network in torchvision's form (ResNet, ResNeXt, Wide ResNet). Its outputs are
+/// features after the average pool and class scores.
 #[derive(Debug)]
 pub struct ResNet(Network);
 
 impl ResNet {
-    /// The names and shapes of the tensors that a checkpoint with this many classes must hold.
+    /// Returns the names and shapes of the tensors that a checkpoint with this many classes must
+    /// hold.
     pub fn parameters(form: impl Into<ResNetForm>, classes: usize) -> Vec<(String, Vec<usize>)> {
         NetworkKind::ResNet(form.into()).parameters(classes)
     }
 
-    /// Takes the weights of a torchvision checkpoint and packs them for images of
-    /// `height` × `width` (other sizes run too, less fast). The linear layer is `fc` or `fc.1`, or there is
-    /// none: then there are features alone.
+    /// Loads a torchvision checkpoint and packs its weights for images of `height` × `width`. Other
+    /// sizes run too, but slower. The linear layer is `fc` or `fc.1`. If it is missing, the network
+    /// returns features only.
     ///
     /// # Errors
-    /// [`Error::Weights`] with every tensor that is missing, surplus or misshapen; [`Error::Value`]
-    /// for one that is not finite and for negative variances, [`Error::Overflow`];
-    /// [`Error::Size`] if the images are; [`Error::Threads`] for a
-    /// number of threads that cannot be started.
+    /// - [`Error::Weights`] with every tensor that is missing, surplus or of the wrong shape.
+    /// - [`Error::Value`] if a weight is not finite or a variance is negative.
+    /// - [`Error::Overflow`] if a weight is too large for f32.
+    /// - [`Error::Size`] if the size of the images does not fit.
+    /// - [`Error::Threads`] if this number of threads cannot be started.
     pub fn load(
         form: impl Into<ResNetForm>,
         tensors: impl TensorSource,
@@ -40,42 +42,46 @@ impl ResNet {
         kind.load(Box::new(tensors), [1, height, width], options).map(Self)
     }
 
-    /// Plans for images of another size and keeps the plan.
+    /// Plans the pass for images of another size and keeps the plan.
     ///
     /// # Errors
-    /// As of [`Network::plan`].
+    /// Those of [`Network::plan`].
     pub fn plan(&mut self, [height, width]: [usize; 2]) -> Result<(), Error> {
         self.0.plan([1, height, width])
     }
 
-    /// Runs on other threads from now on, which networks may share.
+    /// Makes the network run on other threads, which networks may share.
     ///
     /// # Errors
-    /// As of [`Network::share_threads`].
+    /// Those of [`Network::share_threads`].
     pub fn share_threads(&mut self, threads: &Threads) -> Result<(), Error> {
         self.0.share_threads(threads)
     }
 
-    /// The scores of normalised images, N × 3 × height × width.
+    /// Returns the scores of normalised images, N × 3 × height × width.
     ///
     /// # Errors
-    /// [`Error::Size`] if there are not three channels or no images, or for a size that does not fit,
-    /// [`Error::Value`] if a value is NaN or infinite, [`Error::Overflow`] if activations are.
+    /// - [`Error::Size`] if there are not three channels, there are no images, or the size does not
+    ///   fit.
+    /// - [`Error::Value`] if a value is NaN or infinite.
+    /// - [`Error::Overflow`] if an output is NaN or infinite.
     pub fn infer(&mut self, images: ArrayView4<'_, f32>) -> Result<Scores<'_>, Error> {
         Ok(self.0.infer(from_images(images))?.scores())
     }
 
-    /// Multiplications and additions for one image of the size that the network was loaded for.
+    /// Returns the number of multiplications and additions for one image of the size given at
+    /// loading.
     pub fn operations(&self) -> u64 {
         self.0.operations()
     }
 
-    /// How many classes there are: the width of the logits. 0 for a checkpoint without a head.
+    /// Returns the number of classes, which is the width of the logits. 0 for a checkpoint without
+    /// a head.
     pub fn classes(&self) -> usize {
         self.0.classes()
     }
 
-    /// How many features the last layer sees: the width of the features.
+    /// Returns the width of the features, which the last layer reads.
     pub fn features(&self) -> usize {
         self.0.features()
     }

@@ -1,4 +1,4 @@
-//! SlowOnly on a camera's stream: a new score for each frame, most of it from what is known.
+//! SlowOnly on a camera's stream: a new score for each frame, with most activations reused.
 
 use ndarray::{ArrayView2, ArrayView3};
 
@@ -12,25 +12,26 @@ use super::slow_only::SlowOnly;
 
 /// SlowOnly over a sliding window of frames.
 ///
-/// The kernels of the first half of the network (the stem and two stages) see one frame at a time,
-/// so that its activations are computed once for each frame and kept; only the second half sees
-/// the window anew. The scores are bit for bit those of [`SlowOnly::infer`] on the window.
+/// The kernels of the first half of the network (the stem and two stages) see one frame at a time.
+/// Their activations are computed once per frame and kept. Only the second half is computed for
+/// each window. The scores are bit for bit those of [`SlowOnly::infer`] on the window.
 #[derive(Debug)]
 pub struct SlowOnlyStream {
     network: Network,
-    /// From one frame to its activation.
+    /// The pass from one frame to its activation.
     frame: Plan,
-    /// From the activations of the window to the scores.
+    /// The pass from the activations of the window to the scores.
     window: Session,
     frames: usize,
-    /// Frames in the window so far.
+    /// Number of frames in the window so far.
     seen: usize,
     features: Vec<f32>,
     logits: Vec<f32>,
 }
 
 impl SlowOnlyStream {
-    /// A stream of frames of `height` × `width`, and a window of so many of them.
+    /// Creates a stream. `size` is the number of frames of a window, and the frames' height and
+    /// width.
     ///
     /// # Errors
     /// [`Error::Size`] if a kernel or the head's windows do not fit.
@@ -57,12 +58,13 @@ impl SlowOnlyStream {
         Ok(Self { network, frame, window, frames, seen: 0, features, logits })
     }
 
-    /// Takes the next normalised frame, 3 × height × width, and scores the window, once it is full.
+    /// Adds the next normalised frame, 3 × height × width. Returns the scores of the window if it
+    /// is full.
     ///
     /// # Errors
-    /// [`Error::Size`] if the frame has not the stream's size, [`Error::Value`] if a
-    /// value is NaN or infinite; the window stays as it was. [`Error::Overflow`] as long as a frame is in
-    /// the window whose activations overflow.
+    /// - [`Error::Size`] if the frame's size is not the stream's. The window is then unchanged.
+    /// - [`Error::Value`] if a value is NaN or infinite. The window is then unchanged.
+    /// - [`Error::Overflow`] as long as the window holds a frame whose activations overflow.
     pub fn push(&mut self, frame: ArrayView3<'_, f32>) -> Result<Option<Scores<'_>>, Error> {
         let (to, memory) = self.frame.input(0);
         let [_, rows, columns] = to.layout.size;
@@ -92,13 +94,13 @@ impl SlowOnlyStream {
         Ok(Some(Scores { logits: view(&self.logits)?, features: view(&self.features)? }))
     }
 
-    /// Forgets all frames, as before another recording.
+    /// Forgets all frames, to begin another recording.
     pub fn clear(&mut self) {
         self.seen = 0;
     }
 }
 
-/// Moves the window on by one frame. Frames have the same layout on both sides but for the border.
+/// Moves the window by one frame. Frames have the same layout on both sides except for the border.
 fn slide((from, frame): (&Channels, &[f32]), (to, window): (&Channels, &mut [f32])) {
     let (layout, strides) = (to.layout, to.layout.strides());
     let [stride, ..] = strides;

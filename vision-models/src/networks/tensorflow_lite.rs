@@ -1,4 +1,4 @@
-//! Networks in files of TensorFlow Lite.
+//! Networks from files of TensorFlow Lite.
 
 mod lowering;
 mod operators;
@@ -18,17 +18,17 @@ use lowering::Lowering;
 use values::Shape;
 use weights::Weights;
 
-/// The largest file that is read (bytes).
+/// Largest file that is read (bytes).
 const LARGEST: u64 = 1 << 30;
 
-/// A network in a file of TensorFlow Lite: its layers and its weights.
+/// A network from a file of TensorFlow Lite: its layers and its weights.
 ///
 /// Weights are float32 or float16, dense or sparse. The operators are CONV_2D, DEPTHWISE_CONV_2D, ADD, MAX_POOL_2D,
 /// PAD, RESIZE_BILINEAR, RESHAPE, CONCATENATION, DEPTH_TO_SPACE, LOGISTIC, RELU, RELU6, PRELU, DEQUANTIZE and
 /// DENSIFY. Reading a file takes at most four times its size and 16 MiB of memory.
 ///
-/// Tensors of TensorFlow Lite with fewer than four axes lie along the last ones: 1 × 195 values are 195 channels of one
-/// pixel.
+/// Tensors of TensorFlow Lite with fewer than four axes have the last ones: 1 × 195 values are 195
+/// channels of one pixel.
 ///
 /// ```
 /// use vision_models::{Options, TensorFlowLite, ndarray::Array5};
@@ -51,7 +51,7 @@ pub struct TensorFlowLite {
 }
 
 impl TensorFlowLite {
-    /// Returns true for a file that says that it is one of TensorFlow Lite; false for one that cannot be read.
+    /// Returns true if a file begins like a file of TensorFlow Lite. False if it cannot be read.
     pub fn is_in(path: impl AsRef<Path>) -> bool {
         let mut start = [0; 8];
         let read = File::open(path).and_then(|mut file| file.read_exact(&mut start));
@@ -61,7 +61,7 @@ impl TensorFlowLite {
     /// Reads a file.
     ///
     /// # Errors
-    /// [`Error::File`] if it cannot be read, [`Error::Checkpoint`] if it is refused.
+    /// [`Error::File`] if it cannot be read, [`Error::Checkpoint`] if it is rejected.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
         Self::from_bytes(read_bytes(path, LARGEST).map_err(in_file(path))?)
@@ -70,17 +70,17 @@ impl TensorFlowLite {
     /// Reads a file in memory.
     ///
     /// # Errors
-    /// [`Error::Checkpoint`] for what is no such file, does not fit together, holds other operators or numbers, or takes
-    /// too much memory.
+    /// [`Error::Checkpoint`] if the bytes are no such file, are inconsistent, hold unsupported
+    /// operators or numbers, or need too much memory.
     pub fn from_bytes(file: Vec<u8>) -> Result<Self, Error> {
         Self::of(file, &[])
     }
 
-    /// The same network with some of its outputs alone, by their numbers and in this order. What they do not depend on
-    /// is not computed.
+    /// Returns the network with only these outputs, by their numbers and in this order. Layers that
+    /// they do not need are not computed.
     ///
     /// # Errors
-    /// [`Error::Checkpoint`] for an output that there is not.
+    /// [`Error::Checkpoint`] if an output does not exist.
     pub fn keep(self, outputs: &[usize]) -> Result<Self, Error> {
         Self::of(self.weights.into_file(), outputs)
     }
@@ -90,12 +90,12 @@ impl TensorFlowLite {
         Ok(Self { graph, weights: Weights::new(file, weights), input, outputs })
     }
 
-    /// Channels, rows and columns of the images that it is given.
+    /// Returns channels, rows and columns of the input images.
     pub fn input(&self) -> [usize; 3] {
         self.input.image()
     }
 
-    /// Channels, rows and columns of each output, in order.
+    /// Returns channels, rows and columns of each output, in order.
     pub fn outputs(&self) -> impl Iterator<Item = [usize; 3]> {
         self.outputs.iter().map(Shape::image)
     }
@@ -103,7 +103,7 @@ impl TensorFlowLite {
     /// Packs the weights and plans the pass.
     ///
     /// # Errors
-    /// As of [`Network::load`].
+    /// Those of [`Network::load`].
     pub fn load(self, options: Options) -> Result<Network, Error> {
         Network::load(&self.graph, self.weights, self.input.size, options)
     }

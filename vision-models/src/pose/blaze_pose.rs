@@ -1,4 +1,4 @@
-//! The landmarks of everyone in the images of a camera, one after the other.
+//! The landmarks of all people in the successive images of a camera.
 
 mod detection;
 mod landmarks;
@@ -19,13 +19,13 @@ use region::Edge;
 pub use region::PoseRegion;
 use steady::Steady;
 
-/// BlazePose: thirty-three landmarks of each person, in the image and in metres. V. Bazarevsky et al., "BlazePose:
-/// on-device real-time body pose tracking", 2020. Both networks are MediaPipe's files (Apache-2.0), which the npm package
-/// `@mediapipe/pose` holds.
+/// BlazePose: thirty-three landmarks of each person, in the image and in metres. V. Bazarevsky et
+/// al., "BlazePose: on-device real-time body pose tracking", 2020. Both networks are MediaPipe's
+/// files (Apache-2.0) from the npm package `@mediapipe/pose`.
 ///
-/// A detector finds people; in later images each is looked for around where their landmarks were, and the detector
-/// runs only while fewer people are followed than [`BlazePoseSettings::most`]. Regions are steadied over time as
-/// MediaPipe's are; landmarks are as they are seen.
+/// A detector finds people. In later images each person is searched near their previous landmarks.
+/// The detector runs only while fewer people are tracked than [`BlazePoseSettings::most`]. Regions
+/// are smoothed over time as in MediaPipe. Landmarks are not smoothed.
 ///
 /// ```no_run
 /// use vision_models::{BlazePose, BlazePoseSettings, Body25, Options, TensorFlowLite, read_image};
@@ -47,18 +47,18 @@ pub struct BlazePose {
     settings: BlazePoseSettings,
     /// The people of the last image.
     followed: Vec<Followed>,
-    /// What the networks see.
+    /// The inputs of the networks.
     inputs: [Array4<f32>; 2],
 }
 
-/// A person who is looked for where they are expected.
+/// A tracked person and the region in which they are expected.
 #[derive(Debug)]
 struct Followed {
     region: PoseRegion,
     steady: Steady,
 }
 
-/// Whom BlazePose looks for. The defaults are MediaPipe's.
+/// The settings of BlazePose. The defaults are MediaPipe's.
 ///
 /// ```
 /// use vision_models::BlazePoseSettings;
@@ -67,11 +67,11 @@ struct Followed {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlazePoseSettings {
-    /// The most people who are followed: at least one.
+    /// Largest number of people who are tracked, at least one.
     pub most: usize,
-    /// The least score of a person whom the detector finds, from 0 to 1.
+    /// Smallest score of a person whom the detector finds, from 0 to 1.
     pub detection: f64,
-    /// The least score of a person in their region, from 0 to 1.
+    /// Smallest score of a person in their region, from 0 to 1.
     pub presence: f64,
 }
 
@@ -85,7 +85,7 @@ impl BlazePoseSettings {
     /// Checks every setting.
     ///
     /// # Errors
-    /// [`Error::Value`].
+    /// [`Error::Value`] names the first setting that is out of range.
     pub fn validate(&self) -> Result<(), Error> {
         let Self { most, detection, presence } = *self;
         for (name, value) in [("detection", detection), ("presence", presence)] {
@@ -100,17 +100,19 @@ impl BlazePoseSettings {
     }
 }
 
-/// Regions that share so much of their area are of one person.
+/// Regions that share this part of their area belong to one person.
 const OVERLAP: f64 = 0.5;
 
-/// The outputs of the network of landmarks that are read: points, score, maps, metric points.
+/// The outputs of the landmark network that are read: points, score, maps, metric points.
 const READ: [usize; 4] = [0, 1, 3, 4];
 
 impl BlazePose {
-    /// Takes the detector and any of the networks of landmarks (lite, full, heavy).
+    /// Loads the detector and any of the landmark networks (lite, full, heavy).
     ///
     /// # Errors
-    /// [`Error::Malformed`] for another network; [`Error::Value`] for a setting; as of [`TensorFlowLite::load`].
+    /// - [`Error::Malformed`] if a file holds another network.
+    /// - [`Error::Value`] if a setting is out of range.
+    /// - Those of [`TensorFlowLite::load`].
     pub fn load(
         detector: TensorFlowLite,
         landmarks: TensorFlowLite,
@@ -142,19 +144,21 @@ impl BlazePose {
         })
     }
 
-    /// Runs on other threads from now on, which networks may share.
+    /// Makes the networks run on other threads, which networks may share.
     ///
     /// # Errors
-    /// As of [`Network::share_threads`].
+    /// Those of [`Network::share_threads`].
     pub fn share_threads(&mut self, threads: &Threads) -> Result<(), Error> {
         self.detector.share_threads(threads)?;
         self.landmarks.share_threads(threads)
     }
 
-    /// The people in the next image of a camera, height × width × 3: red, green, blue; `time` is when it was taken (s).
+    /// Returns the people in the next image of a camera, height × width × 3 (red, green, blue).
+    /// `time` is its time stamp (s).
     ///
     /// # Errors
-    /// [`Error::Size`] for an image without pixels or of other channels, [`Error::Overflow`] if activations overflow.
+    /// - [`Error::Size`] if the image has no pixels or not three channels.
+    /// - [`Error::Overflow`] if activations overflow.
     pub fn estimate(
         &mut self,
         time: f64,
@@ -185,15 +189,15 @@ impl BlazePose {
         Ok(people)
     }
 
-    /// Expects nobody any more: what comes next are other images.
+    /// Forgets all people, to begin with other images.
     pub fn forget(&mut self) {
         self.followed.clear();
     }
 
-    /// The regions of all people whom the detector finds, the surest first.
+    /// Returns the regions of all people whom the detector finds, in falling order of score.
     ///
     /// # Errors
-    /// As of [`Self::estimate`].
+    /// Those of [`Self::estimate`].
     pub fn detect(&mut self, image: ArrayView3<'_, u8>) -> Result<Vec<PoseRegion>, Error> {
         let [rows, columns] = check_image(&image)?.map(|side| side as f64);
         let centre = Point2::new(0.5 * columns, 0.5 * rows);
@@ -214,10 +218,10 @@ impl BlazePose {
         Ok(regions.filter(|region| region.validate().is_ok()).collect())
     }
 
-    /// The person in a region, whatever their score.
+    /// Returns the person in a region, whatever their score.
     ///
     /// # Errors
-    /// As of [`Self::estimate`]; [`Error::Value`] for a region that is none.
+    /// Those of [`Self::estimate`], and [`Error::Value`] if the region is invalid.
     pub fn landmarks(
         &mut self,
         image: ArrayView3<'_, u8>,
@@ -241,7 +245,7 @@ impl BlazePose {
     }
 }
 
-/// Whether a file holds the network that is asked for.
+/// Checks that a file holds the expected network.
 fn check(
     wanted: &'static str,
     network: &TensorFlowLite,

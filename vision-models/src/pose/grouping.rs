@@ -1,4 +1,4 @@
-//! From maps of joints and fields of limbs to people.
+//! Groups joints to people from maps of joints and fields of limbs.
 //!
 //! Z. Cao, T. Simon, S.-E. Wei and Y. Sheikh, "Realtime multi-person 2D pose estimation using part affinity
 //! fields", CVPR 2017, Sec. 2.3 and 2.4.
@@ -12,10 +12,10 @@ use ndarray::ArrayView3;
 use crate::body::ImageKeypoint;
 use crate::error::Error;
 
-/// The eighteen joints of OpenPose's COCO model, each where it was seen.
+/// The eighteen joints of OpenPose's COCO model. Each is known if it was seen.
 pub type Coco18 = [Option<ImageKeypoint>; 18];
 
-/// How joints are grouped to people. The defaults are OpenPose's.
+/// Settings for grouping joints to people. The defaults are OpenPose's.
 ///
 /// ```
 /// use vision_models::GroupingSettings;
@@ -25,16 +25,17 @@ pub type Coco18 = [Option<ImageKeypoint>; 18];
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GroupingSettings {
-    /// The least height of a joint's maximum.
+    /// Smallest height of a joint's maximum.
     pub peak: f64,
-    /// The least part of a limb's field along the line between two joints, at a sample of the line.
+    /// Smallest component of a limb's field along the line between two joints, at a sample of the
+    /// line.
     pub field: f64,
-    /// The least share of such samples.
+    /// Smallest share of such samples.
     pub along: f64,
-    /// The least joints of a person: from 1 to 18.
+    /// Smallest number of joints of a person, from 1 to 18.
     pub least_joints: usize,
-    /// The least score of a person: the sum of the maxima of their joints and of the means along their limbs,
-    /// divided by the number of joints.
+    /// Smallest score of a person. It is the sum of the maxima of the joints and of the means along
+    /// the limbs, divided by the number of joints.
     pub score: f64,
 }
 
@@ -48,7 +49,7 @@ impl GroupingSettings {
     /// Checks every setting.
     ///
     /// # Errors
-    /// [`Error::Value`].
+    /// [`Error::Value`] names the first setting that is out of range.
     pub fn validate(&self) -> Result<(), Error> {
         let Self { peak, field, along, least_joints, score } = *self;
         let refuse = |name, value, expected| Err(Error::value(name, value, expected));
@@ -67,15 +68,18 @@ impl GroupingSettings {
     }
 }
 
-/// Groups the joints of everyone in an image.
+/// Groups the joints of all people in an image.
 ///
-/// `joints` are eighteen maps (and OpenPose's nineteenth, which is not read), `limbs` thirty-eight: the x and y
-/// components of the fields of nineteen limbs. Both are maps × rows × columns. Positions come out in cells, the
-/// centre of the first at 0, 0, best people first. Of each joint the 64 highest maxima are looked at.
+/// `joints` are eighteen maps (and OpenPose's nineteenth, which is not read). `limbs` are
+/// thirty-eight maps: the x and y components of the fields of nineteen limbs. Both are maps × rows
+/// × columns.
+///
+/// Positions are returned in cells, the centre of the first at 0, 0, best people first. The 64
+/// highest maxima of each joint are considered.
 ///
 /// # Errors
-/// [`Error::Size`] for maps of other shapes, [`Error::Value`] for a value that is NaN or infinite and for a
-/// setting out of range.
+/// - [`Error::Size`] if maps have other shapes.
+/// - [`Error::Value`] if a value is NaN or infinite, or a setting is out of range.
 ///
 /// ```
 /// use ndarray::Array3;

@@ -1,5 +1,5 @@
-//! Boxes around people without a detector: where a tracker expects somebody, and what is upright in a
-//! depth image.
+//! Finds boxes around people without a detector: from a tracker's expectation, or from upright
+//! objects in a depth image.
 
 use std::collections::VecDeque;
 
@@ -8,31 +8,31 @@ use nalgebra::{Point2, Point3};
 use super::person_box::PersonBox;
 use crate::camera::{Camera, DepthImage};
 
-/// Around the middle of somebody who stands, arms included (m).
+/// Radius around a standing person, arms included (m).
 const RADIUS: f64 = 0.45;
 
-/// Columns of the grid in which depths are looked at.
+/// Number of columns of the grid of depths.
 const COLUMNS: usize = 160;
 
-/// People are between these depths (m).
+/// Range of depths of people (m).
 const RANGE: [f32; 2] = [0.3, 8.0];
 
-/// What is higher above the floor than this, and lower, may be a person (m).
+/// Range of heights above the floor that may belong to a person (m).
 const HEIGHTS: [f64; 2] = [0.15, 2.4];
 
-/// Neighbours of one surface differ by no more than this share of the depth (m/m).
+/// Largest difference of neighbouring depths on one surface, as a share of the depth (m/m).
 const STEP: f32 = 0.06;
 
-/// A person reaches at least so high, is so tall as far as they are seen, so wide at most, and has so
-/// large a surface (m, m²).
+/// Smallest height that a person reaches (m), smallest visible height (m), largest width (m), and
+/// smallest visible surface (m²).
 const REACHES: f64 = 1.0;
 const TALL: f64 = 0.6;
 const WIDE: f64 = 1.5;
 const AREA: f64 = 0.12;
 
 impl PersonBox {
-    /// The box around somebody of this stature (m) who stands here on the floor (world, m), as a tracker
-    /// expects them; `None` where they are not wholly in front of the camera.
+    /// Returns the box around a person of this stature (m) whom a tracker expects at this position
+    /// on the floor (world, m). `None` if the person is not completely in front of the camera.
     pub fn around(camera: &Camera, floor: &Point2<f64>, stature: f64) -> Option<Self> {
         let mut bounds = Bounds::default();
         for (x, y) in [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)] {
@@ -44,9 +44,9 @@ impl PersonBox {
         bounds.person().filter(|person| person.validate().is_ok())
     }
 
-    /// The box around the nearest thing in a depth image that is as upright, as high, as wide and as large
-    /// as a person: connected depths above the floor. `None` if there is none, or for a depth image of
-    /// another size than the camera's.
+    /// Returns the box around the nearest object of a depth image that is as upright, high, wide
+    /// and large as a person. An object is a set of connected depths above the floor. `None` if
+    /// there is none, or if the size of the depth image is not the camera's.
     pub fn nearest(camera: &Camera, depth: &DepthImage) -> Option<Self> {
         let [width, height] = depth.size();
         if camera.intrinsics().size() != depth.size() {
@@ -93,12 +93,12 @@ impl PersonBox {
     }
 }
 
-/// A place of a depth image that may be of a person.
+/// A grid cell of a depth image that may belong to a person.
 #[derive(Clone, Copy, Debug)]
 struct Cell {
     pixel: Point2<f64>,
     depth: f32,
-    /// Above the floor (m).
+    /// Height above the floor (m).
     height: f64,
 }
 
@@ -114,17 +114,17 @@ impl Cell {
     }
 }
 
-/// Cells that hang together.
+/// A set of connected cells.
 #[derive(Debug)]
 struct Region {
     bounds: Bounds,
     count: f64,
     depth: f64,
-    /// m²
+    /// Area (m²).
     area: f64,
-    /// m
+    /// Range of heights (m).
     heights: [f64; 2],
-    /// Metres to a pixel, summed.
+    /// Sum of metres per pixel.
     scale: f64,
 }
 
@@ -154,7 +154,7 @@ impl Region {
         self.heights = [low.min(cell.height), high.max(cell.height)];
     }
 
-    /// Its depth (m) and box, if it may be a person.
+    /// Returns the depth (m) and the box of the region, if it may be a person.
     fn person(&self) -> Option<(f64, PersonBox)> {
         let person = self.bounds.person()?;
         let [low, high] = self.heights;
@@ -164,7 +164,7 @@ impl Region {
     }
 }
 
-/// Around pixels.
+/// The bounds of some pixels.
 #[derive(Debug)]
 struct Bounds {
     low: Point2<f64>,

@@ -1,4 +1,4 @@
-//! The joints of everyone in an image.
+//! The joints of all people in an image.
 
 use nalgebra::Point2;
 use ndarray::{Array4, ArrayView3, ArrayView4, Axis, s};
@@ -12,11 +12,14 @@ use crate::weights::TensorSource;
 use super::grouping::{GroupingSettings, group_parts};
 use super::sampling::{Scaling, check_image};
 
-/// OpenPose's body network with COCO's eighteen joints, for users who hold its weights (their licence is
-/// non-commercial): everyone in an image at once, without boxes. Z. Cao, T. Simon, S.-E. Wei and Y. Sheikh,
-/// "Realtime multi-person 2D pose estimation using part affinity fields", CVPR 2017.
+/// OpenPose's body network with COCO's eighteen joints. It finds all people in an image at once,
+/// without boxes. Users need its weights, whose licence is non-commercial.
 ///
-/// It is costly: 366 GFLOP for 368 × 496 pixels, 34 times [`SimpleBaseline`](crate::SimpleBaseline)'s.
+/// Z. Cao, T. Simon, S.-E. Wei and Y. Sheikh, "Realtime multi-person 2D pose estimation using part
+/// affinity fields", CVPR 2017.
+///
+/// It needs much computation: 366 GFLOP for 368 × 496 pixels, 34 times as much as
+/// [`SimpleBaseline`](crate::SimpleBaseline).
 ///
 /// ```no_run
 /// use vision_models::{Checkpoint, GroupingSettings, OpenPose, Options, read_image};
@@ -32,28 +35,29 @@ use super::sampling::{Scaling, check_image};
 #[derive(Debug)]
 pub struct OpenPose {
     network: Network,
-    /// What the network sees.
+    /// The network's input.
     input: Array4<f32>,
 }
 
-/// Pixels of the input to a cell of the maps.
+/// Pixels of the input per cell of the maps.
 const CELL: usize = 8;
-/// The grey around the image.
+/// Grey level around the image.
 const GREY: f64 = 128.0;
 
 impl OpenPose {
-    /// The names and shapes of the tensors that a checkpoint must hold.
+    /// Returns the names and shapes of the tensors that a checkpoint must hold.
     pub fn parameters(form: OpenPoseForm) -> Vec<(String, Vec<usize>)> {
         NetworkKind::OpenPose(form).parameters(0)
     }
 
-    /// Takes the weights of a checkpoint, whichever names it has. Images are scaled into `height` × `width`
-    /// pixels, rounded up to multiples of eight: OpenPose's own are 368 high.
+    /// Loads a checkpoint with names of either form. Images are scaled to fit `height` × `width`
+    /// pixels, rounded up to multiples of eight. OpenPose itself uses a height of 368.
     ///
     /// # Errors
-    /// [`Error::Weights`] with every tensor that is missing, surplus or misshapen; [`Error::Value`] for one
-    /// that is not finite, [`Error::Size`]; [`Error::Threads`] for a number
-    /// of threads that cannot be started.
+    /// - [`Error::Weights`] with every tensor that is missing, surplus or of the wrong shape.
+    /// - [`Error::Value`] if a weight is not finite.
+    /// - [`Error::Size`] if the size does not fit.
+    /// - [`Error::Threads`] if this number of threads cannot be started.
     pub fn load(
         tensors: impl TensorSource,
         [height, width]: [usize; 2],
@@ -70,34 +74,35 @@ impl OpenPose {
         Ok(Self { network, input: Array4::zeros((1, 3, rows, columns)) })
     }
 
-    /// Runs on other threads from now on, which networks may share.
+    /// Makes the network run on other threads, which networks may share.
     ///
     /// # Errors
-    /// As of [`Network::share_threads`].
+    /// Those of [`Network::share_threads`].
     pub fn share_threads(&mut self, threads: &Threads) -> Result<(), Error> {
         self.network.share_threads(threads)
     }
 
-    /// Multiplications and additions for one image.
+    /// Returns the number of multiplications and additions for one image.
     pub fn operations(&self) -> u64 {
         self.network.operations()
     }
 
-    /// The maps of prepared images, N × 3 × height × width (blue, green, red, each level v as v/256 − 1/2): the
-    /// limbs' fields, N × 38 × rows × columns, and the joints' maps, N × 19 × rows × columns. For other uses than
-    /// [`Self::estimate`].
+    /// Returns the maps of prepared images, N × 3 × height × width (blue, green, red, each level v
+    /// as v/256 − 1/2). They are the limbs' fields, N × 38 × rows × columns, and the joints' maps,
+    /// N × 19 × rows × columns. To find people, use [`Self::estimate`].
     ///
     /// # Errors
-    /// As of [`Network::infer`].
+    /// Those of [`Network::infer`].
     pub fn maps(&mut self, images: ArrayView4<'_, f32>) -> Result<[ArrayView4<'_, f32>; 2], Error> {
         maps(&mut self.network, images)
     }
 
-    /// The joints of everyone in the image, which is height × width × 3: red, green, blue.
+    /// Returns the joints of all people in the image, height × width × 3 (red, green, blue).
     ///
     /// # Errors
-    /// [`Error::Size`] for an image without pixels or of other channels, [`Error::Value`] for a setting
-    /// out of range, [`Error::Overflow`] if activations overflow.
+    /// - [`Error::Size`] if the image has no pixels or not three channels.
+    /// - [`Error::Value`] if a setting is out of range.
+    /// - [`Error::Overflow`] if activations overflow.
     pub fn estimate(
         &mut self,
         image: ArrayView3<'_, u8>,
@@ -106,7 +111,8 @@ impl OpenPose {
         let [height, width] = check_image(&image)?;
         settings.validate()?;
         let (_, _, rows, columns) = self.input.dim();
-        // Pixels of the image to one of the input; their centres are half a pixel from the edges.
+        // Pixels of the image per pixel of the input. The centres of pixels are half a pixel from
+        // the edges.
         let step = (height as f64 / rows as f64).max(width as f64 / columns as f64);
         let scaling = Scaling { left: 0.5 * step - 0.5, top: 0.5 * step - 0.5, step };
         let blue_first = image.slice(s![.., .., ..;-1]);
@@ -127,7 +133,7 @@ impl OpenPose {
     }
 }
 
-/// The network's fields and joints.
+/// Returns the network's fields and joints.
 fn maps<'a>(
     network: &'a mut Network,
     images: ArrayView4<'_, f32>,

@@ -1,8 +1,8 @@
-//! Where a person is in an image.
+//! The box around a person in an image.
 
 use crate::error::Error;
 
-/// The rectangle around a person, in pixels; the centre of the pixel at the top left is at 0, 0.
+/// The rectangle around a person, in pixels. The centre of the pixel at the top left is at 0, 0.
 ///
 /// ```
 /// use vision_models::PersonBox;
@@ -17,20 +17,20 @@ pub struct PersonBox {
     pub left: f64,
     /// The upper edge.
     pub top: f64,
-    /// From left to right.
+    /// Width, from left to right.
     pub width: f64,
-    /// From top to bottom.
+    /// Height, from top to bottom.
     pub height: f64,
 }
 
 impl PersonBox {
-    /// Boxes are not larger than this, nor farther away (pixels).
+    /// Largest size and distance of a box (pixels).
     const MAX_PIXELS: f64 = 1e6;
 
     /// Checks the numbers.
     ///
     /// # Errors
-    /// [`Error::Value`] for numbers that are not finite or above a million, and for boxes without an area.
+    /// [`Error::Value`] if a number is not finite or above a million, or the box has no area.
     pub fn validate(&self) -> Result<(), Error> {
         let Self { left, top, width, height } = *self;
         let near =
@@ -47,7 +47,7 @@ impl PersonBox {
         Error::value("a person's box", got, expected)
     }
 
-    /// Whether a part of it lies in an image of so many rows and columns.
+    /// Returns true if a part of the box lies in an image with this number of rows and columns.
     pub(super) fn overlaps(&self, [height, width]: [usize; 2]) -> bool {
         let Self { left, top, .. } = *self;
         left < width as f64

@@ -1,4 +1,4 @@
-//! Parts of an image, scaled to what a network sees.
+//! Parts of an image, scaled to a network's input.
 
 use ndarray::{ArrayView3, ArrayViewMut3};
 
@@ -14,14 +14,14 @@ pub(super) struct Scaling {
 }
 
 impl Scaling {
-    /// Where a position in the copy is in the image.
+    /// Returns the image position of a position in the copy.
     pub(super) fn source(&self, [u, v]: [f64; 2]) -> [f64; 2] {
         [self.left + self.step * u, self.top + self.step * v]
     }
 
-    /// Fills channels × rows × columns with the image's colours, interpolated linearly and rounded to whole
-    /// levels, `outside` where there is no image. `normalise(channel, level)` gives the value of the
-    /// `channel`-th colour, 0 being red.
+    /// Fills channels × rows × columns with the image's colours, interpolated linearly and rounded
+    /// to integer levels. `outside` is the level outside the image. `normalise(channel, level)`
+    /// returns the value of the `channel`-th colour. Colour 0 is red.
     pub(super) fn sample(
         &self,
         image: &ArrayView3<'_, u8>,
@@ -36,7 +36,7 @@ impl Scaling {
     }
 }
 
-/// The colour at a position between pixels.
+/// Returns the colour at a position between pixels.
 fn bilinear(image: &ArrayView3<'_, u8>, channel: usize, [x, y]: [f64; 2], outside: f64) -> f64 {
     let (left, top) = (x.floor(), y.floor());
     let level = |row: f64, column: f64| {
@@ -56,10 +56,10 @@ fn bilinear(image: &ArrayView3<'_, u8>, channel: usize, [x, y]: [f64; 2], outsid
     (1.0 - down) * mix(top) + down * mix(top + 1.0)
 }
 
-/// An image must have three colours and at least one pixel.
+/// Checks that an image has three colours and at least one pixel.
 ///
 /// # Errors
-/// [`Error::Size`].
+/// [`Error::Size`] if it has not.
 pub(super) fn check_image(image: &ArrayView3<'_, u8>) -> Result<[usize; 2], Error> {
     let (rows, columns, colours) = image.dim();
     if rows > 0 && columns > 0 && colours == 3 {

@@ -1,4 +1,4 @@
-//! The joints of one person, in the box that is around them.
+//! The joints of one person inside a given box.
 
 use nalgebra::Point2;
 use ndarray::{Array4, ArrayView3, ArrayView4, Axis, s};
@@ -13,23 +13,24 @@ use crate::weights::TensorSource;
 use super::person_box::PersonBox;
 use super::sampling::{Scaling, check_image};
 
-/// How often the network looks at a person.
+/// The number of passes of the network per person.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Passes {
-    /// Once.
+    /// One pass.
     #[default]
     One,
-    /// A second time on the mirrored image, and the mean of both maps: what the published accuracies are
-    /// measured with, for twice the time.
+    /// A second pass on the mirrored image, and the mean of both maps. Published accuracies are
+    /// measured in this way. It takes twice the time.
     Mirrored,
 }
 
-/// The simple baseline for pose estimation with a ResNet-50: COCO's seventeen joints of the person in a box.
-/// B. Xiao, H. Wu and Y. Wei, "Simple baselines for human pose estimation and tracking", ECCV 2018.
+/// The simple baseline for pose estimation with a ResNet-50. It finds COCO's seventeen joints of
+/// the person in a box. B. Xiao, H. Wu and Y. Wei, "Simple baselines for human pose estimation and
+/// tracking", ECCV 2018.
 ///
-/// The box is widened to 3 : 4 and by a quarter, and scaled to 192 × 256 pixels. Each joint is where its map of
-/// 48 × 64 has its maximum, moved by a quarter of a cell towards the higher neighbour; its confidence is the
-/// maximum, at most one. A joint whose map is nowhere positive is not seen.
+/// The box is widened to 3 : 4 and by a quarter, and scaled to 192 × 256 pixels. Each joint is at
+/// the maximum of its map of 48 × 64, moved by a quarter of a cell towards the higher neighbour.
+/// Its confidence is the maximum, at most one. A joint is not seen if its map is nowhere positive.
 ///
 /// ```no_run
 /// use vision_models::{Body25, Checkpoint, Options, Passes, PersonBox, SimpleBaseline, read_image};
@@ -47,31 +48,32 @@ pub struct SimpleBaseline {
     network: Network,
     form: SimpleBaselineForm,
     passes: Passes,
-    /// What the network sees, as it is and mirrored.
+    /// The network's input, plain and mirrored.
     input: Array4<f32>,
 }
 
-/// Rows and columns of what the network sees.
+/// Rows and columns of the network's input.
 const INPUT: [usize; 2] = [256, 192];
-/// Pixels of the input to a cell of the maps.
+/// Pixels of the input per cell of the maps.
 const CELL: f64 = 4.0;
-/// How much larger than the person the network's box is.
+/// Ratio of the network's box to the person's.
 const WIDENING: f64 = 1.25;
-/// COCO's joints, left for right.
+/// COCO's joints with left and right exchanged.
 const MIRRORED: [usize; 17] = [0, 2, 1, 4, 3, 6, 5, 8, 7, 10, 9, 12, 11, 14, 13, 16, 15];
 
 impl SimpleBaseline {
-    /// The names and shapes of the tensors that a checkpoint must hold.
+    /// Returns the names and shapes of the tensors that a checkpoint must hold.
     pub fn parameters(form: SimpleBaselineForm) -> Vec<(String, Vec<usize>)> {
         NetworkKind::SimpleBaseline(form).parameters(0)
     }
 
-    /// Takes the weights of a checkpoint of Microsoft's or mmpose's, whichever its names say.
+    /// Loads a checkpoint of Microsoft's or mmpose's form, as its names show.
     ///
     /// # Errors
-    /// [`Error::Weights`] with every tensor that is missing, surplus or misshapen; [`Error::Value`] for one
-    /// that is not finite and for negative variances, [`Error::Overflow`]; [`Error::Threads`] for a number
-    /// of threads that cannot be started.
+    /// - [`Error::Weights`] with every tensor that is missing, surplus or of the wrong shape.
+    /// - [`Error::Value`] if a weight is not finite or a variance is negative.
+    /// - [`Error::Overflow`] if a weight is too large for f32.
+    /// - [`Error::Threads`] if this number of threads cannot be started.
     pub fn load(
         tensors: impl TensorSource,
         passes: Passes,
@@ -85,33 +87,37 @@ impl SimpleBaseline {
         Ok(Self { network, form, passes, input: Array4::zeros((images, 3, rows, columns)) })
     }
 
-    /// Runs on other threads from now on, which networks may share.
+    /// Makes the network run on other threads, which networks may share.
     ///
     /// # Errors
-    /// As of [`Network::share_threads`].
+    /// Those of [`Network::share_threads`].
     pub fn share_threads(&mut self, threads: &Threads) -> Result<(), Error> {
         self.network.share_threads(threads)
     }
 
-    /// Multiplications and additions for one pass.
+    /// Returns the number of multiplications and additions for one pass.
     pub fn operations(&self) -> u64 {
         self.network.operations()
     }
 
-    /// The joints' maps of normalised images, N × 3 × height × width, both multiples of 32: N × 17 × a quarter of
-    /// the height × a quarter of the width. For other uses than [`Self::estimate`].
+    /// Returns the joints' maps of normalised images.
+    ///
+    /// The images are N × 3 × height × width, both sides multiples of 32. The maps are N × 17 × a
+    /// quarter of the height × a quarter of the width. To find joints, use [`Self::estimate`].
     ///
     /// # Errors
-    /// As of [`Network::infer`].
+    /// Those of [`Network::infer`].
     pub fn heatmaps(&mut self, images: ArrayView4<'_, f32>) -> Result<ArrayView4<'_, f32>, Error> {
         maps(&mut self.network, images)
     }
 
-    /// The joints of the person in the box. The image is height × width × 3: red, green, blue.
+    /// Returns the joints of the person in the box. The image is height × width × 3 (red, green,
+    /// blue).
     ///
     /// # Errors
-    /// [`Error::Size`] for an image without pixels or of other channels, [`Error::Value`] for a box
-    /// that is none or outside the image, [`Error::Overflow`] if activations overflow.
+    /// - [`Error::Size`] if the image has no pixels or not three channels.
+    /// - [`Error::Value`] if the box is invalid or outside the image.
+    /// - [`Error::Overflow`] if activations overflow.
     pub fn estimate(
         &mut self,
         image: ArrayView3<'_, u8>,
@@ -138,7 +144,8 @@ impl SimpleBaseline {
                 Passes::One => decode(map.dim(), seen),
                 Passes::Mirrored => {
                     let other = maps.slice(s![1, MIRRORED[joint], .., ..;-1]);
-                    // Turned back, it is moved by one cell to the right, as both libraries do in their tests.
+                    // Mirrored back, the map is moved by one cell to the right, as both libraries
+                    // do in their tests.
                     decode(map.dim(), |row, column| {
                         0.5 * (seen(row, column) + other[[row, column.saturating_sub(1)]])
                     })
@@ -154,7 +161,7 @@ impl SimpleBaseline {
     }
 }
 
-/// The network's maps.
+/// Returns the network's maps.
 fn maps<'a>(
     network: &'a mut Network,
     images: ArrayView4<'_, f32>,
@@ -165,7 +172,8 @@ fn maps<'a>(
     Ok(maps.index_axis_move(Axis(2), 0))
 }
 
-/// The box widened to the input's proportions and by [`WIDENING`], as a map from the input to the image.
+/// Returns the mapping from the input to the image. The box is widened to the input's proportions
+/// and by [`WIDENING`].
 fn scaling(person: &PersonBox) -> Scaling {
     let [rows, columns] = INPUT.map(|side| side as f64);
     let step = WIDENING * (person.width / columns).max(person.height / rows);
@@ -173,7 +181,7 @@ fn scaling(person: &PersonBox) -> Scaling {
     Scaling { left: x - 0.5 * columns * step, top: y - 0.5 * rows * step, step }
 }
 
-/// ImageNet's mean and deviation, in the order in which the network sees the colours.
+/// Normalises by ImageNet's mean and deviation, in the network's order of colours.
 fn normalise(channel: usize, level: f64) -> f32 {
     const MEAN: [f64; 3] = [0.485, 0.456, 0.406];
     const DEVIATION: [f64; 3] = [0.229, 0.224, 0.225];
@@ -189,8 +197,8 @@ struct Peak {
     height: f32,
 }
 
-/// The maximum, moved by a quarter of a cell towards the higher neighbour along each axis, but not at the map's
-/// edges; `None` if nothing is positive.
+/// Returns the maximum of a map, moved by a quarter of a cell towards the higher neighbour along
+/// each axis. At the map's edges it is not moved. `None` if nothing is positive.
 fn decode((rows, columns): (usize, usize), value: impl Fn(usize, usize) -> f32) -> Option<Peak> {
     let mut best = ([0, 0], 0.0);
     for row in 0..rows {
@@ -223,9 +231,10 @@ fn decode((rows, columns): (usize, usize), value: impl Fn(usize, usize) -> f32) 
 mod tests {
     use super::*;
 
-    /// Microsoft's `get_affine_transform` for this box, by its own formulas: centre 300, 250, scale 2.
+    /// Compares with Microsoft's `get_affine_transform` for this box, by its own formulas: centre
+    /// 300, 250, scale 2.
     #[test]
-    fn a_box_is_widened_to_three_by_four_and_by_a_quarter() {
+    fn boxes_are_widened_to_three_by_four() {
         let person = PersonBox { left: 220.0, top: 100.0, width: 160.0, height: 300.0 };
         let scaling = scaling(&person);
         assert!((scaling.step - 375.0 / 256.0).abs() < 1e-12);
@@ -237,10 +246,10 @@ mod tests {
         close(scaling.source([0.0, 128.0]), [300.0 - 0.5 * 281.25, 250.0]);
     }
 
-    /// A smooth image, mapped by OpenCV with Microsoft's matrix, by `tests/data/pose.py`. OpenCV takes positions
-    /// to a 32nd of a pixel, which is worth less than a level here.
+    /// A smooth image, mapped by OpenCV with Microsoft's matrix, by `tests/data/pose.py`. OpenCV
+    /// rounds positions to a 32nd of a pixel, which changes the result by less than a level here.
     #[test]
-    fn the_input_is_what_opencv_makes_of_a_box() {
+    fn the_network_input_agrees_with_opencv() {
         let golden: serde_json::Value =
             serde_json::from_str(include_str!("../../tests/data/pose.json")).unwrap();
         let level = |row: usize, column: usize, colour: usize| {

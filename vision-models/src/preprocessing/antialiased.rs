@@ -5,14 +5,14 @@ use std::borrow::Cow;
 
 use ndarray::{Array3, ArrayView3};
 
-/// Bits after the point of a weight: 32, without 8 for the pixel and 2 for the sum.
+/// Fractional bits of a weight: 32, minus 8 for the pixel and 2 for the sum.
 const PRECISION: u32 = 22;
 /// One half in fixed point.
 const HALF: i32 = 1 << (PRECISION - 1);
 
-/// Resizes a height × width × 3 image, first along rows, then along columns, with 8-bit pixels
-/// between, to every byte as Pillow 12 does; 13 takes the columns first when the height shrinks by
-/// more than twice as many pixels as the width. No side may be zero.
+/// Resizes a height × width × 3 image, first along rows, then along columns, with 8-bit pixels in
+/// between. Every byte agrees with version 12 of Pillow. Later versions resize the columns first if
+/// the height shrinks by more than twice as many pixels as the width. No side may be zero.
 pub(super) fn resize(frame: ArrayView3<'_, u8>, height: usize, width: usize) -> Array3<u8> {
     let (rows, columns, _) = frame.dim();
     let frame = frame.as_standard_layout();
@@ -63,12 +63,12 @@ fn along_columns(bytes: &[u8], from: usize, to: usize) -> Vec<u8> {
     resized
 }
 
-/// The sum without its fraction; it started at a half, so that this rounds.
+/// Returns the sum without its fraction. The sum started at one half, so this rounds.
 fn to_byte(sum: i32) -> u8 {
     u8::try_from((sum >> PRECISION).clamp(0, 255)).unwrap_or(0)
 }
 
-/// The pixels that one pixel of the result is made of.
+/// The pixels that are combined to one pixel of the result.
 struct Window {
     start: usize,
     weights: Vec<i32>,
@@ -77,7 +77,7 @@ struct Window {
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // indices within the image
 fn windows(from: usize, to: usize) -> impl Iterator<Item = Window> {
     let scale = from as f64 / to as f64;
-    // When enlarging, the triangle is as wide as a pixel of the original.
+    // In an enlargement, the triangle is as wide as a pixel of the original.
     let support = scale.max(1.0);
     let slope = 1.0 / support;
     (0..to).map(move |index| {

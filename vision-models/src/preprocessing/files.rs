@@ -1,4 +1,4 @@
-//! Images in files.
+//! Reads images from files.
 
 use std::path::Path;
 
@@ -9,45 +9,45 @@ use super::jpeg;
 use crate::error::Error;
 use crate::file::{in_file, read_bytes};
 
-/// The longest side of an image that is read (pixels).
+/// Longest side of an image that is read (pixels).
 const MAX_SIDE: u32 = 16_384;
-/// The most memory that the pixels of a PNG may take, as decoded and as they are given (bytes).
+/// Largest memory for the pixels of a PNG, both decoded and as returned (bytes).
 const MAX_PNG: u64 = 512 << 20;
-/// The same for a JPEG, with the coefficients, of which the decoder may keep all (bytes).
+/// Largest memory for the pixels of a JPEG, with the coefficients that the decoder may keep
+/// (bytes).
 const MAX_JPEG: u64 = 1 << 30;
-/// The most memory for what a file holds beside pixels, such as colour profiles (bytes).
+/// Largest memory for a file's contents other than pixels, such as colour profiles (bytes).
 const MAX_METADATA: u64 = 16 << 20;
-/// The largest image file that is read (bytes).
+/// Largest image file that is read (bytes).
 const MAX_FILE: u64 = 256 << 20;
 
-/// Which way up the pixels of an image file are given.
+/// The orientation in which the pixels of an image file are returned.
 ///
-/// A camera that is held upright writes its pixels lying, and how it was held beside them, in the EXIF data. Pillow and
-/// torchvision leave the pixels as they are stored, OpenCV turns them. What belongs to the pixels of a camera, such as
-/// depth and joints, is as they are stored.
+/// A camera that is held upright stores its pixels sideways and its orientation in the EXIF data.
+/// Pillow and torchvision return the pixels as stored. OpenCV rotates them. Data that belong to the
+/// camera's pixels, such as depth and joints, refer to the stored orientation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Orientation {
-    /// As they are stored.
+    /// The stored orientation.
     #[default]
     Stored,
-    /// As the EXIF data says; as they are stored where it says nothing.
+    /// The orientation of the EXIF data, or the stored one if they give none.
     Exif,
 }
 
-/// Reads a JPEG or PNG file as height × width × 3 (red, green, blue), its pixels as they are stored. Grey becomes
-/// three equal channels; transparency is left out.
+/// Reads a JPEG or PNG file as height × width × 3 (red, green, blue), its pixels as stored. Grey
+/// becomes three equal channels. Transparency is ignored.
 ///
 /// # Errors
-/// [`Error::File`] if it cannot be read or has more than 256 MiB; [`Error::Image`] as of
-/// [`decode_image`].
+/// [`Error::File`] if it cannot be read or has more than 256 MiB, and those of [`decode_image`].
 pub fn read_image(path: impl AsRef<Path>) -> Result<Array3<u8>, Error> {
     read_image_oriented(path, Orientation::Stored)
 }
 
-/// The same with a choice which way up.
+/// Reads an image as [`read_image`] does, in a given orientation.
 ///
 /// # Errors
-/// As of [`read_image`].
+/// Those of [`read_image`].
 pub fn read_image_oriented(
     path: impl AsRef<Path>,
     orientation: Orientation,
@@ -65,22 +65,23 @@ pub fn read_image_oriented(
 
 /// Decodes a JPEG or PNG file in memory; see [`read_image`].
 ///
-/// A few kilobytes can claim gigabytes of pixels. What the header says is refused before memory is
-/// taken for it: a side of more than 16,384 pixels, a PNG that takes more than 512 MiB (134
-/// megapixels in grey, 178 in colour) and a JPEG that takes more than 1 GiB (119 megapixels in
-/// colour).
+/// A few kilobytes can claim gigabytes of pixels. Images are rejected by their header before memory
+/// is allocated:
+/// - a side of more than 16,384 pixels
+/// - a PNG that needs more than 512 MiB (134 megapixels in grey, 178 in colour)
+/// - a JPEG that needs more than 1 GiB (119 megapixels in colour)
 ///
 /// # Errors
-/// [`Error::Image`], with an empty path, for what is no such image, too large, cut off or corrupted: pixels that a
-/// file does not have are not made up.
+/// [`Error::Image`], with an empty path, if the bytes are no such image, or are too large,
+/// truncated or corrupted. Missing pixels are never invented.
 pub fn decode_image(bytes: &[u8]) -> Result<Array3<u8>, Error> {
     decode_image_oriented(bytes, Orientation::Stored)
 }
 
-/// The same with a choice which way up.
+/// Decodes an image as [`decode_image`] does, in a given orientation.
 ///
 /// # Errors
-/// As of [`decode_image`].
+/// Those of [`decode_image`].
 pub fn decode_image_oriented(bytes: &[u8], orientation: Orientation) -> Result<Array3<u8>, Error> {
     let refuse = |reason| Error::Image { path: String::new(), reason };
     let image = decode(bytes, orientation).map_err(refuse)?.into_rgb8();
@@ -89,7 +90,8 @@ pub fn decode_image_oriented(bytes: &[u8], orientation: Orientation) -> Result<A
         .map_err(|error| refuse(error.to_string()))
 }
 
-/// Decodes an image whose header claims no more than the limits above; else gives the reason.
+/// Decodes an image whose header is within the limits above, or returns the reason for rejecting
+/// it.
 fn decode(bytes: &[u8], orientation: Orientation) -> Result<DynamicImage, String> {
     let of_decoder = |error: ImageError| error.to_string();
     let mut limits = Limits::default();

@@ -1,4 +1,4 @@
-//! What is in a folder of images.
+//! The contents of a folder of images.
 
 use std::{
     cmp::Ordering,
@@ -10,15 +10,16 @@ use std::{
 
 use crate::error::Error;
 
-/// The images that are read, by the ends of their names.
+/// The extensions of the images that are read.
 const EXTENSIONS: [&str; 3] = ["jpg", "jpeg", "png"];
 
-/// What systems and programs put into folders for themselves, beside names that begin with a point, `@`, `#` or `$`.
+/// Names that systems and programs use for their own files, beside names that begin with a point,
+/// `@`, `#` or `$`.
 const SYSTEM: [&str; 5] =
     ["__MACOSX", "Thumbs.db", "desktop.ini", "lost+found", "System Volume Information"];
 
-/// Returns true for entries of a folder that are no data: names that begin with a point (`.git`, `._x.png`), and what
-/// systems put there for themselves (`@eaDir`, `Thumbs.db`).
+/// Returns true for entries of a folder that are no data: names that begin with a point (`.git`,
+/// `._x.png`), and files of the operating system (`@eaDir`, `Thumbs.db`).
 ///
 /// ```
 /// use vision_models::is_hidden;
@@ -31,25 +32,25 @@ pub fn is_hidden(name: &OsStr) -> bool {
         || SYSTEM.iter().any(|system| name.eq_ignore_ascii_case(system))
 }
 
-/// What is in a folder of images. Hidden entries ([`is_hidden`]) are left out.
+/// The contents of a folder of images. Hidden entries ([`is_hidden`]) are left out.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ImageFolder {
-    /// The JPEG and PNG files, in the order of their names; numbers in the names count as numbers, so that
+    /// The JPEG and PNG files, sorted by name. Numbers in names are compared as numbers, so
     /// `frame_10` comes after `frame_9`.
     pub images: Vec<PathBuf>,
     /// The folders, in the same order.
     pub folders: Vec<PathBuf>,
-    /// How many other files there are, by the ends of their names in small letters.
+    /// The number of other files by their extensions in lower case.
     pub others: OtherFiles,
 }
 
-/// How many files of other types there are, by the ends of their names in small letters. Shown as
+/// The number of files of other types by their extensions in lower case. Displayed as
 /// `20 .bmp, 1 .txt`.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct OtherFiles(BTreeMap<String, usize>);
 
 impl ImageFolder {
-    /// Looks into a folder.
+    /// Reads the entries of a folder.
     ///
     /// # Errors
     /// [`Error::File`] if the folder cannot be read.
@@ -88,12 +89,12 @@ impl OtherFiles {
         self.0.is_empty()
     }
 
-    /// How many there are.
+    /// Returns their number.
     pub fn count(&self) -> usize {
         self.0.values().sum()
     }
 
-    /// Counts those of another folder, too.
+    /// Adds the files of another folder.
     pub fn add(&mut self, others: &Self) {
         for (extension, count) in &others.0 {
             *self.0.entry(extension.clone()).or_default() += count;
@@ -114,7 +115,7 @@ impl fmt::Display for OtherFiles {
     }
 }
 
-/// The JPEG and PNG files of a folder, in the order of their names; see [`ImageFolder`].
+/// Returns the JPEG and PNG files of a folder, sorted by name; see [`ImageFolder`].
 ///
 /// # Errors
 /// [`Error::File`] if the folder cannot be read, [`Error::NoFrames`] if it has no such files.
@@ -127,7 +128,7 @@ fn by_name(one: &Path, other: &Path) -> Ordering {
     by_number(&one.to_string_lossy(), &other.to_string_lossy()).then_with(|| one.cmp(other))
 }
 
-/// Compares text, with runs of digits as the numbers that they are.
+/// Compares texts. Runs of digits are compared as numbers.
 fn by_number(mut one: &str, mut other: &str) -> Ordering {
     loop {
         let (digits, others) = (number(one), number(other));
@@ -151,7 +152,7 @@ fn by_number(mut one: &str, mut other: &str) -> Ordering {
     }
 }
 
-/// The digits at the start.
+/// Returns the digits at the start.
 fn number(text: &str) -> &str {
     let end = text.find(|character: char| !character.is_ascii_digit()).unwrap_or(text.len());
     text.get(..end).unwrap_or_default()

@@ -3,10 +3,10 @@
 
 use ndarray::{Array3, ArrayView3, s};
 
-/// Bits after the point of a weight in OpenCV.
+/// Fractional bits of a weight in OpenCV.
 const PRECISION: i32 = 11;
 
-/// The two neighbours of a place along an axis, and how far it is from the first.
+/// The two neighbours of a position along an axis, and its distance from the first.
 #[derive(Clone, Copy)]
 struct Place {
     first: usize,
@@ -25,12 +25,12 @@ pub(super) fn resize_opencv(frame: ArrayView3<'_, u8>, height: usize, width: usi
     }
     let mut xs = opencv_places(columns, width);
     for x in xs.iter_mut().filter(|x| x.first == x.second) {
-        // Beyond the outermost pixel: along a row, OpenCV does not blend the pixel with itself,
-        // where the two weights need not make up one.
+        // Beyond the outermost pixel of a row, OpenCV does not blend the pixel with itself. The sum
+        // of the two weights may differ from one.
         x.fraction = 0.0;
     }
     let ys = opencv_places(rows, height);
-    // The second pass drops bits of the first so that products fit 16 bits.
+    // The second pass drops bits of the first so that products fit into 16 bits.
     let blend = |upper: i32, lower: i32, [one, two]: [i32; 2]| {
         let sum = ((one * (upper >> 4)) >> 16) + ((two * (lower >> 4)) >> 16);
         u8::try_from(((sum + 2) >> 2).clamp(0, 255)).unwrap_or(0)
@@ -52,14 +52,14 @@ pub(super) fn resize_opencv(frame: ArrayView3<'_, u8>, height: usize, width: usi
     resized
 }
 
-/// The weights of the two neighbours in fixed point, each rounded half to even on its own.
+/// Returns the weights of the two neighbours in fixed point, each rounded half to even.
 #[allow(clippy::cast_possible_truncation)]
 fn weights(fraction: f32) -> [i32; 2] {
     let scale = (1 << PRECISION) as f32;
     [1.0 - fraction, fraction].map(|weight| (weight * scale).round_ties_even() as i32)
 }
 
-/// The mean of each square of four: what OpenCV does for exactly half the size.
+/// Returns the mean of each square of four pixels, as OpenCV does for exactly half the size.
 fn halve(frame: ArrayView3<'_, u8>) -> Array3<u8> {
     let (rows, columns, channels) = frame.dim();
     Array3::from_shape_fn((rows / 2, columns / 2, channels), |(row, column, channel)| {

@@ -1,4 +1,4 @@
-//! JPEG without guesses: what a file does not say is not invented.
+//! Strict JPEG decoding: missing data are never invented.
 
 use image::{ColorType, DynamicImage, GrayImage, RgbImage};
 use zune_jpeg::{
@@ -6,22 +6,24 @@ use zune_jpeg::{
     zune_core::{bytestream::ZCursor, colorspace::ColorSpace, options::DecoderOptions},
 };
 
-/// Code bits that no Huffman table of a JPEG has a code for: ones alone (ITU-T T.81, C). They stand where the codes of
-/// a whole image are over, so that whoever reads on for further pixels fails.
+/// Bits for which no Huffman table of a JPEG has a code: all ones (ITU-T T.81, C). They are
+/// inserted where the codes of a complete image end, so that a decoder that reads further pixels
+/// fails.
 const NO_CODE: [u8; 32] = {
     let mut bytes = [0xff; 32];
     let mut at = 1;
     while at < bytes.len() {
-        // A byte of ones is followed by a zero, or it would begin a marker.
+        // A byte of ones is followed by a zero, since it would otherwise begin a marker.
         bytes[at] = 0;
         at += 2;
     }
     bytes
 };
 
-/// Decodes a file whose header promises so many pixels of this colour; else gives the reason.
+/// Decodes a file whose header has this size and colour, or returns the reason for rejecting it.
 ///
-/// A file that is cut off, has fewer pixels than it promises or codes that no encoder writes is refused.
+/// A file is rejected if it is truncated, has fewer pixels than its header says, or has codes that
+/// no encoder writes.
 pub(super) fn decode(
     bytes: &[u8],
     (width, height): (u32, u32),
@@ -47,10 +49,10 @@ pub(super) fn decode(
     image.ok_or_else(|| "its pixels are not as many as its header says".to_owned())
 }
 
-/// Where the marker of the image's end is: behind all segments and codes, not in one of them.
+/// Returns the position of the marker at the image's end, after all segments and codes.
 ///
-/// ITU-T T.81, B.1.1: a marker is 0xFF and a byte that is neither 0 nor 0xFF; those of restarts stand within the
-/// codes, and all others but start and end are followed by the length of their segment.
+/// ITU-T T.81, B.1.1: a marker is 0xFF and a byte that is neither 0 nor 0xFF. Restart markers are
+/// within the codes. All others except start and end are followed by the length of their segment.
 fn end(bytes: &[u8]) -> Option<usize> {
     let mut at = 2;
     while let Some(&[first, second]) = bytes.get(at..at + 2) {

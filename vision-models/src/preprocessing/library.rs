@@ -1,24 +1,24 @@
-//! What differs between the training libraries.
+//! The differences between the training libraries.
 
 use ndarray::{Array3, ArrayView3};
 
 use super::{antialiased, interpolated};
 
-/// The library that a network was trained with. Each resizes, rounds and normalises its own way,
-/// and a network sees the difference.
+/// The library with which a network was trained. Libraries resize, round and normalise differently,
+/// which changes a network's results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Library {
     /// torchvision with Pillow images: bilinear with antialiasing.
     Torchvision,
-    /// mmaction2 with OpenCV images: bilinear without.
+    /// mmaction2 with OpenCV images: bilinear without antialiasing.
     Mmaction2,
-    /// PyTorchVideo: bilinear without, in f32.
+    /// PyTorchVideo: bilinear without antialiasing, in f32.
     PyTorchVideo,
 }
 
 impl Library {
-    /// The mean and the standard deviation of each channel (red, green, blue), of pixels from 0 to
-    /// [`Self::white`].
+    /// Returns the mean and the standard deviation of each channel (red, green, blue), for pixels
+    /// from 0 to [`Self::white`].
     pub fn normalisation(self) -> [[f32; 3]; 2] {
         match self {
             Self::Torchvision => [[0.485, 0.456, 0.406], [0.229, 0.224, 0.225]],
@@ -27,7 +27,7 @@ impl Library {
         }
     }
 
-    /// The value of a white pixel before the normalisation.
+    /// Returns the value of a white pixel before the normalisation.
     pub fn white(self) -> f32 {
         match self {
             Self::Torchvision | Self::PyTorchVideo => 1.0,
@@ -35,7 +35,7 @@ impl Library {
         }
     }
 
-    /// Resizes a height × width × 3 image; pixels stay between 0 and 255.
+    /// Resizes a height × width × 3 image. Pixels stay between 0 and 255.
     pub(super) fn resize(
         self,
         frame: ArrayView3<'_, u8>,
@@ -49,7 +49,7 @@ impl Library {
         }
     }
 
-    /// The long side when the short one goes from `short` to `size`.
+    /// Returns the long side after the short one is resized from `short` to `size`.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     pub(super) fn long_side(self, long: usize, short: usize, size: usize) -> usize {
         match self {
@@ -59,11 +59,11 @@ impl Library {
         }
     }
 
-    /// Where a crop of `crop` out of `size` starts so that it is in the middle.
+    /// Returns the start of a crop of `crop` in the middle of `size`.
     pub(super) fn middle(self, size: usize, crop: usize) -> usize {
         let rest = size - crop;
         match self {
-            // Half to even.
+            // Rounded half to even.
             Self::Torchvision | Self::PyTorchVideo => rest / 2 + usize::from(rest % 4 == 3),
             Self::Mmaction2 => rest / 2,
         }

@@ -1,11 +1,11 @@
-//! Which frames of a video a network sees.
+//! Selects the frames of a video for a network.
 
 use crate::error::Error;
 
-/// More frames of a clip, or clips of a video, than any network asks for.
+/// Largest number of frames per clip and of clips per video. No network needs more.
 const MOST: usize = 1024;
 
-/// How the frames of a video are picked.
+/// How the frames of a video are selected.
 ///
 /// ```
 /// use vision_models::ClipSampling;
@@ -18,37 +18,37 @@ const MOST: usize = 1024;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ClipSampling {
     /// mmaction2 1.x in test mode: clips spread from the video's start to its end, a single one in
-    /// the middle. Indices beyond the end go on at the start.
+    /// the middle. Indices beyond the end continue at the start.
     Mmaction2 {
-        /// Frames of a clip.
+        /// Number of frames per clip.
         length: usize,
-        /// Frames of the video from one of the clip to the next.
+        /// Distance in the video from one frame of the clip to the next.
         interval: usize,
-        /// Clips of a video; their scores are averaged.
+        /// Number of clips per video, whose scores are averaged.
         clips: usize,
     },
     /// mmaction2 0.x in test mode, most likely the paper's: clips in the middle of equal parts.
     Mmaction2Before1 {
-        /// Frames of a clip.
+        /// Number of frames per clip.
         length: usize,
-        /// Frames of the video from one of the clip to the next.
+        /// Distance in the video from one frame of the clip to the next.
         interval: usize,
-        /// Clips of a video; their scores are averaged.
+        /// Number of clips per video, whose scores are averaged.
         clips: usize,
     },
     /// PyTorchVideo: one clip, spread over the whole video.
     PyTorchVideo {
-        /// Frames of the clip.
+        /// Number of frames of the clip.
         length: usize,
     },
 }
 
 impl ClipSampling {
-    /// The frames of each clip of a video of `frames` frames, counted from zero.
+    /// Returns the frames of each clip of a video of `frames` frames, counted from zero.
     ///
     /// # Errors
-    /// [`Error::NoFrames`] for a video without frames, [`Error::Value`] for a length, an interval
-    /// or a number of clips that is not from 1 to 1,024.
+    /// - [`Error::NoFrames`] if the video has no frames.
+    /// - [`Error::Value`] if a length, an interval or a number of clips is not from 1 to 1,024.
     pub fn indices(self, frames: usize) -> Result<Vec<Vec<usize>>, Error> {
         if frames == 0 {
             return Err(Error::NoFrames);
@@ -86,7 +86,8 @@ fn check(length: usize, interval: usize, clips: usize) -> Result<(), Error> {
     Ok(())
 }
 
-/// Starts from 0 to `last`, evenly, rounded half to even; a single one at half of `last`.
+/// Returns evenly spaced starts from 0 to `last`, rounded half to even. A single one is at half of
+/// `last`.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 fn spread(last: usize, clips: usize) -> impl Iterator<Item = usize> {
     let step = last as f64 / clips.saturating_sub(1).max(1) as f64;
@@ -95,7 +96,7 @@ fn spread(last: usize, clips: usize) -> impl Iterator<Item = usize> {
     })
 }
 
-/// Starts in the middle of equal parts of `starts` places; zero if there is none.
+/// Returns starts in the middle of equal parts of `starts` positions, or zero if there are none.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 fn middles(starts: usize, clips: usize) -> impl Iterator<Item = usize> {
     let part = starts as f64 / clips as f64;
@@ -106,8 +107,8 @@ fn every(start: usize, interval: usize, length: usize, frames: usize) -> Vec<usi
     (0..length).map(|index| start.saturating_add(index * interval) % frames).collect()
 }
 
-/// `torch.linspace(0, frames - 1, length)`, floored. It computes in f32, the second half from the
-/// end.
+/// Returns `torch.linspace(0, frames - 1, length)`, floored. PyTorch computes in f32, the second
+/// half from the end.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 fn even(frames: usize, length: usize) -> Vec<usize> {
     let last = frames - 1;

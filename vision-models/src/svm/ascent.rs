@@ -1,4 +1,4 @@
-//! Where the training of the hinge begins.
+//! The start of the training with the hinge loss.
 
 use ndarray::Array1;
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
@@ -7,10 +7,10 @@ use super::problem::{Plane, Problem, add_scaled, dot};
 use crate::random::shuffle;
 use crate::svm::settings::Bias;
 
-/// How often all samples are gone through.
+/// Number of passes through all samples.
 const EPOCHS: usize = 20;
 
-/// A plane with its α, and the mean square of the samples, the bias's feature with them.
+/// A plane with its α, and the mean square of the samples including the bias's feature.
 #[derive(Debug)]
 pub(super) struct Start {
     pub(super) plane: Plane,
@@ -18,10 +18,12 @@ pub(super) struct Start {
     pub(super) mean_square: f64,
 }
 
-/// Coordinate ascent on the dual problem, one α after the other in random order (C.-J. Hsieh, K.-W. Chang,
-/// C.-J. Lin, S. Keerthi and S. Sundararajan, "A dual coordinate descent method for large-scale linear SVM",
-/// ICML 2008, algorithm 1). It finds out soon which samples are at a limit. A free bias is taken as the weight
-/// of a feature as large as the samples.
+/// Coordinate ascent on the dual problem, one α after the other in random order.
+///
+/// It quickly finds the samples that are at a limit. A free bias is treated as the weight of a
+/// feature as large as the samples. C.-J. Hsieh, K.-W. Chang, C.-J. Lin, S. Keerthi and S.
+/// Sundararajan, "A dual coordinate descent method for large-scale linear SVM", ICML 2008,
+/// algorithm 1.
 pub(super) fn ascend(problem: &Problem<'_>) -> Start {
     let squares: Vec<f64> =
         problem.rows().map(|row| row.iter().map(|&value| f64::from(value).powi(2)).sum()).collect();

@@ -1,11 +1,12 @@
-//! Products of rows with each other, and the Cholesky factorisation, in blocks that fit the cache.
+//! Products of rows with each other, and the Cholesky factorisation, in blocks that fit into the
+//! cache.
 
 use ndarray::{Array1, Array2, ArrayView2, Axis, linalg::general_mat_mul, s};
 
-/// Rows of a block.
+/// Number of rows of a block.
 const BLOCK: usize = 96;
 
-/// The lower triangle of X Xᵀ; what stands above it is not meant.
+/// Returns the lower triangle of X Xᵀ. The elements above it are undefined.
 pub(super) fn lower_products(rows: ArrayView2<'_, f64>) -> Array2<f64> {
     let count = rows.nrows();
     let mut products = Array2::zeros((count, count));
@@ -27,22 +28,22 @@ pub(super) fn add_lower_products_of_columns(rows: ArrayView2<'_, f64>, sum: &mut
     }
 }
 
-/// L of A = L Lᵀ.
+/// The factor L of A = L Lᵀ.
 #[derive(Debug)]
 pub(super) struct Cholesky {
     lower: Array2<f64>,
 }
 
 impl Cholesky {
-    /// Factors the symmetric positive definite matrix of which this is the lower triangle; a pivot that
-    /// rounding has made smaller than `least` counts as that.
+    /// Factors a symmetric positive definite matrix, given by its lower triangle. A pivot that is
+    /// smaller than `least` by rounding is replaced by `least`.
     pub(super) fn factor(mut matrix: Array2<f64>, least: f64) -> Self {
         let size = matrix.nrows();
         for (start, end) in blocks(0, size) {
             let (mut above, mut below) = matrix.view_mut().split_at(Axis(0), end);
             let mut pivot = above.slice_mut(s![start.., start..end]);
             factor_small(&mut pivot, least);
-            // The rows below are X of X Lᵀ = A.
+            // The rows below are the solution X of X Lᵀ = A.
             let inverse = inverse_of_lower(pivot.view());
             let rows = below.slice(s![.., start..end]).to_owned();
             let mut target = below.slice_mut(s![.., start..end]);
@@ -58,7 +59,7 @@ impl Cholesky {
         Self { lower: matrix }
     }
 
-    /// x of A x = b.
+    /// Returns the solution x of A x = b.
     pub(super) fn solve(&self, mut vector: Array1<f64>) -> Array1<f64> {
         let size = vector.len();
         for row in 0..size {
@@ -75,7 +76,7 @@ impl Cholesky {
     }
 }
 
-/// The factorisation of a block, by rows.
+/// Factors a block, row by row.
 fn factor_small(matrix: &mut ndarray::ArrayViewMut2<'_, f64>, least: f64) {
     for row in 0..matrix.nrows() {
         for column in 0..=row {
@@ -90,7 +91,7 @@ fn factor_small(matrix: &mut ndarray::ArrayViewMut2<'_, f64>, least: f64) {
     }
 }
 
-/// L⁻¹ of a block; what stands above its diagonal is not read.
+/// Returns L⁻¹ of a block. The elements above its diagonal are not read.
 fn inverse_of_lower(lower: ArrayView2<'_, f64>) -> Array2<f64> {
     let size = lower.nrows();
     let mut inverse = Array2::zeros((size, size));
@@ -104,7 +105,7 @@ fn inverse_of_lower(lower: ArrayView2<'_, f64>) -> Array2<f64> {
     inverse
 }
 
-/// From `start` to `end` in steps of a block.
+/// Returns the ranges from `start` to `end` in steps of a block.
 fn blocks(start: usize, end: usize) -> impl Iterator<Item = (usize, usize)> {
     (start..end).step_by(BLOCK).map(move |first| (first, (first + BLOCK).min(end)))
 }
@@ -115,7 +116,7 @@ mod tests {
 
     use super::{BLOCK, Cholesky, add_lower_products_of_columns, lower_products};
 
-    /// A x = b holds for sizes about a block, and both ways to make A agree.
+    /// A x = b holds for sizes around a block's, and both ways to compute A agree.
     #[test]
     #[allow(clippy::unwrap_used)]
     fn solves_across_blocks() {

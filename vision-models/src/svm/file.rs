@@ -1,4 +1,4 @@
-//! The file format: text, so that every number comes back exactly.
+//! The file format, a text from which every number is restored exactly.
 //!
 //! ```text
 //! linear-svm 1
@@ -9,9 +9,9 @@
 //! BIAS W1 W2 W3
 //! ```
 //!
-//! The first line has the format's version. Class names have a line each. Then comes one line a
-//! plane: one plane for two classes, else one a class. The last line ends like every other, so that
-//! no part of a file reads as a whole one.
+//! The first line has the format's version. Each class name has a line. Then follows one line per
+//! plane: one plane for two classes, else one per class. The last line ends with a line feed too,
+//! so that a truncated file is never read as complete.
 
 use std::{fmt, path::Path, str::FromStr};
 
@@ -23,16 +23,16 @@ use crate::file::{in_file, read_text, without_byte_order_mark};
 use crate::labels::MAX_CLASSES;
 
 const FIRST_LINE: &str = "linear-svm 1";
-/// More features than any network has.
+/// Largest number of features. No network has more.
 const MAX_FEATURES: usize = 1_000_000;
-/// The largest file that is read (bytes): a thousand planes of ten thousand weights.
+/// Largest file that is read (bytes): a thousand planes of ten thousand weights.
 const MAX_BYTES: u64 = 256 << 20;
 
 impl LinearSvm {
-    /// Reads a file of at most 256 MiB that `to_string` made.
+    /// Reads a file of at most 256 MiB that `to_string` has written.
     ///
     /// # Errors
-    /// [`Error::File`]; as of `parse`.
+    /// [`Error::File`] if it cannot be read, and those of `parse`.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
         read_text(path, MAX_BYTES).map_err(in_file(path))?.parse()
@@ -120,7 +120,7 @@ impl FromStr for LinearSvm {
     }
 }
 
-/// An error of a line, counted from one.
+/// Returns the error of a line, counted from one.
 fn refuse(line: usize, expected: &str) -> Error {
     Error::malformed(&format!("linear SVM file, line {line}"), format!("expected {expected}"))
 }

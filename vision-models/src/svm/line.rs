@@ -1,38 +1,40 @@
-//! The search along a direction.
+//! The line search.
 
 use super::{
     problem::{Plane, Problem},
     smoothing::Smoothing,
 };
 
-/// Most evaluations: each costs one pass over the samples, not over their features.
+/// Largest number of evaluations. Each costs one pass over the samples, not over their features.
 const MOST: usize = 40;
-/// Where the derivative is this much smaller than at the start, the minimum is reached.
+/// The minimum is reached if the derivative is smaller than this share of the first one.
 const REACHED: f64 = 1e-6;
 
-/// A line from a plane on.
+/// A line that starts at a plane.
 #[derive(Debug)]
 pub(super) struct Line<'a, 'b> {
     pub(super) problem: &'a Problem<'b>,
     pub(super) smoothing: &'a Smoothing,
     pub(super) from: &'a Plane,
     pub(super) direction: &'a Plane,
-    /// Decisions at its beginning.
+    /// Decisions at its start.
     pub(super) decisions: &'a [f64],
-    /// How they change along it.
+    /// Change of the decisions along it.
     pub(super) changes: &'a [f64],
 }
 
 impl Line<'_, '_> {
-    /// The step to the minimum along the line, where the objective falls at its beginning: the zero of the
-    /// derivative, which rises in straight pieces. Newton's steps find the piece, bisection keeps them
-    /// between what is known.
+    /// Returns the step to the minimum along the line, on which the objective must fall at the
+    /// start.
+    ///
+    /// The minimum is the zero of the derivative, which rises piecewise linearly. Newton's steps
+    /// find the piece, and bisection keeps them within the known bounds.
     pub(super) fn minimum(&self) -> f64 {
         let (first, _) = self.derivatives(0.0);
         let reached = REACHED * first.abs();
         let (mut low, mut high) = (0.0, f64::INFINITY);
         let mut step = 1.0;
-        // Rounding can keep the derivative from becoming so small: the smallest counts.
+        // Rounding can keep the derivative above this limit. The smallest one is then used.
         let mut best = (f64::INFINITY, 0.0);
         for _ in 0..MOST {
             let (derivative, curvature) = self.derivatives(step);
@@ -59,7 +61,7 @@ impl Line<'_, '_> {
         best.1
     }
 
-    /// The first and second derivative by the step.
+    /// Returns the first and second derivative by the step.
     fn derivatives(&self, step: f64) -> (f64, f64) {
         let Self { problem, smoothing, from, direction, .. } = self;
         let cost = problem.bias_cost();

@@ -1,4 +1,4 @@
-//! The direction of Newton's method.
+//! The Newton direction.
 
 use ndarray::{Array1, Array2, Axis, s};
 
@@ -7,32 +7,34 @@ use super::{
     problem::{Plane, Problem, add_scaled, dot},
 };
 
-/// The smallest pivot, and the smallest part of the curvature along the bias that is not rounding: the search
-/// along the line mends what they spoil.
+/// Smallest pivot, and smallest relative curvature along the bias that is more than rounding. The
+/// line search corrects the errors of both limits.
 const LEAST: f64 = 1e-10;
-/// Rows that are converted to f64 at a time.
+/// Number of rows that are converted to f64 at a time.
 const ROWS: usize = 512;
 
-/// The gradient and the curvature of what is minimised.
+/// The gradient and the curvature of the objective.
 #[derive(Debug)]
 pub(super) struct Slope<'a> {
-    /// By w.
+    /// Gradient with respect to w.
     pub(super) weights: Array1<f64>,
-    /// By b.
+    /// Gradient with respect to b.
     pub(super) bias: f64,
-    /// The samples that curve it, and by how much each.
+    /// The samples that contribute curvature, and how much.
     pub(super) curved: &'a [(usize, f64)],
-    /// How much a sample curves it: stands for the curvature along the bias where there is none.
+    /// Curvature of one sample. It replaces the curvature along the bias if that is zero.
     pub(super) of_one: f64,
 }
 
-/// Newton's direction: solves H Δ = −g with H = [I + XᵀSX, XᵀS1; 1ᵀSX, ρ + 1ᵀS1], X the samples that curve
-/// and S how much. By the smaller of two systems: of as many rows as there are features, or as there are such
-/// samples (the Woodbury identity; then M = S⁻¹ + X Xᵀ).
+/// The Newton direction Δ, which solves H Δ = −g with H = [I + XᵀSX, XᵀS1; 1ᵀSX, ρ + 1ᵀS1].
+///
+/// X are the samples that contribute curvature, and S their contributions. The smaller of two
+/// systems is solved: it has as many rows as features, or as such samples. The latter uses the
+/// Woodbury identity with M = S⁻¹ + X Xᵀ.
 #[derive(Debug, Default)]
 pub(super) struct Newton {
-    /// Inner products of all samples, once they are needed. In f64: large samples that are nearly parallel leave
-    /// less than f32 rounds off.
+    /// Inner products of all samples, computed when needed. They are in f64, because the
+    /// differences of large and nearly parallel samples are smaller than the rounding of f32.
     products: Option<Array2<f64>>,
 }
 
@@ -90,8 +92,9 @@ impl Newton {
         Plane { weights, bias }
     }
 
-    /// The lower triangle of the inner products of some samples: of few at once, else taken from those of
-    /// all, where these are not more than the features' would be.
+    /// Returns the lower triangle of the inner products of some samples. The products of all
+    /// samples are computed once and reused, unless the samples are few, or more numerous than the
+    /// features.
     fn products_of(&mut self, problem: &Problem<'_>, curved: &[(usize, f64)]) -> Array2<f64> {
         let (samples, features) = problem.samples.dim();
         if samples > features || (self.products.is_none() && 4 * curved.len() < samples) {
@@ -102,7 +105,8 @@ impl Newton {
             .get_or_insert_with(|| lower_products(problem.samples.mapv(f64::from).view()));
         let mut products = Array2::zeros((curved.len(), curved.len()));
         for (place, (sample, _)) in curved.iter().enumerate() {
-            // Samples are in order, so that the lower triangle of all has what is needed.
+            // Samples are in order, so the lower triangle of all samples contains the needed
+            // elements.
             let from = all.row(*sample);
             let mut row = products.slice_mut(s![place, ..=place]);
             for (product, (other, _)) in row.iter_mut().zip(curved) {
@@ -113,7 +117,7 @@ impl Newton {
     }
 }
 
-/// The rows of some samples in f64.
+/// Returns the rows of some samples in f64.
 fn rows_of(problem: &Problem<'_>, some: &[(usize, f64)]) -> Array2<f64> {
     let mut rows = Array2::zeros((some.len(), problem.samples.ncols()));
     for (mut row, (sample, _)) in rows.outer_iter_mut().zip(some) {

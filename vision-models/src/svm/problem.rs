@@ -1,21 +1,34 @@
 //! The problem of one plane, and its dual.
 //!
-//! Minimise ½ wᵀw + ½ ρ b² + Σ C_i ξ_i^p, with ξ_i = max(0, 1 − y_i (wᵀx_i + b)) and p = 1 or 2. ρ is 0 for a
-//! free bias and 1 / s² for one that is the weight of a feature s.
+//! The problem is to minimise
 //!
-//! The dual: maximise Σ α_i − ½ |u|² − ½ v² / ρ − Σ α_i² / (4 C_i) (p = 2 only), with u = Σ y_i α_i x_i and
-//! v = Σ y_i α_i, subject to α ≥ 0, to α_i ≤ C_i for p = 1, and to v = 0 if ρ = 0. At the optimum w = u.
+//! ½ wᵀw + ½ ρ b² + Σ C_i ξ_i^p, where
+//!
+//! - ξ_i = max(0, 1 − y_i (wᵀx_i + b)), and p = 1 or 2.
+//! - ρ is 0 for a free bias.
+//! - ρ is 1 / s² for a bias that is the weight of a feature s.
+//!
+//! The dual problem is to maximise
+//!
+//! Σ α_i − ½ |u|² − ½ v² / ρ − Σ α_i² / (4 C_i), where
+//!
+//! - The last sum exists for p = 2 only.
+//! - u = Σ y_i α_i x_i and v = Σ y_i α_i.
+//! - α ≥ 0, and α_i ≤ C_i for p = 1.
+//! - v = 0 if ρ = 0.
+//!
+//! At the optimum w = u.
 
 use ndarray::{Array1, ArrayView2};
 
 use crate::svm::settings::{Bias, Loss};
 
-/// What is minimised for one plane.
+/// The objective for one plane.
 #[derive(Debug)]
 pub(super) struct Problem<'a> {
-    /// Samples × features, each row in one piece.
+    /// Samples × features, each row contiguous.
     pub(super) samples: ArrayView2<'a, f32>,
-    /// y: 1 or −1 each.
+    /// y, which is 1 or −1.
     pub(super) sides: Vec<f64>,
     /// C of each sample.
     pub(super) costs: Vec<f64>,
@@ -23,26 +36,26 @@ pub(super) struct Problem<'a> {
     pub(super) bias: Bias,
 }
 
-/// w and b.
+/// A plane: w and b.
 #[derive(Clone, Debug)]
 pub(super) struct Plane {
     pub(super) weights: Array1<f64>,
     pub(super) bias: f64,
 }
 
-/// What α gives.
+/// The sums over α, and the bound that it gives.
 #[derive(Debug)]
 pub(super) struct Forces {
     /// u = Σ y_i α_i x_i.
     pub(super) combination: Array1<f64>,
     /// v = Σ y_i α_i.
     pub(super) sum: f64,
-    /// The dual objective, of an α that is made admissible: no plane's objective is below it.
+    /// The dual objective of an admissible α made from this one. No plane's objective is below it.
     pub(super) bound: f64,
 }
 
 impl Problem<'_> {
-    /// ρ.
+    /// Returns ρ.
     pub(super) fn bias_cost(&self) -> f64 {
         match self.bias {
             Bias::Free => 0.0,
@@ -50,13 +63,13 @@ impl Problem<'_> {
         }
     }
 
-    /// wᵀx + b of each sample.
+    /// Returns wᵀx + b of each sample.
     pub(super) fn decisions(&self, plane: &Plane) -> Vec<f64> {
         let weights = plane.weights.as_slice().unwrap_or_default();
         self.rows().map(|row| dot(row, weights) + plane.bias).collect()
     }
 
-    /// The objective of a plane with these decisions.
+    /// Returns the objective of a plane with these decisions.
     pub(super) fn objective(&self, plane: &Plane, decisions: &[f64]) -> f64 {
         let losses = decisions.iter().zip(&self.sides).zip(&self.costs);
         let losses = losses.map(|((decision, side), cost)| {
@@ -68,9 +81,9 @@ impl Problem<'_> {
             + losses.sum::<f64>()
     }
 
-    /// u, v and the bound of α ≥ 0 that keeps to its upper limits.
+    /// Returns u, v and the bound of an α that is not negative and within its upper limits.
     pub(super) fn forces(&self, alphas: &[f64]) -> Forces {
-        // The two sides apart, so that one can be scaled down to the other's sum.
+        // Sums the two sides separately, so that one can be scaled down to the other's sum.
         let mut positive = Side::new(self.samples.ncols());
         let mut negative = Side::new(self.samples.ncols());
         for (((row, &side), &cost), &alpha) in
@@ -104,7 +117,7 @@ impl Problem<'_> {
         Forces { combination, sum, bound }
     }
 
-    /// The samples' features.
+    /// Returns the samples' features.
     pub(super) fn rows(&self) -> impl Iterator<Item = &[f32]> {
         self.samples.rows().into_iter().map(|row| row.to_slice().unwrap_or_default())
     }
@@ -130,7 +143,7 @@ impl Side {
     }
 }
 
-/// The inner product, in several sums that the processor can form side by side.
+/// Returns the inner product, in several sums that the processor can compute in parallel.
 pub(super) fn dot(row: &[f32], weights: &[f64]) -> f64 {
     let mut sums = [0.0; 8];
     let (rows, weights) = (row.chunks_exact(8), weights.chunks_exact(8));

@@ -1,9 +1,9 @@
-//! What is minimised, and how far.
+//! Settings of the objective and the training.
 
 use crate::error::Error;
 use crate::samples::misfit;
 
-/// The penalty of a sample that is ξ = max(0, 1 − y f(x)) short of its margin.
+/// The penalty of a sample whose margin is too small by ξ = max(0, 1 − y f(x)).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Loss {
     /// C ξ: the paper's L1-SVM.
@@ -12,27 +12,28 @@ pub enum Loss {
     SquaredHinge,
 }
 
-/// What the bias costs.
+/// The cost of the bias.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Bias {
-    /// Nothing, as in the paper.
+    /// No cost, as in the paper.
     Free,
-    /// ½ (b / scaling)²: it is the weight of a further feature of this value, as in liblinear.
+    /// ½ (b / scaling)². The bias is the weight of an additional feature of this value, as in
+    /// liblinear.
     Regularised {
-        /// The further feature's value; larger ones make the bias cheaper.
+        /// Value of the additional feature. Larger values make the bias cheaper.
         scaling: f64,
     },
 }
 
-/// How much the penalties of a class count.
+/// The weights of the classes in the penalty.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ClassWeights {
-    /// All alike.
+    /// Equal weights.
     Equal,
-    /// In inverse proportion to the class's samples: samples / (classes × samples of the class). Each class
-    /// then weighs the same, as in scikit-learn.
+    /// Weights in inverse proportion to the class's samples: samples / (classes × samples of the
+    /// class). Each class then has the same total weight, as in scikit-learn.
     Balanced,
-    /// These, one a class.
+    /// These weights, one per class.
     Given(Vec<f64>),
 }
 
@@ -49,17 +50,17 @@ pub enum ClassWeights {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct SvmSettings {
-    /// The penalty; squared hinge.
+    /// Penalty. Default squared hinge.
     pub loss: Loss,
-    /// What the bias costs; nothing.
+    /// Cost of the bias. Default free.
     pub bias: Bias,
-    /// C, the weight of the penalty against the margin; 1.
+    /// C, the weight of the penalty relative to the margin. Default 1.
     pub cost: f64,
-    /// What C is multiplied by for the samples of each class; equal.
+    /// Factor of C for the samples of each class. Default equal.
     pub class_weights: ClassWeights,
-    /// The duality gap at which the training ends, as a part of the objective; 1e-9.
+    /// Relative duality gap at which the training ends. Default 1e-9.
     pub tolerance: f64,
-    /// Most steps of Newton's method; 2000. Most trainings take 10 to 100.
+    /// Largest number of Newton steps. Default 2000. Most trainings need 10 to 100.
     pub max_iterations: usize,
 }
 
@@ -80,7 +81,7 @@ impl SvmSettings {
     /// Checks every setting.
     ///
     /// # Errors
-    /// [`Error::Value`] for a cost, a tolerance, a scaling or a weight that is not positive and finite.
+    /// [`Error::Value`] if a cost, a tolerance, a scaling or a weight is not positive and finite.
     pub fn validate(&self) -> Result<(), Error> {
         let scaling = match self.bias {
             Bias::Free => 1.0,
@@ -100,7 +101,7 @@ impl SvmSettings {
         Ok(())
     }
 
-    /// C for the samples of each class.
+    /// Returns C for the samples of each class.
     pub(super) fn costs(&self, labels: &[usize], classes: usize) -> Result<Vec<f64>, Error> {
         let weights = match &self.class_weights {
             ClassWeights::Equal => vec![1.0; classes],

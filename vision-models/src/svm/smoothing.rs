@@ -1,30 +1,33 @@
-//! What takes the place of the penalty in one run of Newton's method.
+//! The smoothed penalty of one run of Newton's method.
 
 use super::problem::Problem;
 use crate::svm::settings::Loss;
 
-/// By how much the hinge is steepened from one run to the next.
+/// Factor by which the hinge is steepened from one run to the next.
 const STEEPER: f64 = 8.0;
-/// The steepest, relative to the first: rounding of a margin then moves α by 1e-10 of what it can move.
+/// Steepest hinge relative to the first. Rounding of a margin then changes α by 1e-10 of its range.
 const STEEPEST: f64 = 1e6;
 
 /// A penalty whose slope at the margin m = y f(x) is −α, with α = clip(λ + σ (1 − m), 0, C).
 ///
-/// The squared hinge is this with λ = 0, σ = 2 C and no upper limit. For the hinge, each run's minimum gives
-/// the next λ = α: the method of multipliers (R. Rockafellar, "Augmented Lagrangians and applications of the
-/// proximal point algorithm in convex programming", Mathematics of Operations Research 1, 1976). α comes
-/// nearer to the dual's optimum with any σ, and the faster the larger σ is.
+/// The squared hinge has λ = 0, σ = 2 C and no upper limit. If the penalty is the hinge, the
+/// minimum of each run gives the next λ = α. This is the method of multipliers. α approaches the
+/// dual's optimum for any σ, and faster for larger σ.
+///
+/// R. Rockafellar, "Augmented Lagrangians and applications of the proximal point algorithm in
+/// convex programming", Mathematics of Operations Research 1, 1976.
 #[derive(Debug)]
 pub(super) enum Smoothing {
     /// The hinge, with σ and each λ.
     Hinge { steepness: f64, steepest: f64, centres: Vec<f64> },
-    /// The squared hinge as it is.
+    /// The squared hinge, unchanged.
     SquaredHinge,
 }
 
 impl Smoothing {
-    /// Returns true if a run has come near enough to its minimum, when a step promises no more than `promised`:
-    /// a part of what the distance of α from λ costs (Rockafellar's criterion B).
+    /// Returns true if a run is near enough to its minimum. `promised` is the expected decrease of
+    /// a step. It must be at most a share of the cost of the distance of α from λ (Rockafellar's
+    /// criterion B).
     pub(super) fn is_minimised(&self, promised: f64, alphas: &[f64]) -> bool {
         match self {
             Self::SquaredHinge => false,
@@ -36,7 +39,8 @@ impl Smoothing {
         }
     }
 
-    /// Takes the next one, whose minimum is nearer to the problem's, if there is one.
+    /// Changes to the next smoothing, whose minimum is nearer to the problem's. The squared hinge
+    /// stays.
     pub(super) fn sharpen(&mut self, alphas: &[f64]) {
         if let Self::Hinge { steepness, steepest, centres } = self {
             centres.copy_from_slice(alphas);
@@ -44,13 +48,13 @@ impl Smoothing {
         }
     }
 
-    /// The hinge about these α, for samples of this mean square.
+    /// Creates the hinge around these α, for samples of this mean square.
     pub(super) fn of_hinge(centres: Vec<f64>, mean_square: f64) -> Self {
         let steepness = 1.0 / mean_square;
         Self::Hinge { steepness, steepest: STEEPEST * steepness, centres }
     }
 
-    /// σ, of the first sample where they differ.
+    /// Returns σ. If it differs between samples, the first sample's is returned.
     pub(super) fn steepness(&self, problem: &Problem<'_>) -> f64 {
         match self {
             Self::Hinge { steepness, .. } => *steepness,
@@ -58,7 +62,7 @@ impl Smoothing {
         }
     }
 
-    /// α of a sample at a margin, and by how much it falls with the margin.
+    /// Returns α of a sample at a margin, and how much it falls with the margin.
     pub(super) fn alpha(&self, problem: &Problem<'_>, sample: usize, margin: f64) -> (f64, f64) {
         let cost = problem.costs[sample];
         let (centre, slope) = match self {

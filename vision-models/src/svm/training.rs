@@ -9,33 +9,34 @@ use super::problem::{Forces, Plane, Problem};
 use super::smoothing::Smoothing;
 use crate::svm::settings::Loss;
 
-/// A step that promises less than this part of the objective is rounding.
+/// A step whose expected relative decrease is below this is rounding.
 const ROUNDING: f64 = 1e-15;
-/// Steps without a smaller gap after which rounding keeps it from closing.
+/// Largest number of consecutive steps that do not reduce the gap. Rounding then prevents further
+/// progress.
 const PATIENCE: usize = 100;
 
 /// How the training of a plane ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Training {
-    /// Whether the duality gap is within the tolerance.
+    /// True if the duality gap is within the tolerance.
     pub converged: bool,
-    /// Steps of Newton's method.
+    /// Number of Newton steps.
     pub iterations: usize,
-    /// ½ wᵀw + Σ C_i ξ_i, or with ξ_i²; with the bias's cost if it has one.
+    /// ½ wᵀw + Σ C_i ξ_i, or with ξ_i², plus the cost of the bias.
     pub objective: f64,
-    /// The largest value of the dual problem that was reached: no plane's objective is below it.
+    /// The largest value of the dual problem that was reached. No plane's objective is below it.
     pub bound: f64,
 }
 
 impl Training {
-    /// The duality gap as a part of the objective: how far this plane's objective is from the best one's, at
-    /// most.
+    /// Returns the relative duality gap, an upper bound of how far this plane's objective is above
+    /// the best one's.
     pub fn gap(&self) -> f64 {
         (self.objective - self.bound).max(0.0) / self.objective
     }
 }
 
-/// A plane on its way to the optimum.
+/// The state of the training.
 struct Search<'a, 'b> {
     problem: &'a Problem<'b>,
     smoothing: Smoothing,
@@ -43,16 +44,16 @@ struct Search<'a, 'b> {
     /// f of each sample.
     decisions: Vec<f64>,
     alphas: Vec<f64>,
-    /// The samples that curve the objective, and by how much.
+    /// The samples that contribute curvature, and how much.
     curved: Vec<(usize, f64)>,
 }
 
-/// Minimises the objective to a duality gap of a part `tolerance` of it, in at most so many steps.
+/// Minimises the objective to a relative duality gap of `tolerance`, in a limited number of steps.
 ///
-/// Newton's method on w and b, each step to the minimum along its line; it ends after finitely many steps, as
-/// the objective is made of quadratic pieces (O. Mangasarian, "A finite Newton method for classification",
-/// Optimization Methods and Software 17, 2002). For the hinge a sequence of [`Smoothing`]s takes the place of
-/// the penalty. Each plane on the way gives an α, and so a bound.
+/// Newton's method on w and b with an exact line search. It ends after finitely many steps, because
+/// the objective is piecewise quadratic (O. Mangasarian, "A finite Newton method for
+/// classification", Optimization Methods and Software 17, 2002). The hinge is replaced by a
+/// sequence of [`Smoothing`]s. Each plane on the way gives an α, and so a bound.
 pub(super) fn train(
     problem: &Problem<'_>,
     newton: &mut Newton,
@@ -92,7 +93,7 @@ pub(super) fn train(
         let promised = -(slope.weights.dot(&direction.weights) + slope.bias * direction.bias);
         let rounded = promised.is_nan() || promised <= ROUNDING * objective;
         let minimised = rounded || search.smoothing.is_minimised(promised, &search.alphas);
-        // If this step is the run's last, it is the one that comes nearest to its minimum.
+        // If this step is the run's last, it comes nearest to its minimum.
         search.step(&direction);
         if minimised {
             search.weigh();
@@ -118,7 +119,7 @@ impl<'a, 'b> Search<'a, 'b> {
         Self { problem, smoothing, plane, decisions, alphas: vec![0.0; samples], curved: vec![] }
     }
 
-    /// Finds α and the curvature at the plane.
+    /// Computes α and the curvature at the plane.
     fn weigh(&mut self) {
         self.curved.clear();
         let margins = self.decisions.iter().zip(&self.problem.sides).map(|(f, side)| side * f);
@@ -131,7 +132,7 @@ impl<'a, 'b> Search<'a, 'b> {
         }
     }
 
-    /// Goes to the minimum along a direction.
+    /// Moves to the minimum along a direction.
     fn step(&mut self, direction: &Plane) {
         let changes = self.problem.decisions(direction);
         let line = Line {

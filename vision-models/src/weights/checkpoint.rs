@@ -1,4 +1,4 @@
-//! A checkpoint file, opened: what is in it, and its tensors one by one.
+//! An open checkpoint file: its contents, and its tensors one by one.
 
 use std::{
     fs::File,
@@ -18,14 +18,17 @@ use crate::weights::source::TensorSource;
 use crate::weights::tensor_info::TensorInfo;
 use crate::weights::tensors::{Tensor, Tensors};
 
-/// A checkpoint whose tensors are read from the file as they are asked for.
+/// A checkpoint whose tensors are read from the file on demand.
 ///
 /// The file may be a `.pth`, `.pt` or `.pyth` of `torch.save`, in the zip format or the older one,
-/// or a `.safetensors`; its first bytes tell. Nothing in it is executed. Opening it and reading all
-/// of it take at most four times its size and 16 MiB of memory, whatever it holds: what would take
-/// more is refused when it is opened. A state dict may be wrapped in
-/// a dict under `state_dict`, `model_state`, `model_state_dict` or `model`; `module.` and `_orig_mod.`,
-/// which `DataParallel` and `torch.compile` put before every name, are left out.
+/// or a `.safetensors`. Its first bytes tell which. Nothing in it is executed.
+///
+/// Opening it and reading all of it take at most four times its size and 16 MiB of memory. A file
+/// that needs more is rejected when it is opened.
+///
+/// A state dict may be wrapped in a dict under `state_dict`, `model_state`, `model_state_dict` or
+/// `model`. The prefixes `module.` and `_orig_mod.` of all names, from `DataParallel` and
+/// `torch.compile`, are removed.
 ///
 /// ```
 /// use vision_models::Checkpoint;
@@ -50,7 +53,7 @@ impl Checkpoint {
     /// Opens a checkpoint file.
     ///
     /// # Errors
-    /// [`Error::File`] if it cannot be read, [`Error::Checkpoint`] if it is refused.
+    /// [`Error::File`] if it cannot be read, [`Error::Checkpoint`] if it is rejected.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, Error> {
         let file = File::open(&path);
         let path = path.as_ref().display().to_string();
@@ -61,10 +64,10 @@ impl Checkpoint {
 }
 
 impl<R: Read + Seek> Checkpoint<R> {
-    /// Opens a checkpoint in memory, or wherever `source` reads from.
+    /// Opens a checkpoint in memory or from any reader.
     ///
     /// # Errors
-    /// As of [`Checkpoint::open`].
+    /// Those of [`Checkpoint::open`].
     pub fn from_reader(source: R) -> Result<Self, Error> {
         Self::read_contents(source)
     }
@@ -91,7 +94,7 @@ impl<R: Read + Seek> Checkpoint<R> {
             ));
         };
         contents.unwrap_names(&mut budget)?;
-        // Views of one storage may overlap, and an axis without a stride repeats its elements.
+        // Views of one storage may overlap, and an axis of stride zero repeats its elements.
         let elements = contents
             .tensors
             .values()
@@ -105,7 +108,7 @@ impl<R: Read + Seek> Checkpoint<R> {
                 ),
             ));
         }
-        // What [`Self::read`] would take.
+        // The memory that [`Self::read`] needs.
         for (name, info) in &contents.tensors {
             budget.take_tensor(name, info.shape())?;
         }
@@ -113,38 +116,41 @@ impl<R: Read + Seek> Checkpoint<R> {
         Ok(Self { source, contents, path: String::new() })
     }
 
-    /// The file's format.
+    /// Returns the file's format.
     pub fn format(&self) -> Format {
         self.contents.format
     }
 
-    /// The tensors in the order of their names.
+    /// Returns the tensors in the order of their names.
     pub fn tensors(&self) -> impl Iterator<Item = (&str, &TensorInfo)> {
         self.contents.tensors.iter().map(|(name, info)| (name.as_str(), info))
     }
 
-    /// The keys under which the state dict was found, the outermost first.
+    /// Returns the keys under which the state dict was found, the outermost first.
     pub fn wrappers(&self) -> &[&'static str] {
         &self.contents.wrappers
     }
 
-    /// What else the file holds, of which nothing is read: the keys beside the state dict and
-    /// entries in it that are no tensors of a known type. At most 64 of each, each of at most 64 characters.
+    /// Returns other contents of the file, which are not read: keys beside the state dict, and its
+    /// entries that are no tensors of a known type. At most 64 of each, each of at most 64
+    /// characters.
     pub fn others(&self) -> &[String] {
         &self.contents.others
     }
 
-    /// What stands among the tensors and is not read: entries of the state dict that are no tensors, and tensors
-    /// with elements of a type that no layer has, such as complex numbers. They are also among the
+    /// Returns entries of the state dict that are not read: entries that are no tensors, and
+    /// tensors whose type no layer has, such as complex numbers. They are also among the
     /// [others](Self::others).
     pub fn unread(&self) -> &[String] {
         &self.contents.unread
     }
 
-    /// Reads a tensor, its elements as f32.
+    /// Reads a tensor as f32.
     ///
     /// # Errors
-    /// [`Error::Name`]; [`Error::File`]; [`Error::Checkpoint`] for another checksum.
+    /// - [`Error::Name`] if there is no such tensor.
+    /// - [`Error::File`] if it cannot be read.
+    /// - [`Error::Checkpoint`] if its checksum is wrong.
     pub fn tensor(&mut self, name: &str) -> Result<Tensor, Error> {
         let info = self.info(name)?;
         let mut values = Vec::with_capacity(info.elements());
@@ -159,7 +165,7 @@ impl<R: Read + Seek> Checkpoint<R> {
     /// Reads all tensors.
     ///
     /// # Errors
-    /// As of [`Checkpoint::tensor`].
+    /// Those of [`Checkpoint::tensor`].
     pub fn read(mut self) -> Result<Tensors, Error> {
         let mut tensors = Tensors::new();
         while let Some(name) = self.contents.tensors.first_key_value().map(|(name, _)| name.clone())
@@ -173,7 +179,8 @@ impl<R: Read + Seek> Checkpoint<R> {
     /// Writes the tensors as safetensors, each with its element type.
     ///
     /// # Errors
-    /// [`Error::File`] of either side; [`Error::Checkpoint`] for another checksum.
+    /// - [`Error::File`] if reading or writing fails.
+    /// - [`Error::Checkpoint`] if a checksum is wrong.
     pub fn write_safetensors(&mut self, mut writer: impl Write) -> Result<(), Error> {
         let entries = self.tensors().map(|(name, info)| (name, info.element(), info.shape()));
         safetensors::write_header(&mut writer, entries)?;
@@ -184,7 +191,7 @@ impl<R: Read + Seek> Checkpoint<R> {
                 is_written = written.is_ok();
                 written.map_err(|error| reading(&error))
             });
-            // The checkpoint's path stands only with what went wrong there.
+            // The checkpoint's path is added only to errors of the checkpoint.
             copied.map_err(|error| if is_written { at_path(&self.path, error) } else { error })?;
         }
         writer.flush().map_err(|error| reading(&error))
@@ -215,10 +222,10 @@ impl<R: Read + Seek> TensorSource for Checkpoint<R> {
 }
 
 impl Tensors {
-    /// Reads all tensors of a checkpoint file; see [`Checkpoint`] for what may be in it.
+    /// Reads all tensors of a checkpoint file; see [`Checkpoint`] for the formats.
     ///
     /// # Errors
-    /// [`Error::File`] if it cannot be read, [`Error::Checkpoint`] if it is refused.
+    /// [`Error::File`] if it cannot be read, [`Error::Checkpoint`] if it is rejected.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, Error> {
         Checkpoint::open(path)?.read()
     }
@@ -226,13 +233,13 @@ impl Tensors {
     /// Writes the tensors as safetensors.
     ///
     /// # Errors
-    /// [`Error::File`].
+    /// [`Error::File`] if writing fails.
     pub fn write_safetensors(&self, mut writer: impl Write) -> Result<(), Error> {
         safetensors::write(&mut writer, self)
     }
 }
 
-/// Adds the path to what the operating system said.
+/// Adds the path to the operating system's error.
 fn at_path(path: &str, error: Error) -> Error {
     match error {
         Error::File { path: inner, reason } if inner.is_empty() => {

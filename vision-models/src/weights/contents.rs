@@ -1,4 +1,4 @@
-//! What is in a checkpoint file, whatever its format.
+//! The contents of a checkpoint file of any format.
 
 use std::{collections::BTreeMap, fmt};
 
@@ -27,22 +27,23 @@ impl fmt::Display for Format {
     }
 }
 
-/// What the reader of a format finds.
+/// The contents that a format's reader finds.
 #[derive(Debug)]
 pub(super) struct Contents {
     pub(super) format: Format,
     pub(super) tensors: BTreeMap<String, TensorInfo>,
     pub(super) wrappers: Vec<&'static str>,
     pub(super) others: Vec<String>,
-    /// Names of the others that stand among the tensors.
+    /// Names of the other entries among the tensors.
     pub(super) unread: Vec<String>,
 }
 
-/// What PyTorch's own wrappers put before every name: `DataParallel` and its kin, and `torch.compile`.
+/// Prefixes that PyTorch's own wrappers add to every name: `DataParallel` and similar, and
+/// `torch.compile`.
 const WRAPPING: [&str; 2] = ["module.", "_orig_mod."];
 
 impl Contents {
-    /// Takes off what wrappers have put before every name, however many there are.
+    /// Removes the prefixes that wrappers have added to every name, however many there are.
     pub(super) fn unwrap_names(&mut self, budget: &mut Budget) -> Result<(), Error> {
         while let Some(prefix) = WRAPPING.into_iter().find(|prefix| {
             let is_before = |name: &String| name.len() > prefix.len() && name.starts_with(prefix);

@@ -15,7 +15,7 @@ pub enum ElementType {
     I16,
     I8,
     U8,
-    /// One byte each, zero or not.
+    /// One byte, zero or not.
     Bool,
 }
 
@@ -42,17 +42,17 @@ impl ElementType {
         Self::NAMES.into_iter().find(|(.., own)| *own == name).map(|(element, ..)| element)
     }
 
-    /// The name in safetensors, such as `"BF16"`.
+    /// Returns the name in safetensors, such as `"BF16"`.
     pub fn name(self) -> &'static str {
         Self::NAMES.into_iter().find(|(element, ..)| *element == self).map_or("", |(.., name)| name)
     }
 
-    /// Returns true for whole numbers and truth values.
+    /// Returns true for integers and booleans.
     pub(super) const fn is_whole(self) -> bool {
         !matches!(self, Self::F64 | Self::F32 | Self::F16 | Self::Bf16)
     }
 
-    /// The size of one element (bytes).
+    /// Returns the size of one element (bytes).
     pub const fn size(self) -> usize {
         match self {
             Self::F64 | Self::I64 => 8,
@@ -90,13 +90,14 @@ fn each<const SIZE: usize>(bytes: &[u8], values: &mut Vec<f32>, value: impl Fn([
     values.extend(bytes.as_chunks().0.iter().map(|&bytes| value(bytes)));
 }
 
-/// The IEEE half-precision number of these bits: sign, 5 bits of exponent, 10 of significand.
+/// Returns the IEEE half-precision number of these bits: sign, 5 bits of exponent, 10 of
+/// significand.
 fn half(bits: u16) -> f32 {
     let sign = u32::from(bits >> 15) << 31;
     let exponent = u32::from(bits >> 10) & 31;
     let significand = u32::from(bits) & 1023;
     let magnitude = match exponent {
-        // Zero and the subnormal numbers: multiples of 2⁻²⁴.
+        // Zero and the subnormal numbers are multiples of 2⁻²⁴.
         0 => (significand as f32 * f32::from_bits((127 - 24) << 23)).to_bits(),
         31 => 255 << 23 | significand << 13,
         _ => (exponent + 127 - 15) << 23 | significand << 13,

@@ -1,21 +1,21 @@
-//! What can be wrong with a checkpoint file. Nothing of a file that is refused is used.
+//! Errors of checkpoint files. A rejected file is not used at all.
 
 use std::fmt::Display;
 
 use crate::error::Error;
 use crate::excerpt::Excerpt;
 
-/// What is wrong at a place in a file.
+/// Returns the error for a place in a file.
 pub(crate) fn refused(place: impl Display, problem: impl Display) -> Error {
     Error::Checkpoint { place: place.to_string(), problem: problem.to_string() }
 }
 
-/// A part of the file beyond what this reader takes.
+/// Returns the error for a part of the file that exceeds a limit of this reader.
 pub(super) fn beyond(what: &str, value: u64, limit: u64) -> Error {
     refused(what, format_args!("{value}, more than the {limit} that are accepted"))
 }
 
-/// A file that ends too early, or a length in it that is too large (bytes).
+/// Returns the error for a file that ends too early, or a length in it that is too large (bytes).
 pub(super) fn truncated(what: &str, position: u64, needed: u64, available: u64) -> Error {
     refused(
         format_args!("{what} at byte {position}"),
@@ -25,22 +25,22 @@ pub(super) fn truncated(what: &str, position: u64, needed: u64, available: u64) 
     )
 }
 
-/// What is wrong at a byte of a pickle.
+/// Returns the error for a byte of a pickle.
 pub(super) fn in_pickle(position: u64, problem: impl Display) -> Error {
     refused(format_args!("pickle, byte {position}"), problem)
 }
 
-/// What is wrong with a tensor.
+/// Returns the error for a tensor.
 pub(super) fn of_tensor(name: &str, problem: impl Display) -> Error {
     refused(format_args!("tensor \"{}\"", Excerpt(name)), problem)
 }
 
-/// What is wrong with a storage.
+/// Returns the error for a storage.
 pub(super) fn of_storage(key: &str, problem: impl Display) -> Error {
     refused(format_args!("storage \"{}\"", Excerpt(key)), problem)
 }
 
-/// A file of a big-endian machine.
+/// Returns the error for a file from a big-endian machine.
 pub(super) fn big_endian() -> Error {
     refused(
         "byte order",

@@ -1,14 +1,14 @@
-//! Reading a part of a file, with every length checked against what is left.
+//! Reads a part of a file and checks every length against the remaining one.
 
 use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
 
 use super::error::{beyond, truncated};
 use crate::error::Error;
 
-/// More bytes than the name of any module or class has.
+/// Longest line (bytes). No name of a module or class is longer.
 const LONGEST_LINE: usize = 4096;
 
-/// A part of a file that is read from front to back.
+/// A part of a file that is read from beginning to end.
 pub(super) struct Input<R> {
     reader: R,
     position: u64,
@@ -16,7 +16,7 @@ pub(super) struct Input<R> {
 }
 
 impl<'a, R: Read + Seek> Input<BufReader<&'a mut R>> {
-    /// `size` bytes at `position` of a file of `length` bytes.
+    /// Opens `size` bytes at `position` of a file of `length` bytes.
     pub(super) fn open(
         source: &'a mut R,
         position: u64,
@@ -34,7 +34,8 @@ impl<'a, R: Read + Seek> Input<BufReader<&'a mut R>> {
 }
 
 impl<R: BufRead> Input<R> {
-    /// The next `length` bytes of the reader, which stand at `position` of what errors speak of.
+    /// Creates the input of the reader's next `length` bytes. `position` is their position for
+    /// errors.
     pub(super) fn new(reader: R, position: u64, length: u64) -> Self {
         Self { reader, position, remaining: length }
     }
@@ -81,7 +82,7 @@ impl<R: BufRead> Input<R> {
         Ok(())
     }
 
-    /// Bytes up to a line feed, which is read and not given; at most [`LONGEST_LINE`].
+    /// Reads the bytes before a line feed, and the line feed itself; at most [`LONGEST_LINE`].
     pub(super) fn line(&mut self, what: &'static str) -> Result<Vec<u8>, Error> {
         let mut line = Vec::new();
         loop {
@@ -97,7 +98,7 @@ impl<R: BufRead> Input<R> {
         }
     }
 
-    /// Takes `length` bytes off what is left.
+    /// Subtracts `length` bytes from the remaining ones.
     fn claim(&mut self, length: u64, what: &'static str) -> Result<usize, Error> {
         let (Ok(size), Some(remaining)) =
             (usize::try_from(length), self.remaining.checked_sub(length))
@@ -111,7 +112,7 @@ impl<R: BufRead> Input<R> {
     }
 }
 
-/// The operating system's word on a failed read; the caller adds the path.
+/// Returns the operating system's error of a failed read. The caller adds the path.
 pub(super) fn reading(error: &std::io::Error) -> Error {
     Error::File { path: String::new(), reason: error.to_string() }
 }

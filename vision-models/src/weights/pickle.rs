@@ -1,8 +1,8 @@
-//! The pickles of PyTorch's checkpoints, read without running anything.
+//! Reads the pickles of PyTorch's checkpoints without executing anything.
 //!
-//! A pickle is a program for a stack machine, which may import and call whatever Python has. The
-//! machine here makes numbers, text, tuples, lists and dicts; of the names that a pickle imports it
-//! knows those that a state dict takes, and interprets them as data. Everything else is inert.
+//! A pickle is a program for a stack machine, which may import and call anything that Python has.
+//! The machine here creates numbers, texts, tuples, lists and dicts. It knows the imported names
+//! that a state dict needs, and interprets them as data. All other objects are inert.
 //! <https://docs.python.org/3/library/pickletools.html> lists the opcodes.
 
 mod machine;
@@ -12,7 +12,7 @@ mod value;
 pub(super) use machine::run;
 pub(super) use value::{Id, Storage, Value, View};
 
-/// All values that a pickle made, and which of them is its result.
+/// All values that a pickle created, and its result.
 #[derive(Debug)]
 pub(super) struct Pickle {
     values: Vec<Value>,
@@ -28,7 +28,7 @@ impl Pickle {
         self.values.get(id.0).unwrap_or(&Value::Inert)
     }
 
-    /// The value of a text key in a dict, the last one if there are several.
+    /// Returns the value of a text key in a dict, the last one if there are several.
     pub(super) fn entry<'a>(&'a self, dict: &Value, name: &str) -> Option<&'a Value> {
         let Value::Dict(entries) = dict else {
             return None;
@@ -40,7 +40,7 @@ impl Pickle {
             .map(|&(_, value)| self.value(value))
     }
 
-    /// Every storage that the pickle names.
+    /// Returns every storage that the pickle names.
     pub(super) fn storages(&self) -> impl Iterator<Item = &Storage> {
         self.values.iter().filter_map(|value| match value {
             Value::Storage(storage) => Some(&**storage),

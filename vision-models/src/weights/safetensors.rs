@@ -25,14 +25,15 @@ use crate::weights::element::ElementType;
 use crate::weights::tensor_info::TensorInfo;
 use crate::weights::tensors::Tensors;
 
-/// The largest header that is accepted (bytes); the format allows 100 MB.
+/// Largest header that is accepted (bytes). The format allows 100 MB.
 const MAX_HEADER: u64 = 16 << 20;
-/// How many keys of the metadata, and how many tensors of other types, are told, and how many characters of each.
+/// Largest number of reported metadata keys and of tensors of other types, and of characters of
+/// each.
 const OTHERS: usize = 64;
-/// The key for what is no tensor.
+/// The key of an entry that is no tensor.
 const METADATA: &str = "__metadata__";
 
-/// Whether a file that starts with these bytes may be of this format.
+/// Returns true if a file that starts with these bytes may have this format.
 pub(super) fn is_safetensors(start: &[u8]) -> bool {
     start.get(8) == Some(&b'{')
 }
@@ -109,7 +110,7 @@ pub(super) fn read<R: Read + Seek>(
     Ok(Contents { format: Format::Safetensors, tensors, wrappers, others, unread })
 }
 
-/// Every byte after the header belongs to exactly one tensor.
+/// Checks that every byte after the header belongs to exactly one tensor.
 fn check_places(mut places: Vec<(u64, u64)>, length: u64) -> Result<(), Error> {
     places.sort_unstable();
     let mut next = 0;
@@ -143,8 +144,8 @@ pub(super) fn write(writer: &mut impl Write, tensors: &Tensors) -> Result<(), Er
     writer.flush().map_err(|error| reading(&error))
 }
 
-/// Writes the header of tensors that will follow in this order. Nothing is written that [`read`]
-/// would refuse.
+/// Writes the header of tensors that will follow in this order. It writes nothing that [`read`]
+/// would reject.
 pub(super) fn write_header<'a>(
     writer: &mut impl Write,
     tensors: impl Iterator<Item = (&'a str, ElementType, &'a [usize])>,
@@ -169,7 +170,7 @@ pub(super) fn write_header<'a>(
         .collect::<Result<_, Error>>()?;
     let records = HeaderToWrite(records);
     let mut header = serde_json::to_vec(&records).map_err(|error| problem(error.to_string()))?;
-    // The format asks for spaces up to a multiple of eight.
+    // The format requires spaces up to a multiple of eight.
     header.resize(header.len().next_multiple_of(8), b' ');
     if header.len() as u64 > MAX_HEADER {
         return Err(beyond(HEADER_BYTES, header.len() as u64, MAX_HEADER));
@@ -212,14 +213,14 @@ struct Header {
     metadata: Vec<String>,
 }
 
-/// Takes off what a tensor takes in the header, as a record and then with its place.
+/// Charges the memory of a tensor in the header: its record, and the record with its position.
 fn take_record(budget: &mut Budget, name: &str) -> Result<(), Error> {
     let shapes = 3 * MAX_AXES * size_of::<usize>();
     budget.take_entry::<String, Record>(2 * name.len() + shapes)?;
     budget.take_entry::<String, TensorInfo>(size_of::<(u64, u64)>())
 }
 
-/// Reads a header within the memory that its file may take.
+/// Reads a header within the memory budget of its file.
 struct HeaderReader<'a>(&'a mut Budget);
 
 impl<'de> DeserializeSeed<'de> for HeaderReader<'_> {
@@ -261,7 +262,7 @@ impl<'de> Visitor<'de> for HeaderReader<'_> {
     }
 }
 
-/// The first keys of the metadata, whose values are texts that nothing is done with.
+/// The first keys of the metadata, whose values are unused texts.
 struct Metadata(Vec<String>);
 
 impl<'de> Deserialize<'de> for Metadata {

@@ -1,16 +1,16 @@
-//! How many elements a shape has.
+//! The number of elements of a shape.
 
-/// More axes than any tensor of a network has.
+/// Largest number of axes. No tensor of a network has more.
 pub(super) const MAX_AXES: usize = 8;
 
-/// The number of elements of a tensor of this shape; `None` if an axis, or all that are not empty
-/// together, are longer than memory can be. No such tensor can be made, even an empty one.
+/// Returns the number of elements of a tensor of this shape. `None` if an axis, or all non-empty
+/// axes together, exceed the size of memory. Such a tensor is not allowed, even if it is empty.
 pub(super) fn elements(shape: &[usize]) -> Option<usize> {
     let longest = shape
         .iter()
         .filter(|&&axis| axis > 0)
         .try_fold(1_usize, |size, &axis| size.checked_mul(axis))
-        // Of the largest elements, eight bytes each.
+        // The largest elements have eight bytes.
         .filter(|&size| size <= isize::MAX.unsigned_abs() / 8)?;
     Some(if shape.contains(&0) { 0 } else { longest })
 }

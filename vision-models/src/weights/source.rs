@@ -1,33 +1,33 @@
-//! Where a network takes its weights from.
+//! Sources of a network's weights.
 
 use crate::error::Error;
 use crate::weights::tensors::{Tensor, Tensors};
 
-/// Named tensors that are given out one at a time: all in memory ([`Tensors`]), or read from their
-/// file as they are asked for ([`Checkpoint`](crate::Checkpoint)), so that a network that packs its
-/// weights never holds them twice.
+/// Named tensors that are returned one at a time. They are all in memory ([`Tensors`]), or read
+/// from their file on demand ([`Checkpoint`](crate::Checkpoint)). A network that packs its weights
+/// therefore never holds them twice.
 pub trait TensorSource {
-    /// The names, sorted.
+    /// Returns the names, sorted.
     fn names(&self) -> Vec<&str>;
 
-    /// The shape of the tensor of this name.
+    /// Returns the shape of the tensor with this name.
     fn shape(&self, name: &str) -> Option<&[usize]>;
 
-    /// Returns true if the file holds whole numbers or truth values: a counter or a mask, which no layer is made
-    /// of. Of a source that does not know, false.
+    /// Returns true if the file holds integers or booleans: a counter or a mask, which no layer
+    /// has. A source that does not know returns false.
     fn is_counter(&self, _name: &str) -> bool {
         false
     }
 
-    /// Gives the tensor of this name; it may be asked for only once.
+    /// Returns the tensor with this name. Each tensor can be taken only once.
     ///
     /// # Errors
-    /// [`Error::Name`] if there is none of this name (left); whatever can be wrong in reading
-    /// it.
+    /// [`Error::Name`] if no tensor has this name, or it was taken already, and the errors of
+    /// reading it.
     fn take(&mut self, name: &str) -> Result<Tensor, Error>;
 }
 
-/// The error of a name that no tensor has.
+/// Returns the error for a name that no tensor has.
 pub(crate) fn no_tensor(name: &str) -> Error {
     Error::unknown("tensor", name, "the name of a tensor that is among the weights")
 }

@@ -1,4 +1,4 @@
-//! The state dict in the object that was saved.
+//! Finds the state dict in the saved object.
 
 use std::collections::BTreeMap;
 
@@ -12,27 +12,27 @@ use crate::excerpt::Excerpt;
 
 /// The keys under which training programs save a state dict.
 const WRAPPERS: &[&str] = &["state_dict", "model_state", "model_state_dict", "model"];
-/// How many other entries, and how much of their names, is worth telling.
+/// Largest number of reported other entries, and of characters of their names.
 const TOLD: usize = 64;
 
 /// The tensors of a state dict, by name.
 #[derive(Debug, Default)]
 pub(super) struct StateDict {
     pub(super) tensors: BTreeMap<String, View>,
-    /// The keys that led to it.
+    /// The keys under which it was found.
     pub(super) wrappers: Vec<&'static str>,
-    /// What else the file holds.
+    /// The other contents of the file.
     pub(super) others: Vec<String>,
-    /// Names of these that stand among the tensors.
+    /// Names of other entries among the tensors.
     pub(super) unread: Vec<String>,
 }
 
 impl StateDict {
-    /// Looks for the state dict in what a pickle made.
+    /// Searches the result of a pickle for the state dict.
     pub(super) fn find(pickle: &Pickle, budget: &mut Budget) -> Result<Self, Error> {
         let mut found = Self::default();
         let mut dict = pickle.root();
-        // A wrapper within itself would lead on for ever.
+        // A wrapper that contains itself would never end.
         while found.wrappers.len() < WRAPPERS.len() {
             let inner = WRAPPERS.iter().find_map(|&wrapper| {
                 let entry = pickle.entry(dict, wrapper)?;

@@ -1,4 +1,4 @@
-//! Where a tensor's elements lie in its file.
+//! The position of a tensor's elements in its file.
 
 use std::io::{Read, Seek, SeekFrom};
 
@@ -8,36 +8,36 @@ use super::shape::elements;
 use crate::error::Error;
 use crate::weights::element::ElementType;
 
-/// Bytes that are read at a time: they stay in the cache until they are decoded.
+/// Number of bytes that are read at a time. They stay in the cache until they are decoded.
 const CHUNK: usize = 128 << 10;
 
-/// A tensor in a checkpoint, not yet read.
+/// A tensor in a checkpoint that is not read yet.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TensorInfo {
     element: ElementType,
     shape: Vec<usize>,
     /// The step along each axis (elements).
     strides: Vec<usize>,
-    /// Where the first element is in the file (bytes).
+    /// Position of the first element in the file (bytes).
     position: u64,
-    /// From the first element to the last, both included (elements).
+    /// Length from the first element to the last, both included (elements).
     span: usize,
-    /// The CRC-32 of the storage, if the tensor is all of it.
+    /// CRC-32 of the storage, if the tensor is all of it.
     checksum: Option<u32>,
 }
 
 /// A storage in the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Region {
-    /// Where it starts (bytes).
+    /// Position of its start (bytes).
     pub(super) position: u64,
-    /// How large it is (elements).
+    /// Size (elements).
     pub(super) elements: usize,
     pub(super) checksum: Option<u32>,
 }
 
 impl TensorInfo {
-    /// A tensor in a storage; `None` if it reaches beyond it.
+    /// Creates a tensor in a storage, or returns `None` if it exceeds the storage.
     pub(super) fn new(
         element: ElementType,
         shape: Vec<usize>,
@@ -62,7 +62,7 @@ impl TensorInfo {
         Some(info)
     }
 
-    /// A tensor that fills its place, in C order.
+    /// Creates a contiguous tensor in C order.
     pub(super) fn contiguous(
         element: ElementType,
         shape: Vec<usize>,
@@ -79,26 +79,29 @@ impl TensorInfo {
         Self::new(element, shape, strides, 0, region)
     }
 
-    /// The type of the elements in the file.
+    /// Returns the type of the elements in the file.
     pub fn element(&self) -> ElementType {
         self.element
     }
 
-    /// The length of each axis; empty for a scalar.
+    /// Returns the length of each axis, or an empty list for a scalar.
     pub fn shape(&self) -> &[usize] {
         &self.shape
     }
 
-    /// The number of elements.
+    /// Returns the number of elements.
     pub fn elements(&self) -> usize {
-        // `new` has seen that the shape has a number of elements.
+        // `new` has checked that the number of elements is valid.
         elements(&self.shape).unwrap_or(0)
     }
 
-    /// Hands the elements' bytes out in C order, piece by piece, each a whole number of elements.
+    /// Passes the elements' bytes to `sink` in C order, piece by piece. Each piece is a whole
+    /// number of elements.
     ///
     /// # Errors
-    /// [`Error::File`]; [`Error::Checkpoint`] for another checksum; what `sink` gives.
+    /// - [`Error::File`] if reading fails.
+    /// - [`Error::Checkpoint`] if the checksum is wrong.
+    /// - The errors of `sink`.
     pub(super) fn read<R: Read + Seek>(
         &self,
         name: &str,
@@ -130,7 +133,7 @@ impl TensorInfo {
         }
     }
 
-    /// Whether the elements lie in C order without gaps.
+    /// Returns true if the elements are in C order without gaps.
     fn is_contiguous(&self) -> bool {
         let mut size = 1;
         self.span == 0
@@ -142,19 +145,19 @@ impl TensorInfo {
                 })
     }
 
-    /// The most memory that [`Self::read`] takes beside its chunks (bytes).
+    /// Returns the largest memory that [`Self::read`] needs beside its chunks (bytes).
     pub(super) fn scratch(&self) -> usize {
         if self.is_contiguous() || !self.is_dense() { 0 } else { self.span * self.element.size() }
     }
 
-    /// Whether a view has so many of the elements between its first and last that reading all of
-    /// them costs less than one read for each piece.
+    /// Returns true if a view is dense: reading everything between its first and last element is
+    /// faster than one read per piece.
     fn is_dense(&self) -> bool {
         self.span / 4 <= self.elements()
     }
 
-    /// Reads a view with other strides: all that it spans at once where it is dense, and else only
-    /// its own elements, so that many views of one large storage read no more than they hold.
+    /// Reads a view with other strides. A dense view is read at once with its gaps, any other piece
+    /// by piece. Many views of one large storage therefore read no more than they hold.
     fn read_strided<R: Read + Seek>(
         &self,
         source: &mut R,
@@ -194,7 +197,7 @@ impl TensorInfo {
                     chunk.clear();
                 }
             }
-            // The next place in C order: the last axis fastest.
+            // The next index in C order, the last axis fastest.
             for ((place, &axis), &stride) in index.iter_mut().zip(axes).zip(strides).rev() {
                 *place += 1;
                 offset += stride;

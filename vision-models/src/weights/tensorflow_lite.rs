@@ -1,4 +1,4 @@
-//! Files of TensorFlow Lite: the tensors and the operators in them.
+//! Files of TensorFlow Lite: their tensors and operators.
 
 mod constant;
 mod schema;
@@ -13,7 +13,7 @@ pub(crate) use constant::Constant;
 pub(crate) use schema::is_tensorflow_lite;
 use schema::{Table, Tables};
 
-/// More operands than any operator has.
+/// Largest number of operands. No operator has more.
 const MOST_OPERANDS: usize = 64;
 
 /// A file of TensorFlow Lite, in memory.
@@ -26,25 +26,25 @@ pub(crate) struct Model<'a> {
     main: Table<'a>,
 }
 
-/// An operator: what it does, with which tensors.
+/// An operator with its tensors.
 #[derive(Clone, Debug)]
 pub(crate) struct Operator<'a> {
-    /// Its number in `BuiltinOperator`.
+    /// Number in `BuiltinOperator`.
     pub(crate) code: i32,
-    /// The tensors that it reads; those that are left out are none.
+    /// The tensors that it reads. Missing ones are `None`.
     pub(crate) inputs: Vec<Option<usize>>,
     /// The tensors that it writes.
     pub(crate) outputs: Vec<usize>,
     options: Option<Table<'a>>,
 }
 
-/// What a tensor is said to be.
+/// The description of a tensor.
 #[derive(Clone, Debug)]
 pub(crate) struct TensorHead {
     pub(crate) shape: Vec<usize>,
-    /// Its number in `TensorType`.
+    /// Number in `TensorType`.
     pub(crate) element: u8,
-    /// Where its elements are; 0 for none.
+    /// The buffer of its elements, or 0 if there is none.
     pub(crate) buffer: usize,
 }
 
@@ -52,7 +52,7 @@ impl<'a> Model<'a> {
     /// Opens a file.
     ///
     /// # Errors
-    /// [`Error::Checkpoint`] for what is no such file, or does not fit together.
+    /// [`Error::Checkpoint`] if the bytes are no such file, or inconsistent.
     pub(crate) fn of(file: &'a [u8]) -> Result<Self, Error> {
         if !is_tensorflow_lite(file) {
             return Err(refused("not a file of TensorFlow Lite", "bytes 4 to 7 are not \"TFL3\""));
@@ -77,42 +77,41 @@ impl<'a> Model<'a> {
         })
     }
 
-    /// Takes what will be made of the tensors and operators off the memory that the file may take: its tables may be
-    /// listed again and again.
+    /// Charges the memory of the tensors and operators. A file can list the same table many times.
     ///
     /// # Errors
-    /// [`Error::Checkpoint`].
+    /// [`Error::Checkpoint`] if the budget is exceeded.
     pub(crate) fn pay(&self, budget: &mut Budget) -> Result<(), Error> {
         budget.take(self.tensors.len().saturating_mul(TENSOR_COST))?;
         budget.take(self.operators.len().saturating_mul(OPERATOR_COST))
     }
 
-    /// How many tensors there are.
+    /// Returns the number of tensors.
     pub(crate) fn tensors(&self) -> usize {
         self.tensors.len()
     }
 
-    /// How many operators there are.
+    /// Returns the number of operators.
     pub(crate) fn operators(&self) -> usize {
         self.operators.len()
     }
 
-    /// The tensors that the network is given.
+    /// Returns the input tensors of the network.
     pub(crate) fn inputs(&self) -> Result<Vec<usize>, Error> {
         self.indices(&self.main, 1, "inputs")
     }
 
-    /// The tensors that it gives.
+    /// Returns the output tensors of the network.
     pub(crate) fn outputs(&self) -> Result<Vec<usize>, Error> {
         self.indices(&self.main, 2, "outputs")
     }
 
-    /// The operator of this number.
+    /// Returns the operator of this number.
     pub(crate) fn operator(&self, index: usize) -> Result<Operator<'a>, Error> {
         let operator = self.operators.get(index, "operator")?;
         let code: u32 = operator.number(0, "operator code of an operator")?;
         let code = self.codes.get(code as usize, "operator code")?;
-        // What is above 127 stands in a later field, beside which the first one says 127.
+        // Codes above 127 are in a later field. The first field is then 127.
         let first: i8 = code.number(0, "operator code")?;
         let later: i32 = code.number(3, "operator code")?;
         let inputs = operator.numbers::<i32>(1, "inputs of an operator")?;
@@ -132,7 +131,7 @@ impl<'a> Model<'a> {
         })
     }
 
-    /// What the tensor of this number is said to be.
+    /// Returns the description of the tensor of this number.
     pub(crate) fn head(&self, index: usize) -> Result<TensorHead, Error> {
         let tensor = self.tensors.get(index, "tensor")?;
         let axes = tensor.numbers::<i32>(0, "shape of a tensor")?;
@@ -150,14 +149,14 @@ impl<'a> Model<'a> {
         })
     }
 
-    /// What the tensor of this number is called, for errors.
+    /// Returns the name of the tensor of this number, for errors.
     pub(crate) fn name(&self, index: usize) -> String {
         let name = self.tensors.get(index, "tensor").and_then(|tensor| tensor.bytes(3, "name"));
         let name = String::from_utf8_lossy(name.unwrap_or_default()).into_owned();
         format!("tensor {index} \"{}\"", Excerpt(&name))
     }
 
-    /// The elements of a constant; none of a tensor that is computed.
+    /// Returns the elements of a constant, or none for a computed tensor.
     fn elements(&self, head: &TensorHead) -> Result<&'a [u8], Error> {
         if head.buffer == 0 {
             return Ok(&[]);
@@ -191,10 +190,10 @@ const TENSOR_COST: usize = 128;
 const OPERATOR_COST: usize = 1024;
 
 impl Operator<'_> {
-    /// A field of the options; its default where it or they are left out.
+    /// Returns a field of the options, or its default if the field or the options are missing.
     ///
     /// # Errors
-    /// [`Error::Checkpoint`] for a field that lies outside the file.
+    /// [`Error::Checkpoint`] if the field lies outside the file.
     pub(crate) fn option(&self, field: usize, kind: OptionKind) -> Result<i32, Error> {
         let name = "option of an operator";
         let Some(options) = &self.options else { return Ok(0) };
@@ -205,10 +204,10 @@ impl Operator<'_> {
     }
 }
 
-/// How an option is stored.
+/// Storage type of an option.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum OptionKind {
-    /// A truth value or one of a few names.
+    /// A boolean or a value of an enumeration.
     Byte,
     /// A number.
     Word,

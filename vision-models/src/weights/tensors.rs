@@ -1,4 +1,4 @@
-//! What a checkpoint holds, whatever its file format.
+//! Tensors of a checkpoint, independent of the file format.
 
 use std::collections::BTreeMap;
 
@@ -14,11 +14,11 @@ pub struct Tensor {
 }
 
 impl Tensor {
-    /// Takes the elements of a tensor of this shape, the last axis running fastest.
+    /// Creates a tensor of this shape from its elements, the last axis running fastest.
     ///
     /// # Errors
-    /// [`Error::Size`] if `data` has not as many elements as the shape says, or an axis of an
-    /// empty tensor is longer than memory can be.
+    /// [`Error::Size`] if the number of elements is not the shape's, or an axis of an empty tensor
+    /// exceeds the size of memory.
     pub fn new(shape: Vec<usize>, data: Vec<f32>) -> Result<Self, Error> {
         if elements(&shape) == Some(data.len()) {
             Ok(Self { shape, data })
@@ -27,17 +27,17 @@ impl Tensor {
         }
     }
 
-    /// The length of each axis.
+    /// Returns the length of each axis.
     pub fn shape(&self) -> &[usize] {
         &self.shape
     }
 
-    /// The elements, the last axis running fastest.
+    /// Returns the elements, the last axis running fastest.
     pub fn data(&self) -> &[f32] {
         &self.data
     }
 
-    /// Gives up the elements.
+    /// Returns the elements and consumes the tensor.
     pub fn into_data(self) -> Vec<f32> {
         self.data
     }
@@ -59,7 +59,7 @@ pub struct Tensors {
 }
 
 impl Tensors {
-    /// No tensors.
+    /// Creates an empty set of tensors.
     pub fn new() -> Self {
         Self::default()
     }
@@ -67,7 +67,7 @@ impl Tensors {
     /// Adds a tensor.
     ///
     /// # Errors
-    /// [`Error::Value`] if there is one of this name already.
+    /// [`Error::Value`] if a tensor has this name already.
     pub fn insert(&mut self, name: impl Into<String>, tensor: Tensor) -> Result<(), Error> {
         let name = name.into();
         if self.tensors.contains_key(&name) {
@@ -78,33 +78,34 @@ impl Tensors {
         Ok(())
     }
 
-    /// The tensor of this name.
+    /// Returns the tensor with this name.
     pub fn get(&self, name: &str) -> Option<&Tensor> {
         self.tensors.get(name)
     }
 
-    /// Takes the tensor of this name out, so that its memory goes when the caller drops it.
+    /// Removes and returns the tensor with this name. Its memory is released when the caller drops
+    /// it.
     pub fn remove(&mut self, name: &str) -> Option<Tensor> {
         self.tensors.remove(name)
     }
 
-    /// The names, sorted.
+    /// Returns the names, sorted.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.tensors.keys().map(String::as_str)
     }
 
-    /// How many tensors there are.
+    /// Returns the number of tensors.
     pub fn len(&self) -> usize {
         self.tensors.len()
     }
 
-    /// Whether there are none.
+    /// Returns true if there are no tensors.
     pub fn is_empty(&self) -> bool {
         self.tensors.is_empty()
     }
 }
 
-/// The error of elements that do not fill their shape.
+/// Returns the error for a number of elements that differs from the shape's.
 pub(crate) fn unfilled(shape: &[usize], elements: usize) -> Error {
     let tensor = format!("a tensor of shape {shape:?}");
     Error::size(&tensor, &[elements], "elements", "one for each place")

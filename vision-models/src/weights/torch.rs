@@ -18,19 +18,19 @@ use crate::error::Error;
 use crate::weights::contents::Format;
 use crate::weights::tensor_info::TensorInfo;
 
-/// More bytes of pickle than any checkpoint has: the weights are not in it.
+/// Largest pickle (bytes). It does not contain the weights, so no checkpoint has a larger one.
 const MAX_PICKLE: u64 = 64 << 20;
-/// The magic number 0x1950a86a20f9469cfc6c as the older stream starts with it: protocol 2, an
-/// integer of ten bytes, the end of the pickle.
+/// The magic number 0x1950a86a20f9469cfc6c at the start of the older format, as a pickle: protocol
+/// 2, an integer of ten bytes, end.
 const MAGIC: &[u8] = b"\x80\x02\x8a\x0a\x6c\xfc\x9c\x46\xf9\x20\x6a\xa8\x50\x19.";
 const STREAM_VERSION: i64 = 1001;
 
-/// Whether a file that starts with these bytes is of the older format.
+/// Returns true if a file that starts with these bytes has the older format.
 pub(super) fn is_stream(start: &[u8]) -> bool {
     start.starts_with(MAGIC)
 }
 
-/// The zip format: `NAME/data.pkl` has the pickle, `NAME/data/KEY` each storage.
+/// Reads the zip format: `NAME/data.pkl` has the pickle, `NAME/data/KEY` each storage.
 pub(super) fn read_archive<R: Read + Seek>(
     source: &mut R,
     length: u64,
@@ -74,8 +74,9 @@ fn is_folder(root: &str) -> bool {
     root.is_empty() || root.ends_with('/') && root.matches('/').count() == 1
 }
 
-/// The older format, one stream: the magic number, the version, a dict about the machine, the
-/// object, the keys of the storages, each a pickle; then each storage, its number of elements first.
+/// Reads the older format, a single stream. It begins with pickles: the magic number, the version,
+/// a dict about the machine, the object, and the keys of the storages. Then follows each storage,
+/// its number of elements first.
 pub(super) fn read_stream<R: Read + Seek>(
     source: &mut R,
     length: u64,
@@ -133,7 +134,7 @@ pub(super) fn read_stream<R: Read + Seek>(
     })
 }
 
-/// Finds every tensor's place.
+/// Finds every tensor's position.
 fn contents(
     format: Format,
     mut state_dict: StateDict,
@@ -161,7 +162,7 @@ fn contents(
     Ok(Contents { format, tensors, wrappers, others, unread })
 }
 
-/// A storage's size (bytes).
+/// Returns a storage's size (bytes).
 fn size(storage: &Storage) -> Result<u64, Error> {
     (storage.elements as u64)
         .checked_mul(storage.element.size() as u64)

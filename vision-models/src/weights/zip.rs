@@ -1,7 +1,7 @@
-//! The directory of a zip archive, as far as `torch.save` uses the format: entries are stored
-//! uncompressed, so that each is a range of bytes of the file.
+//! The directory of a zip archive, as far as `torch.save` uses the format. Entries are not
+//! compressed, so each is a range of bytes of the file.
 //!
-//! `rawzip` reads it. PKWARE, APPNOTE.TXT, 4.3.7, has the header before an entry's bytes.
+//! `rawzip` reads it. PKWARE, APPNOTE.TXT, 4.3.7, describes the header before an entry's bytes.
 
 use std::{
     collections::BTreeMap,
@@ -23,7 +23,7 @@ use crate::excerpt::Excerpt;
 pub(super) struct Entry {
     header: u64,
     pub(super) length: u64,
-    /// CRC-32; `None` if the writer left it out.
+    /// CRC-32, or `None` if the writer left it out.
     pub(super) checksum: Option<u32>,
 }
 
@@ -83,7 +83,7 @@ impl Archive {
         self.entries.get(name).copied()
     }
 
-    /// The bytes of an entry, if it is there.
+    /// Returns the bytes of an entry, if it exists.
     pub(super) fn open<'a, R: Read + Seek>(
         &self,
         name: &str,
@@ -98,7 +98,7 @@ impl Archive {
         Input::open(source, position, entry.length, self.length).map(Some)
     }
 
-    /// Where the bytes of an entry are in the file: the entry has a second header before them.
+    /// Returns the position of an entry's bytes in the file. A second header precedes them.
     pub(super) fn position<R: Read + Seek>(
         &self,
         name: &str,

@@ -10,7 +10,7 @@ from operators import HERE, Network
 
 
 def fixed(network, x, outputs, stride, bias, weights=None):
-    """A convolution of 1 × 1 that looks at every so-manieth pixel."""
+    """A convolution of 1 × 1 that reads every n-th pixel."""
     _, rows, columns, inputs = network.shape(x)
     if weights is None:
         weights = np.zeros([outputs, 1, 1, inputs])
@@ -28,12 +28,12 @@ def fixed(network, x, outputs, stride, bias, weights=None):
 def detector():
     n = Network()
     image = n.tensor([1, 224, 224, 3])
-    # Of the forty-six boxes of a cell the first is sure where its pixel is white: -30 + 2 x 20.
+    # The first of a cell's forty-six boxes has a high score if its pixel is white: -30 + 2 x 20.
     bias, weights = np.full(46, -30.0), np.zeros([46, 1, 1, 3])
     bias[0], weights[0] = 10, 20 / 3
     scores = n.reshape(fixed(n, image, 46, 32, bias, weights), [1, 2254, 1])
     box = np.zeros([46, 12])
-    # Half as wide as the image; the hips at the anchor, the circle's edge 56 pixels above.
+    # Half as wide as the image. The hips are at the anchor, and the circle's edge is 56 pixels above.
     box[:, 2:4], box[:, 7] = 112, -56
     boxes = n.reshape(fixed(n, image, 552, 32, box.ravel()), [1, 2254, 12])
     n.graph.inputs, n.graph.outputs = [image], [boxes, scores]
@@ -46,10 +46,10 @@ def landmarks():
     points = np.zeros([39, 5])
     points[:, 0], points[:, 1] = 64 + 4 * np.arange(39), 32 + 4 * np.arange(39)
     points[:, 2], points[:, 3], points[:, 4] = 16, 4, 8
-    # The next region: the hips in the middle, the circle's edge four fifths of the way up.
+    # The next region: the hips in the middle, and the circle's edge at four fifths of the height above.
     points[33, :2], points[34, :2] = [128, 128], [128, 128 - 102.4]
     metric = np.stack([np.arange(39) / 64, np.arange(39) / 32, np.ones(39)], 1)
-    # The score is that of the pixel at the top left: 16 where it is white, -16 where it is black.
+    # The score is given by the pixel at the top left: 16 if it is white, -16 if it is black.
     ends = [
         n.reshape(fixed(n, image, 195, 256, points.ravel()), [1, 195]),
         n.operator("LOGISTIC", [fixed(n, image, 1, 256, [-16], np.full([1, 1, 1, 3], 32 / 3))], [1, 1, 1, 1]),

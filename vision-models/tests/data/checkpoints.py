@@ -55,7 +55,7 @@ torch.save(dict(tensors), "protocol5.pth", pickle_protocol=5)
 save_file({name: tensor.detach().contiguous().clone() for name, tensor in tensors.items()}, "plain.safetensors")
 json.dump(expected(tensors), open("plain.json", "w"), indent=0)
 
-# As mmaction2 writes them: the weights are one of several entries, others hold foreign objects.
+# As in mmaction2: the weights are one of several entries, and others hold foreign objects.
 backbone = collections.OrderedDict()
 backbone["backbone.conv1.conv.weight"] = torch.randn(4, 3, 1, 2, 2)
 backbone["backbone.conv1.bn.bias"] = torch.randn(4)
@@ -74,7 +74,7 @@ wrapped = {
 torch.save(wrapped, "wrapped.pth")
 json.dump(expected(backbone), open("wrapped.json", "w"), indent=0)
 
-# As PyTorchVideo writes them, trained on several GPUs.
+# As in PyTorchVideo after training on several GPUs.
 torch.save({"model_state": {"module." + k: v for k, v in backbone.items()}, "cfg": "text"}, "parallel.pyth")
 
 
@@ -85,7 +85,7 @@ class Hostile:
 
 torch.save({"state_dict": {"f32": tensors["f32"]}, "hostile": Hostile()}, "hostile.pth")
 
-# Big-endian, as the archive itself says.
+# Big-endian, as declared in the archive.
 with zipfile.ZipFile("plain.pth") as plain, zipfile.ZipFile("big_endian.pth", "w") as big:
     for name in plain.namelist():
         big.writestr(name, b"big" if name.endswith("byteorder") else plain.read(name))

@@ -72,7 +72,7 @@ class Network:
         return self.operator("DEQUANTIZE", [half], shape)
 
     def sparse(self, values):
-        """The last axis as a list of what is not zero, as BlazePose's detector has it."""
+        """The last axis as a list of the nonzero elements, as in BlazePose's detector."""
         rows = values.reshape(-1, values.shape[-1])
         axes = []
         for size in values.shape[:-1]:

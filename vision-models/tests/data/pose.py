@@ -136,7 +136,7 @@ def golden(model, shape):
 
 
 def affine():
-    """Microsoft's get_affine_transform for a box, and what OpenCV makes of a smooth image with it."""
+    """Microsoft's get_affine_transform for a box, and OpenCV's result for a smooth image."""
     rows, columns = np.mgrid[0:120, 0:160]
     image = np.stack(
         [127.5 + 120 * np.sin(rows / 17 + colour) * np.cos(columns / 23 - colour) for colour in range(3)],

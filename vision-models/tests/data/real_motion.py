@@ -17,7 +17,7 @@ mocap, film = np.load(sys.argv[1]), np.load(sys.argv[2])
 walk = mocap["humanoid3d_walk"].astype(float)
 shift = (walk[-1, 8] - walk[0, 8]) * [1, 1, 0]
 along = np.linspace(0, 1, len(walk))[:-1, None, None] * shift
-# The noise of single frames is no motion.
+# Smooths, because the noise of single frames is not motion.
 walk = gaussian_filter1d(walk[:-1] - along, 1, axis=0, mode="wrap") + along
 walk = np.concatenate([walk, walk[:1] + shift])
 clips = {"walk": (walk, float(mocap["humanoid3d_walk_dt"])), "balance": (film["body25"][::2], 2 / 60)}

@@ -1,4 +1,4 @@
-//! The thirty classes, against the list in the HRI30 paper.
+//! Compares the thirty classes with the list in the HRI30 paper.
 
 use std::collections::HashSet;
 
@@ -25,7 +25,7 @@ fn all_has_the_names_of_hri30_in_order() {
 }
 
 #[test]
-fn names_are_distinct_and_lead_back() {
+fn names_are_distinct_and_parse_back() {
     let distinct: HashSet<_> = Action::ALL.into_iter().collect();
     assert_eq!(distinct.len(), 30);
     for action in Action::ALL {
@@ -86,7 +86,7 @@ fn nearest_direction_is_within_half_a_sector() {
 }
 
 #[test]
-fn serde_speaks_in_names() {
+fn serde_uses_names() {
     let seen = RecognisedAction {
         action: Action::MoveWhileUsing(WalkingDirection::BackwardsLeft, Tool::Polisher),
         confidence: Confidence::new(0.75).unwrap(),
@@ -102,7 +102,8 @@ fn serde_speaks_in_names() {
     assert!(error.to_string().contains("confidence is 1.5: give a probability in [0, 1]"));
 }
 
-/// Every class is found by its name without spaces and by its name without plurals, and by no other's.
+/// Every class is found by its name without spaces and without plurals, and no other class has
+/// these labels.
 #[test]
 fn labels_of_copies_are_understood() {
     for action in Action::ALL {

@@ -1,4 +1,4 @@
-//! The tracker's calls of the control loop, and lifting and following people, allocate nothing.
+//! The tracker's calls from the control loop, and lifting and tracking of people, allocate nothing.
 
 use nalgebra::Point3;
 use vision_models::{

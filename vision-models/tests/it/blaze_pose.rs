@@ -1,4 +1,5 @@
-//! BlazePose, on networks of its inputs and outputs that see a few pixels alone (`data/blaze_pose.py`).
+//! BlazePose on networks with its inputs and outputs that only read a few pixels
+//! (`data/blaze_pose.py`).
 
 use nalgebra::Point2;
 use ndarray::Array3;
@@ -18,8 +19,10 @@ fn load(most: usize) -> BlazePose {
     BlazePose::load(detector, landmarks, settings, Options::default()).unwrap()
 }
 
-/// The region around a person, for whom the detector's pixel is this one. The first of the forty-six numbers of its cell
-/// belongs to an anchor somewhere else: two every eight pixels, then two every sixteen.
+/// Returns the region around a person whose pixel in the detector's input is this one.
+///
+/// The cell of the pixel has forty-six numbers. The first of them belongs to an anchor at another
+/// position: two every eight pixels, then two every sixteen.
 fn region([row, column]: [usize; 2]) -> PoseRegion {
     let index = 46 * (row / 32 * 7 + column / 32);
     let (index, side, step) =
@@ -29,7 +32,8 @@ fn region([row, column]: [usize; 2]) -> PoseRegion {
     PoseRegion::around(&[hips, Point2::new(hips.x, hips.y - 56.0)])
 }
 
-/// Black, but for what the detector sees of people, and for the corners of their regions.
+/// Returns a black image with the pixels that the detector reads, and with the corners of the
+/// people's regions.
 fn image(detected: &[[usize; 2]], present: &[[usize; 2]]) -> Array3<u8> {
     let mut image = Array3::zeros((224, 224, 3));
     for &[row, column] in detected {
@@ -85,7 +89,7 @@ fn landmarks_are_where_their_region_is() {
 }
 
 #[test]
-fn a_person_is_followed_without_the_detector_until_they_are_gone() {
+fn people_are_followed_without_detector_until_gone() {
     let mut network = load(1);
     assert!(network.estimate(0.0, image(&[], &[ONE]).view()).unwrap().is_empty());
     assert_eq!(network.estimate(0.1, image(&[ONE], &[ONE]).view()).unwrap().len(), 1);

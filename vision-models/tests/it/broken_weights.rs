@@ -1,4 +1,4 @@
-//! Weights that no training leaves behind, and activations that overflow: errors, never scores.
+//! Weights that no training produces, and activations that overflow, give errors and never scores.
 
 use std::sync::LazyLock;
 
@@ -16,7 +16,7 @@ fn sound() -> Tensors {
     SOUND.clone()
 }
 
-/// Sound weights but for some elements of one tensor.
+/// Returns valid weights except for some elements of one tensor.
 fn with(name: &str, places: &[(usize, f32)]) -> Tensors {
     let mut tensors = sound();
     let tensor = tensors.remove(name).unwrap();
@@ -68,7 +68,7 @@ fn a_negative_variance_is_refused() {
 }
 
 #[test]
-fn weights_that_overflow_with_their_batch_norm_are_refused() {
+fn weights_overflowing_with_batch_norm_are_refused() {
     let mut tensors = with("layer1.0.bn2.running_var", &[(3, 0.0)]);
     let gain = tensors.remove("layer1.0.bn2.weight").unwrap();
     let mut data = gain.into_data();
@@ -81,13 +81,13 @@ fn weights_that_overflow_with_their_batch_norm_are_refused() {
     );
 }
 
-/// Whether the error is of the activations of this input.
+/// Returns true if the error is about the activations of this input.
 fn overflows(error: &Error, input: usize) -> bool {
     matches!(error, Error::Overflow { what, .. } if what.starts_with(&format!("input {input}: ")))
 }
 
-/// Finite weights, and activations that are not: wherever they overflow, upwards or downwards,
-/// and whatever kernel they meet next.
+/// Finite weights, and activations that overflow upwards or downwards in any layer, before any
+/// kernel.
 #[test]
 fn activations_that_overflow_are_an_error() {
     let image: Array4<f32> = input((1, 3, 64, 64));
@@ -112,7 +112,7 @@ fn activations_that_overflow_are_an_error() {
 }
 
 #[test]
-fn the_input_that_overflows_is_named_and_spoils_no_other() {
+fn an_overflowing_input_is_named_and_isolated() {
     for isa in InstructionSet::available() {
         let mut network = load(sound(), isa).unwrap();
         let mut images: Array4<f32> = input((2, 3, 64, 64));
@@ -125,7 +125,7 @@ fn the_input_that_overflows_is_named_and_spoils_no_other() {
 }
 
 #[test]
-fn a_stream_reports_an_overflow_until_the_frame_is_gone() {
+fn streams_report_overflow_until_the_frame_leaves() {
     let form = SlowOnlyForm::MmAction2Depth18;
     let tensors = weights(SlowOnly::parameters(form, 3));
     let network = SlowOnly::load(form, tensors, [2, 32, 32], Options::default()).unwrap();
@@ -141,9 +141,9 @@ fn a_stream_reports_an_overflow_until_the_frame_is_gone() {
     assert_eq!(push(3), Ok(true));
 }
 
-/// A source of its own may promise one shape and give another.
+/// A user's source may give another shape than it announces.
 #[test]
-fn a_source_that_breaks_its_word_is_refused() {
+fn sources_with_wrong_shapes_are_refused() {
     struct Liar(Tensors);
     impl TensorSource for Liar {
         fn names(&self) -> Vec<&str> {

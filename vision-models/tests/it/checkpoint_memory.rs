@@ -1,4 +1,4 @@
-//! Reading takes memory and time in proportion to the file, whatever the file says.
+//! Reading takes memory and time in proportion to the file's size, whatever its contents.
 
 use std::{
     fmt::Write as _,
@@ -11,13 +11,15 @@ use vision_models::{Checkpoint, Error};
 
 const MEBIBYTE: u64 = 1 << 20;
 
-/// The most memory that opening a file and reading all of it take, beyond the file itself (bytes).
+/// Returns the peak memory of opening a file and reading all of it, not counting the file itself
+/// (bytes).
 fn peak(file: Vec<u8>) -> u64 {
     let read = || drop(Checkpoint::from_reader(Cursor::new(file)).and_then(Checkpoint::read));
     allocation_counter::measure(read).bytes_max
 }
 
-/// Whether a file is read or refused in the memory that the documentation of `Checkpoint` promises.
+/// Checks that a file is read or rejected within the memory that the documentation of `Checkpoint`
+/// promises.
 fn keeps_the_promise(file: Vec<u8>) -> Result<(), String> {
     let promised = 4 * file.len() as u64 + 16 * MEBIBYTE;
     let (length, held) = (file.len(), peak(file));
@@ -32,24 +34,24 @@ fn stream(pickle: &[u8]) -> Vec<u8> {
 
 #[test]
 fn bombs_stay_small() {
-    // Values by the million, one byte each.
+    // Millions of values, one byte each.
     for opcode in [&b"N"[..], b"}", b"]", b")", b"(", b"K\x01", b"N\x94"] {
         let kept = keeps_the_promise(stream(&opcode.repeat((8 << 20) / opcode.len())));
         assert_eq!(kept, Ok(()), "{opcode:?}");
     }
-    // A list of a million values, made into a dict or pasted again and again.
+    // A list of a million values, converted to a dict or inserted many times.
     let list = [&b"]("[..], &b"N".repeat(1 << 20), b"eq\x00"].concat();
     for again in [&b"ccollections\nOrderedDict\nh\x00\x85R"[..], b"h\x00", b"h\x00\x85"] {
         let kept = keeps_the_promise(stream(&[&list[..], &again.repeat(100_000)].concat()));
         assert_eq!(kept, Ok(()), "{again:?}");
     }
-    // Lengths that are not there.
+    // Lengths beyond the end of the file.
     for pickle in
         [&b"X\xff\xff\xff\x7f"[..], b"\x8d\xff\xff\xff\xff\xff\xff\xff\x7f", b"B\xff\xff\xff\x7f"]
     {
         assert!(peak(stream(pickle)) < MEBIBYTE);
     }
-    // A header of 16 EiB, and a tensor of as much.
+    // A header of 16 EiB, and a tensor of the same size.
     let mut header = u64::MAX.to_le_bytes().to_vec();
     header.extend(b"{}");
     assert!(peak(header) < MEBIBYTE);
@@ -58,7 +60,7 @@ fn bombs_stay_small() {
     assert!(peak(file) < MEBIBYTE);
 }
 
-/// Sets out a pickle's dict of `count` names, all of the view that `view` puts into memo 0.
+/// Returns a pickle's dict of `count` names, all for the view that `view` puts into memo 0.
 fn names_of_one_view(view: &[u8], count: usize) -> Vec<u8> {
     let mut pickle = [view, b"q\x000}("].concat();
     for index in 0..count {
@@ -69,7 +71,7 @@ fn names_of_one_view(view: &[u8], count: usize) -> Vec<u8> {
     pickle
 }
 
-/// The storage `s` of so many bytes, viewed with this shape and strides.
+/// Returns the storage `s` of this many elements, viewed with this shape and strides.
 fn view(elements: u32, shape: [u32; 1], strides: [u32; 1]) -> Vec<u8> {
     let int = |value: u32| [b"J", &value.to_le_bytes()[..]].concat();
     [
@@ -131,7 +133,7 @@ fn safetensors(header: &str) -> Vec<u8> {
     [&(header.len() as u64).to_le_bytes()[..], header.as_bytes()].concat()
 }
 
-/// A zip archive of nothing but names.
+/// Returns a zip archive that contains only names.
 fn directory(count: u32) -> Vec<u8> {
     let mut file = b"PK\x03\x04".to_vec();
     for index in 0..count {
@@ -139,7 +141,7 @@ fn directory(count: u32) -> Vec<u8> {
         file.extend([&b"PK\x01\x02"[..], &[0; 24], &[8, 0], &[0; 16], name.as_bytes()].concat());
     }
     let size = u32::try_from(file.len()).unwrap() - 4;
-    // Counts of 65,535 and more stand in the zip64 end.
+    // Counts of 65,535 and more are in the zip64 end record.
     let zip64 = file.len() as u64;
     file.extend([&b"PK\x06\x06"[..], &[0; 28], &u64::from(count).to_le_bytes()].concat());
     file.extend([&u64::from(size).to_le_bytes()[..], &4_u64.to_le_bytes()].concat());
@@ -148,7 +150,7 @@ fn directory(count: u32) -> Vec<u8> {
     file
 }
 
-/// A file that counts what is read of it.
+/// A file that counts the bytes that are read from it.
 struct Counted {
     file: Cursor<Vec<u8>>,
     bytes: std::rc::Rc<std::cell::Cell<u64>>,
@@ -169,7 +171,7 @@ impl Seek for Counted {
 }
 
 #[test]
-fn names_of_one_strided_view_are_read_in_little_time() {
+fn many_names_of_one_view_are_read_quickly() {
     let (storage, names) = (4_u32 << 20, 10_000);
     let ends = view(storage, [2], [storage - 1]);
     let file = with_storage(&names_of_one_view(&ends, names), storage as usize);

@@ -1,4 +1,4 @@
-//! Checkpoints of every format are read as PyTorch would, and files that lie are refused.
+//! Checkpoints of every format are read as in PyTorch, and inconsistent files are rejected.
 
 use std::{collections::BTreeMap, fs, io::Cursor};
 
@@ -26,7 +26,7 @@ fn refusal(bytes: impl AsRef<[u8]>) -> String {
     }
 }
 
-/// What PyTorch says is in the file.
+/// Returns PyTorch's contents of the file.
 fn expected(name: &str) -> BTreeMap<String, Tensor> {
     let json: BTreeMap<String, Value> = serde_json::from_slice(&bytes(name)).unwrap();
     json.into_iter()
@@ -163,7 +163,7 @@ fn a_changed_weight_fails_its_checksum() {
     let value = expected("plain.json")["whole"].data()[3].to_le_bytes();
     let place = file.windows(4).position(|window| window == value).unwrap();
     file[place] ^= 1;
-    // The whole storage is read: noticed. One of its views alone is not checked.
+    // Reading the whole storage checks the checksum. Reading a single view of it does not.
     let mut checkpoint = open(&file).unwrap();
     let error = checkpoint.tensor("whole").unwrap_err().to_string();
     assert!(error.starts_with("tensor \"whole\": ") && error.contains("checksum"), "{error}");

@@ -1,4 +1,4 @@
-//! What can be done with a network of one's own, and what is refused.
+//! The abilities of user-defined networks, and the rejected inputs.
 
 use ndarray::{Array5, array};
 use vision_models::engine::{
@@ -9,7 +9,7 @@ use vision_models::{ClassNames, Error, Options, Scores};
 
 use crate::support::{input, weights};
 
-/// Three convolutions, an output and a head.
+/// Returns three convolutions with an output and a head.
 fn small() -> Graph {
     let mut graph = Graph::new();
     let image = graph.input(3);
@@ -103,7 +103,7 @@ fn frames_are_taken_as_each_library_takes_them() {
     assert_eq!(taken(Frames::Every(8), 32), [0.0, 8.0, 16.0, 24.0]);
 }
 
-/// What is wrong with a graph, in the words of the error.
+/// Returns the error of a graph.
 fn problem(build: impl FnOnce(&mut Graph, Value) -> Value) -> String {
     let mut graph = Graph::new();
     let image = graph.input(16);
@@ -234,7 +234,7 @@ fn shapes_that_cannot_be_made_are_errors() {
     }
 }
 
-/// Sizes are checked before memory is taken for them.
+/// Sizes are checked before memory is allocated for them.
 #[test]
 fn sizes_beyond_all_memory_are_refused() {
     for size in

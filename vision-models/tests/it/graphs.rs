@@ -1,6 +1,7 @@
-//! Random networks of the engine's layers, and what they are by definition.
+//! Compares random networks of the engine's layers with the layers' definitions.
 //!
-//! The definitions are PyTorch's, in f64, on values that are all kept: nothing is fused, shared or in place.
+//! The definitions are PyTorch's, in f64. All values are kept: nothing is fused, shared or computed
+//! in place.
 
 use ndarray::{Array4, Array5, s};
 use proptest::prelude::*;
@@ -12,7 +13,7 @@ use crate::support::{input, weights};
 /// An activation: channels × frames × rows × columns.
 type Map = Array4<f64>;
 
-/// One layer, its operands given by their numbers among the values so far (modulo how many there are).
+/// One layer. Its operands are the numbers of previous values, modulo the number of values.
 #[derive(Clone, Debug)]
 enum Operation {
     Convolution {
@@ -26,7 +27,7 @@ enum Operation {
     Concatenation {
         parts: Vec<usize>,
     },
-    /// Stride two, and back by a transposed convolution.
+    /// A convolution of stride two, and back by a transposed convolution.
     DownAndUp {
         input: usize,
         outputs: usize,
@@ -37,7 +38,8 @@ enum Operation {
 struct Layer {
     kernel: [usize; 3],
     dilation: [usize; 3],
-    /// Output channels of a group; the groups divide the input's channels.
+    /// Number of output channels of a group. The number of groups divides the number of input
+    /// channels.
     outputs: usize,
     groups: usize,
     bias: bool,
@@ -76,11 +78,11 @@ fn operations() -> impl Strategy<Value = Vec<Operation>> {
     )
 }
 
-/// A network under construction: the engine's graph and the values by definition, side by side.
+/// A network under construction: the engine's graph, and the values by definition.
 struct Twin {
     graph: Graph,
     values: Vec<Value>,
-    /// What makes each value, for the second pass, when there are weights.
+    /// The definition of each value, for the second pass, when there are weights.
     definitions: Vec<Definition>,
 }
 
@@ -114,7 +116,7 @@ impl Twin {
             Operation::Convolution { input, layer, shortcut } => {
                 let (input, shortcut) = (input % count, shortcut.map(|shortcut| shortcut % count));
                 let inputs = self.graph.channels(self.values[input]);
-                // As many channels as are added to, or else as asked for.
+                // The shortcut fixes the number of channels, if there is one.
                 let added = shortcut.map(|shortcut| self.graph.channels(self.values[shortcut]));
                 let fits = |groups: usize| {
                     inputs.is_multiple_of(groups)
@@ -149,7 +151,7 @@ impl Twin {
             }
             Operation::Concatenation { parts } => {
                 let mut parts: Vec<usize> = parts.iter().map(|part| part % count).collect();
-                // The definition is slow.
+                // The definition is slow, so only narrow parts are concatenated.
                 let narrow = |part: &usize| self.graph.channels(self.values[*part]) <= 24;
                 let wide = parts.iter().find(|part| !narrow(part)).copied();
                 parts.retain(narrow);
@@ -163,7 +165,8 @@ impl Twin {
                 let layer =
                     Convolution::image(format!("{name}.down"), 16, [3, 3]).stride([1, 2, 2]);
                 let small = self.graph.convolution(self.values[input], layer);
-                // The small one is of another size than all others: only the next layer reads it.
+                // The small activation has another size than all others, so only the next layer
+                // reads it.
                 let layer = Convolution::transposed_image(format!("{name}.up"), *outputs, [4, 4])
                     .stride([1, 2, 2])
                     .padding([0, 1, 1]);
@@ -173,7 +176,7 @@ impl Twin {
         }
     }
 
-    /// All values by definition.
+    /// Computes all values by definition.
     fn evaluate(&self, clip: &Map, weights: &Tensors) -> Vec<Map> {
         let mut maps: Vec<Map> = Vec::new();
         for definition in &self.definitions {
@@ -240,13 +243,13 @@ fn activate(mut sum: Map, name: &str, which: usize, weights: &Tensors) -> Map {
     sum
 }
 
-/// A tensor's shape and elements.
+/// Returns a tensor's shape and elements.
 fn tensor(weights: &Tensors, name: &str) -> (Vec<usize>, Vec<f64>) {
     let tensor = weights.get(name).unwrap();
     (tensor.shape().to_vec(), tensor.data().iter().map(|&value| f64::from(value)).collect())
 }
 
-/// Zeros around that keep the size but for the spatial stride.
+/// Padding keeps the size, except for the spatial stride.
 fn convolution(
     from: &Map,
     (shape, kernel): &(Vec<usize>, Vec<f64>),
@@ -311,16 +314,17 @@ fn max_pool(from: &Map) -> Map {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(40))]
 
-    /// Every value may be an output, read once or often, part of several concatenations, and added to.
+    /// Every value may be an output, read several times, part of several concatenations, and a
+    /// shortcut.
     #[test]
-    fn a_network_is_what_its_layers_are_by_definition(
+    fn networks_agree_with_the_definition_of_their_layers(
         operations in operations(),
         channels in prop_oneof![Just(3_usize), Just(16)],
         [frames, rows, columns] in [1..4_usize, 2..6, 2..5],
         ends in prop::collection::vec(any::<usize>(), 1..4),
         threads in 1..3_usize,
     ) {
-        // Even, for the way down and up.
+        // Even sizes, for the stride of two and back.
         let (rows, columns) = (2 * rows, 2 * columns);
         let mut twin = Twin::of(&operations, channels);
         let ends: Vec<usize> = ends.iter().map(|end| end % twin.values.len()).collect();
@@ -332,7 +336,7 @@ proptest! {
         let options = Options { threads, ..Options::default() };
         let mut network =
             Network::load(&twin.graph, tensors.clone(), [frames, rows, columns], options)?;
-        // Twice: what one pass leaves behind must not change the next.
+        // Two inferences, because the state of the first must not change the second.
         network.infer(clips.view())?;
         let inference = network.infer(clips.view())?;
         for clip in 0..2 {

@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use serde::Deserialize;
 use vision_models::{Epoch, Error, FeatureScaling, HeadSettings, HeadTrainer, LinearHead};
 
-/// What PyTorch trains (`tests/data/heads.py`).
+/// PyTorch's training (`tests/data/heads.py`).
 #[derive(Deserialize)]
 struct Golden {
     samples: Vec<Vec<f32>>,
@@ -65,7 +65,7 @@ fn the_same_batches_give_pytorch_s_weights() {
     }
 }
 
-/// Two clouds around (±2, 0, …), the first feature telling them apart.
+/// Returns two clouds around (±2, 0, …), which the first feature distinguishes.
 fn clouds(count: usize, features: usize) -> (Array2<f32>, Vec<usize>) {
     let noise = |row: usize, column: usize| ((row * 31 + column * 17) % 13) as f32 / 13.0 - 0.5;
     let side = |row: usize| if row.is_multiple_of(2) { -2.0 } else { 2.0 };
@@ -86,7 +86,7 @@ fn train(settings: &HeadSettings) -> (LinearHead, Vec<Epoch>) {
 }
 
 #[test]
-fn a_seed_gives_one_head_and_another_seed_another() {
+fn the_seed_determines_the_head() {
     let settings = HeadSettings { epochs: 5, ..HeadSettings::default() };
     assert_eq!(train(&settings), train(&settings));
     let other = HeadSettings { seed: 2, ..settings };
@@ -96,7 +96,7 @@ fn a_seed_gives_one_head_and_another_seed_another() {
 
 #[test]
 fn a_trained_head_tells_the_classes_apart() {
-    // Where the one feature that tells them apart is left out, nobody can.
+    // Samples without the distinguishing feature cannot be classified.
     for (dropout, loss) in [(0.0, 0.05), (0.5, 0.5)] {
         let settings =
             HeadSettings { learning_rate: 0.05, epochs: 40, dropout, ..HeadSettings::default() };
@@ -109,7 +109,7 @@ fn a_trained_head_tells_the_classes_apart() {
     }
 }
 
-/// Other units of the features do not change what a head of standardised features says of a sample.
+/// Another unit of the features does not change the scores of a head of standardised features.
 #[test]
 fn standardised_features_may_have_any_unit() {
     let scaling = FeatureScaling::Standardised;
@@ -121,7 +121,7 @@ fn standardised_features_may_have_any_unit() {
             let scale = scale * (1 + column) as f32;
             feature.mapv_inplace(|value| scale * value + offset);
         }
-        // A feature that says nothing is not heard.
+        // A constant feature has no influence.
         samples.column_mut(5).fill(0.3);
         let head =
             LinearHead::train(samples.view(), &labels, names(2), &settings, |_| true).unwrap();
@@ -154,8 +154,9 @@ fn training_ends_when_it_is_told() {
     assert_eq!(seen, 3);
 }
 
-/// With a learning rate so small that the weights stay, the mean step over many drawings is the step
-/// without dropout at scores that vary little: features left out are made up for by the others.
+/// The learning rate is so small that the weights stay. The mean step over many samples of the
+/// dropout is then the step without dropout, if the scores vary little. The other features
+/// compensate for those that are left out.
 #[test]
 fn dropout_keeps_the_mean_of_the_features() {
     let classes = 2;
@@ -242,7 +243,7 @@ fn samples_that_cannot_be_trained_with_are_refused() {
 }
 
 proptest! {
-    /// Whatever the numbers, a step ends with finite weights or with an error and the head as before.
+    /// A step with any numbers ends with finite weights, or with an error and the unchanged head.
     #[test]
     fn a_step_never_spoils_the_head(
         values in prop::collection::vec(prop::num::f32::ANY, 6), rate in 1e-6..1e6_f64,

@@ -1,11 +1,11 @@
-//! JPEG files: whole ones of every kind are read, and no pixel is made up of what is cut off.
+//! Complete JPEG files of every kind are read, and missing pixels are never invented.
 
 use std::collections::BTreeMap;
 
 use ndarray::{Array3, s};
 use vision_models::{Orientation, decode_image, decode_image_oriented, read_image};
 
-/// The files of `data/jpegs.py`.
+/// Returns the files of `data/jpegs.py`.
 fn files() -> BTreeMap<String, Vec<u8>> {
     let hex: BTreeMap<String, String> =
         serde_json::from_str(include_str!("../data/jpegs.json")).unwrap();
@@ -15,25 +15,27 @@ fn files() -> BTreeMap<String, Vec<u8>> {
 }
 
 #[test]
-fn a_file_that_is_cut_off_is_refused_wherever_it_is_cut() {
+fn truncated_files_are_refused_at_every_length() {
     for (name, whole) in files() {
         let pixels = decode_image(&whole).unwrap_or_else(|error| panic!("{name}: {error}"));
         assert!(pixels.iter().any(|&pixel| pixel != pixels[[0, 0, 0]]), "{name}");
         for length in 0..whole.len() - 1 {
             assert!(decode_image(&whole[..length]).is_err(), "{name} cut to {length}");
         }
-        // What stands behind the end is nothing to the image.
+        // Bytes after the end do not change the image.
         let more = [whole.as_slice(), b"\xff\xd8\xff trailer"].concat();
         assert_eq!(decode_image(&more).unwrap(), pixels, "{name}");
     }
 }
 
-/// Cameras close a file that they could not finish: pixels are missing, and the end is there.
+/// Cameras close a file that they could not finish: pixels are missing, but the end marker is
+/// there.
 #[test]
-fn a_file_that_was_closed_too_early_is_refused() {
+fn files_closed_too_early_are_refused() {
     for (name, whole) in files() {
         if name.starts_with("progressive") {
-            // Its scans are each of the whole image: cut between them it is whole, only coarser.
+            // Each of its scans covers the whole image. A file cut between them is complete, but
+            // coarser.
             continue;
         }
         let pixels = decode_image(&whole).unwrap();
@@ -43,7 +45,7 @@ fn a_file_that_was_closed_too_early_is_refused() {
         lengths.retain(|length| whole[length - 1] != 0xff);
         for length in lengths {
             let closed = [&whole[..length], b"\xff\xd9"].concat();
-            // The last code may happen to stand whole in what is left.
+            // The last code may happen to be complete in the remaining bytes.
             if let Ok(decoded) = decode_image(&closed) {
                 assert_eq!(decoded, pixels, "{name} closed after {length} of {}", whole.len());
             }
@@ -52,7 +54,7 @@ fn a_file_that_was_closed_too_early_is_refused() {
 }
 
 #[test]
-fn the_photo_that_was_cut_at_30_percent_is_refused() {
+fn a_photo_cut_at_30_percent_is_refused() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/trunc30.jpg");
     let error = read_image(path).unwrap_err().to_string();
     assert!(error.contains("trunc30.jpg") && error.contains("cut off"), "{error}");
@@ -61,9 +63,10 @@ fn the_photo_that_was_cut_at_30_percent_is_refused() {
     assert!(error.contains("cut off or corrupted"), "{error}");
 }
 
-/// EXIF orientation 6: the camera was turned, and the image has to be turned by a quarter clockwise to stand upright.
+/// EXIF orientation 6: the camera was turned, and the image must be turned clockwise by a quarter
+/// to be upright.
 #[test]
-fn which_way_up_is_a_choice() {
+fn the_orientation_is_a_choice() {
     let file = &files()["turned"];
     let stored = decode_image(file).unwrap();
     assert_eq!(stored.dim(), (24, 40, 3));

@@ -1,4 +1,4 @@
-//! An hour of a walking person as a depth camera sees them, and several people.
+//! An hour of a walking person, as measured by a depth camera, and several people.
 
 use std::f64::consts::{PI, TAU};
 
@@ -28,7 +28,8 @@ const JOINTS: [(Body25, [f64; 3]); 12] = [
     (Body25::RightAnkle, [0.0, -0.1, 0.06825]),
 ];
 
-/// A camera's errors: 3 pixels white, the depth's with a correlation from frame to frame.
+/// A camera's errors: 3 pixels of white noise, and depth errors that are correlated from frame to
+/// frame.
 struct Noise {
     state: u64,
     camera: Camera,
@@ -46,7 +47,7 @@ impl Noise {
         Self { state: 1, camera, drop, correlation, depth: [0.0; Body25::COUNT] }
     }
 
-    /// In (0, 1) (Knuth's generator, the upper half of its state).
+    /// Returns a number in (0, 1) (Knuth's generator, the upper half of its state).
     fn uniform(&mut self) -> f64 {
         let next = self.state.wrapping_mul(6_364_136_223_846_793_005);
         self.state = next.wrapping_add(1_442_695_040_888_963_407);
@@ -58,7 +59,7 @@ impl Noise {
         (-2.0 * radius.ln()).sqrt() * (TAU * angle).cos()
     }
 
-    /// A person as the camera sees them, each joint with the covariance of its errors.
+    /// Returns a person as measured by the camera, each joint with the covariance of its errors.
     fn see(&mut self, scale: f64, floor: Vector2<f64>, heading: f64) -> Body {
         let motion = Isometry3::from_parts(
             Translation3::new(floor.x, floor.y, 0.0),
@@ -96,14 +97,14 @@ fn percept(time: f64, body: Body) -> Percept {
     Percept { time, body: Some(body), action: None, surface: None }
 }
 
-/// Round a circle of 0.8 m at 1 m/s, looking ahead.
+/// Returns the position and heading on a circle of 0.8 m at 1 m/s, looking ahead.
 fn walk(time: f64) -> (Vector2<f64>, f64) {
     let turned = time / 0.8;
     (vector![2.0, 0.0] + vector![turned.cos(), turned.sin()] * 0.8, turned + PI / 2.0)
 }
 
 #[test]
-fn an_hour_of_noise_is_no_jump_and_a_jump_is_seen() {
+fn noise_is_no_jump_but_jumps_are_detected() {
     let mut noise = Noise::new(0.2);
     let mut tracker = BodyTracker::new(TrackerSettings::default()).unwrap();
     let (mut squares, mut turns, mut worst, mut inside, mut count) = (0.0, 0.0, 0.0_f64, 0.0, 0.0);
@@ -127,7 +128,7 @@ fn an_hour_of_noise_is_no_jump_and_a_jump_is_seen() {
     assert_eq!(tracker.jumps(), 0);
     assert!(position < 0.03 && heading < 6.0, "{position} m, {heading}°");
 
-    // The person is two metres away at once.
+    // The person jumps by two metres.
     for frame in 72_000..72_010 {
         let time = FRAME * f64::from(frame);
         let (floor, heading) = walk(time);
@@ -162,12 +163,12 @@ fn lengths_are_without_the_bias_of_noise() {
 }
 
 #[test]
-fn another_person_has_another_stature_and_the_same_one_keeps_it() {
+fn stature_follows_the_person() {
     let mut noise = Noise::new(0.2);
     let mut tracker = BodyTracker::new(TrackerSettings::default()).unwrap();
     let mut time = 0.0;
     let mut stature_after = |scale: f64| {
-        // Nobody for a second, then somebody for ten.
+        // No person for a second, then a person for ten seconds.
         time += 1.0;
         for _ in 0..200 {
             time += FRAME;
@@ -186,14 +187,14 @@ fn another_person_has_another_stature_and_the_same_one_keeps_it() {
 }
 
 #[test]
-fn who_engages_is_selected_and_kept() {
+fn the_engaged_person_is_selected_and_kept() {
     let mut noise = Noise::new(0.1);
     let mut people = People::new(PeopleSettings::default(), TrackerSettings::default()).unwrap();
     let mut engaged = Vec::new();
     for frame in 0..240 {
         let time = FRAME * f64::from(frame);
-        // One works at the robot; another walks by behind, turns to it and comes nearer, and a third
-        // is far away. The order in the frame changes.
+        // One person works at the robot. Another walks past behind, turns to the robot and comes
+        // nearer. A third is far away. The order in the frame changes.
         let worker = noise.see(1.0, vector![1.9, 0.3], PI);
         let near = 2.8 - 0.1 * (time - 4.0).clamp(0.0, 8.0);
         let passer = noise.see(1.05, vector![near, -0.8], PI);
@@ -210,14 +211,14 @@ fn who_engages_is_selected_and_kept() {
     let person = people.engaged().unwrap().predict(12.0).unwrap();
     assert!((person.floor.coords - vector![1.9, 0.3]).norm() < 0.1);
 
-    // The worker leaves the picture: the passer, who is near and faces the robot, is next.
+    // The worker leaves the image. The passer is near and faces the robot, and is engaged next.
     for frame in 240..300 {
         let time = FRAME * f64::from(frame);
         people.update(time, &[noise.see(1.05, vector![2.0, -0.8], PI)]).unwrap();
     }
     assert_ne!(people.engaged().unwrap().id(), engaged[0]);
     assert_eq!(people.tracks().len(), 1);
-    // Nobody is left.
+    // No person is left.
     people.update(20.0, &[]).unwrap();
     assert!(people.engaged().is_none() && people.tracks().is_empty());
     assert!(matches!(people.update(20.0, &[]), Err(Error::Value { .. })));
@@ -236,7 +237,8 @@ fn two_skeletons_of_one_person_are_one_person() {
     assert_eq!(people.tracks().len(), 1);
 }
 
-/// At the edge of the image one shoulder is all that is left of somebody, and it tells where they go.
+/// At the edge of the image only one shoulder of a person is visible. It is enough to follow the
+/// person.
 #[test]
 fn one_shoulder_keeps_a_person_who_is_followed() {
     let mut people = People::new(PeopleSettings::default(), TrackerSettings::default()).unwrap();
@@ -247,7 +249,7 @@ fn one_shoulder_keeps_a_person_who_is_followed() {
         let place = Vector2::new(2.6 - speed * time.min(2.0), 0.4 * (time - 2.0).max(0.0));
         let mut body = noise.see(1.0, place, PI);
         if k >= whole {
-            // Walking on to the side, which no coasting foresees.
+            // The person walks on to the side, which coasting cannot predict.
             for joint in Body25::ALL.into_iter().filter(|&joint| joint != Body25::RightShoulder) {
                 body.set(joint, None);
             }
@@ -260,7 +262,7 @@ fn one_shoulder_keeps_a_person_who_is_followed() {
             assert!(error < 0.15, "{error} m at {time} s");
         }
     }
-    // Whoever is not followed is not begun by a shoulder.
+    // A single shoulder does not begin the track of a person who is not followed yet.
     let mut strangers = People::new(PeopleSettings::default(), TrackerSettings::default()).unwrap();
     let mut body = noise.see(1.0, Vector2::new(2.0, 0.0), PI);
     for joint in Body25::ALL.into_iter().filter(|&joint| joint != Body25::RightShoulder) {

@@ -1,4 +1,4 @@
-//! Label files and figures of merit.
+//! Label files and metrics.
 
 use proptest::prelude::*;
 use vision_models::{Action, ClassNames, ConfusionMatrix, Error, softmax, top_k};
@@ -52,13 +52,13 @@ fn class_lists_that_are_refused() {
     }
 }
 
-/// A text of this many lines.
+/// Returns a text with this many lines.
 fn lines(count: usize, line: impl Fn(usize) -> String) -> String {
     (0..count).map(line).collect::<Vec<_>>().join("\n")
 }
 
-/// ImageNet has a dog and a jacket of one name but for its case, at these places in torchvision's
-/// list.
+/// ImageNet has a dog and a jacket whose names differ only in case, at these places in
+/// torchvision's list.
 #[test]
 fn names_are_distinct_by_case() {
     let list = lines(1000, |class| match class {
@@ -68,28 +68,29 @@ fn names_are_distinct_by_case() {
     });
     let names: ClassNames = list.parse().unwrap();
     assert_eq!((names.index("Cardigan"), names.index("cardigan")), (Some(264), Some(474)));
-    // Neither is meant more than the other; the rest is still found in any case.
+    // Both match in another case, so neither is returned. Other names are still found in any case.
     assert_eq!(names.index("CARDIGAN"), None);
     assert_eq!(names.index("Class_Number_7"), Some(7));
 }
 
 #[test]
-fn two_names_that_are_one_are_shown_with_their_lines() {
+fn equal_names_are_reported_with_their_lines() {
     for text in ["Walking\nRunning\n\nWalk_ing\n", "1 Walking\n2 Running\n\n3 Walk_ing\n"] {
         let error = text.parse::<ClassNames>().unwrap_err();
         let message = error.to_string();
         assert!(message.contains("lines 1 and 4: \"Walking\" and \"Walk_ing\""), "{message}");
     }
-    // Signs alone are names, too.
+    // Names may consist of signs only.
     let names: ClassNames = "+\n-\n".parse().unwrap();
     assert_eq!((names.index("+"), names.index("-")), (Some(0), Some(1)));
     let error = "a\na\na_\n".parse::<ClassNames>().unwrap_err().to_string();
     assert!(error.contains("are one name"), "{error}");
 }
 
-/// torchvision's list has two classes called `crane`, a bird and a machine, and two called `maillot`.
+/// torchvision's list has two classes called `crane`, a bird and a machine, and two called
+/// `maillot`.
 #[test]
-fn classes_that_are_written_alike_are_shown_with_their_numbers() {
+fn classes_of_equal_name_are_shown_with_numbers() {
     let list = lines(1000, |class| match class {
         134 | 517 => "crane".to_owned(),
         638 | 639 => "maillot".to_owned(),
@@ -101,13 +102,13 @@ fn classes_that_are_written_alike_are_shown_with_their_numbers() {
     assert_eq!(names.label(638).unwrap(), "maillot (638)");
     assert_eq!(names.label(7).unwrap(), "class number 7");
     assert_eq!(names.label(1000), None);
-    // A name of two classes is of neither.
+    // A name of two classes gives neither.
     assert_eq!((names.index("crane"), names.index("Crane")), (None, None));
     assert_eq!(names.index("517"), Some(517));
 }
 
 #[test]
-fn a_byte_order_mark_is_not_part_of_the_first_line() {
+fn a_byte_order_mark_is_ignored() {
     let plain = "1 Walking\n2 Running\n";
     let marked = format!("\u{feff}{plain}");
     assert_eq!(marked.parse::<ClassNames>().unwrap(), plain.parse().unwrap());
@@ -121,7 +122,7 @@ fn a_byte_order_mark_is_not_part_of_the_first_line() {
     assert_eq!(ClassNames::read(&path).unwrap(), names);
 }
 
-/// Were each clip compared with each name, this would take minutes.
+/// A comparison of each clip with each name would take minutes.
 #[test]
 fn many_clips_of_many_names() {
     let count = 50_000;
@@ -140,7 +141,7 @@ fn label_files_that_are_too_large() {
     let list = lines(100_001, |class| format!("c{class}"));
     let error = list.parse::<ClassNames>().unwrap_err().to_string();
     assert!(error.starts_with("label file, line 100001: "), "{error}");
-    // A device without an end.
+    // An endless device.
     match ClassNames::read("/dev/zero") {
         Err(Error::File { path, reason }) => {
             assert!(path == "/dev/zero" && reason.contains("67108864 bytes"), "{reason}");
@@ -154,7 +155,7 @@ fn label_files_that_are_too_large() {
     assert!(error.contains("latin.txt") && error.contains("not UTF-8 text: byte 3"), "{error}");
 }
 
-/// However long a name in a file is, the message about it is short.
+/// The message about a name in a file is short, however long the name is.
 #[test]
 fn messages_are_short() {
     let name = "x".repeat(1 << 20);
@@ -225,8 +226,8 @@ proptest! {
         let probabilities = softmax(&scores);
         prop_assert!((probabilities.iter().sum::<f32>() - 1.0).abs() < 1e-5);
         prop_assert!(probabilities.iter().all(|p| (0.0..=1.0).contains(p)));
-        // exp grows: two probabilities are in the order of their scores, or equal by rounding; and
-        // p_i / p_j = exp(s_i − s_j).
+        // exp is monotonic: two probabilities are in the order of their scores, or equal by
+        // rounding. Also, p_i / p_j = exp(s_i − s_j).
         for (&score, &p) in scores.iter().zip(&probabilities) {
             for (&other, &q) in scores.iter().zip(&probabilities) {
                 prop_assert!(score <= other || p >= q, "{score}: {p}, {other}: {q}");

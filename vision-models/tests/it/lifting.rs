@@ -1,4 +1,4 @@
-//! From pixels and depth to the world.
+//! Converts pixels and depth to points of the world.
 
 use nalgebra::{Isometry3, Matrix3, Point2, Point3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
@@ -37,7 +37,7 @@ fn image(joints: &[(Body25, Point2<f64>)]) -> ImageBody {
 }
 
 proptest! {
-    /// A point of the world is found again from its pixel and its depth, as far behind the skin as
+    /// A point of the world is recovered from its pixel and its depth, as far behind the skin as
     /// the settings say.
     #[test]
     fn projection_and_lifting_are_inverse(
@@ -59,7 +59,7 @@ proptest! {
         prop_assert!((found - joint).norm() < 1e-6, "{found} for {joint}");
     }
 
-    /// Seen from any side, a joint lies behind the outline of the section that it is in.
+    /// A joint seen from any side lies behind the outline of its section.
     #[test]
     fn a_joint_is_as_deep_as_its_section(
         width in 0.05..0.3_f64, depth in 0.05..0.3_f64, share in -0.95..0.95_f64, bearing in -4.0..4.0_f64,
@@ -72,7 +72,7 @@ proptest! {
         prop_assert!(skin > 0.0 && (outline - 1.0).abs() < 1e-9, "{skin}: {outline}");
     }
 
-    /// Two independent views: moving the camera moves joints and covariances with it.
+    /// A motion of the camera moves joints and covariances with it.
     #[test]
     fn lifting_moves_with_the_camera(turn in -3.0..3.0_f64, x in -2.0..2.0_f64) {
         let here = camera();
@@ -91,7 +91,7 @@ proptest! {
         }
     }
 
-    /// The covariance is that of the errors: of a sample of keypoints and depths.
+    /// Compares the covariance with the errors of a sample of keypoints and depths.
     #[test]
     fn the_covariance_is_that_of_the_errors(column in 30.0..130.0_f64, row in 20.0..100.0_f64, z in 1.0..3.0_f64) {
         let settings = LiftingSettings { skin_sigma: 0.0, ..LiftingSettings::default() };
@@ -110,15 +110,15 @@ proptest! {
             expected += difference * difference.transpose();
         }
         let (_, covariance) = lift(0.0, 0.0, 0.0);
-        // The skin's depth is along the ray, whose direction changes a little with the pixel.
+        // The depth of the skin is along the ray, whose direction changes a little with the pixel.
         prop_assert!((covariance - expected).norm() < 0.1 * expected.norm(), "{covariance} for {expected}");
     }
 }
 
-/// A person before a wall whose left half is hidden behind a post: what the post hides is left out,
-/// as no arm reaches there.
+/// A person in front of a wall, whose left half is hidden by a post. The hidden joints are left
+/// out, because no arm reaches the post.
 #[test]
-fn joints_out_of_reach_of_the_trunk_are_left_out() {
+fn joints_beyond_reach_are_left_out() {
     let camera = camera();
     let depths = (0..SIZE[0] * SIZE[1])
         .map(|index| {
@@ -146,7 +146,7 @@ fn joints_out_of_reach_of_the_trunk_are_left_out() {
     assert_eq!(seen, [Body25::Neck, Body25::RightElbow, Body25::LeftShoulder, Body25::MidHip]);
 }
 
-/// Where a hand is before a hip, the hip is left out: nobody leans so far back.
+/// If a hand hides a hip, the hip is left out, because no person leans so far back.
 #[test]
 fn hips_behind_a_hand_are_left_out() {
     let eye = Point3::new(-2.0, 0.0, 1.2);
@@ -164,7 +164,7 @@ fn hips_behind_a_hand_are_left_out() {
         ]);
         lifter(camera).lift(&seen, &depth, Some(heading)).unwrap()
     };
-    // Someone who faces the camera, and someone who turns their back to it and bends.
+    // A person who faces the camera, and a person who turns their back to it and bends.
     assert!(lift(std::f64::consts::PI).get(Body25::MidHip).is_none());
     assert!(lift(0.0).get(Body25::MidHip).is_some());
 }
@@ -203,11 +203,11 @@ fn a_camera_upside_down_is_refused() {
     let rolled = Isometry3::from_parts(upright.translation, upright.rotation * about_axis);
     let error = Camera::new(intrinsics(), rolled, DepthNoise::D435I).unwrap_err();
     assert!(error.to_string().contains("upside down"), "{error}");
-    // Straight down is no reason to refuse.
+    // A camera that looks straight down is allowed.
     let down = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
     let above = Isometry3::from_parts(upright.translation, down);
     assert!(Camera::new(intrinsics(), above, DepthNoise::D435I).is_ok());
-    // Gravity that contradicts the pose.
+    // Gravity that contradicts the pose is rejected.
     let camera = camera();
     let gravity = camera.world_from_camera().rotation.inverse() * -Vector3::z();
     assert!(camera.check_gravity(&gravity).is_ok());

@@ -1,4 +1,4 @@
-//! The integration tests, one module a topic.
+//! The integration tests, one module per topic.
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,

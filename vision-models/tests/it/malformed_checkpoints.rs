@@ -10,7 +10,7 @@ fn read(file: Vec<u8>) -> Result<Tensors, Error> {
     Checkpoint::from_reader(Cursor::new(file)).and_then(Checkpoint::read)
 }
 
-/// What is said of a file that is refused.
+/// Returns the error message of a rejected file.
 fn refusal(file: Vec<u8>) -> String {
     match read(file) {
         Err(error @ Error::Checkpoint { .. }) => error.to_string(),
@@ -18,7 +18,7 @@ fn refusal(file: Vec<u8>) -> String {
     }
 }
 
-/// What is said of a pickle, behind its place.
+/// Returns the error message of a pickle, without its position.
 fn pickle_problem(pickle: Vec<u8>) -> String {
     let error = refusal(stream(&pickle));
     match error.strip_prefix("pickle, byte ").and_then(|error| error.split_once(": ")) {
@@ -27,12 +27,12 @@ fn pickle_problem(pickle: Vec<u8>) -> String {
     }
 }
 
-/// What is said of a part of the file beyond what is read.
+/// Part of the error message if a limit is exceeded.
 const LIMIT: &str = "that are accepted";
 
 const NO_STATE_DICT: &str = "no state dict: the file holds";
 
-/// A file around a pickle, with the storage `s` of the f32 0, 1, 2, 3.
+/// Returns a file around a pickle, with the storage `s` of the f32 0, 1, 2, 3.
 fn stream(pickle: &[u8]) -> Vec<u8> {
     let storage = [0.0_f32, 1.0, 2.0, 3.0].map(f32::to_le_bytes).concat();
     [
@@ -104,7 +104,7 @@ fn views_beyond_their_storage() {
         (i64::MAX, &[2], &[i64::MAX]),
         (0, &[i64::MAX, i64::MAX], &[0, 0]),
         (0, &[i64::MAX, 4, 2], &[0, 0, 0]),
-        // Empty, and yet beyond all memory.
+        // Empty, but larger than any memory.
         (0, &[0, 1 << 62, 8], &[1, 1, 1]),
         (0, &[1 << 62, 8, 0], &[1, 1, 1]),
     ] {
@@ -133,7 +133,7 @@ fn views_with_gaps() {
 }
 
 #[test]
-fn sizes_that_are_none() {
+fn invalid_sizes_are_refused() {
     for view in [view(-1, &[1], &[1]), view(0, &[-4], &[1]), view(0, &[4], &[-1])] {
         let problem = pickle_problem(dict(&[("t", view)]));
         assert_eq!(problem, "expected a size, zero or more");
@@ -148,7 +148,7 @@ fn sizes_that_are_none() {
 fn an_axis_without_stride_cannot_inflate_the_file() {
     let error = refusal(stream(&dict(&[("t", view(0, &[1_000_000_000_000], &[0]))])));
     assert!(error.contains("they have 1000000000000 elements together"), "{error}");
-    // Neither can many small ones.
+    // Many small ones cannot either.
     let names: Vec<_> = (0..1000).map(|index| index.to_string()).collect();
     let many: Vec<_> = names.iter().map(|name| (name.as_str(), view(0, &[1000], &[0]))).collect();
     assert!(refusal(stream(&dict(&many))).contains("elements together"));
@@ -196,7 +196,7 @@ fn a_wrapper_within_itself_ends() {
 }
 
 #[test]
-fn machines_that_break() {
+fn broken_pickles_are_refused() {
     for (pickle, problem) in [
         (&b"0"[..], "the stack is empty"),
         (b"N(0", "the stack is empty"),
@@ -217,7 +217,7 @@ fn machines_that_break() {
 
 #[test]
 fn a_billion_laughs_stay_one() {
-    // Each list holds the one before ten times.
+    // Each list contains the previous one ten times.
     let mut pickle = b"](K\x01K\x01eq\x00".to_vec();
     for level in 1..100 {
         let before = [b'h', level - 1].repeat(10);
@@ -241,7 +241,7 @@ fn more_values_than_any_checkpoint_has() {
         let error = refusal(stream(&opcode.repeat(3 << 20)));
         assert!(error.contains(LIMIT), "{error}");
     }
-    // A list of 1000 pairs, made a dict again and again.
+    // A list of 1000 pairs, converted to a dict many times.
     let pairs = ["](".to_owned().into_bytes(), b"](NNe".repeat(1000), b"eq\x00".to_vec()].concat();
     let again = b"ccollections\nOrderedDict\nh\x00\x85R".repeat(4000);
     let error = refusal(stream(&[pairs, again].concat()));
@@ -267,7 +267,7 @@ fn lengths_beyond_the_file() {
     }
 }
 
-/// A safetensors file with this header and eight bytes of data.
+/// Returns a safetensors file with this header and eight bytes of data.
 fn safetensors(header: &str) -> Vec<u8> {
     [&(header.len() as u64).to_le_bytes()[..], header.as_bytes(), &[0; 8]].concat()
 }
@@ -307,7 +307,8 @@ fn safetensors_headers() {
     assert!(refusal(long).contains(LIMIT));
 }
 
-/// What is written is what this crate reads; what it would refuse is refused before the first byte.
+/// Every file that is written can be read. Tensors that could not be read are rejected before the
+/// first byte.
 #[test]
 fn nothing_is_written_that_would_not_be_read() {
     let refused = |name: &str, shape: Vec<usize>| {
@@ -332,9 +333,10 @@ fn nothing_is_written_that_would_not_be_read() {
     assert!(many.write_safetensors(&mut file).is_err() && file.is_empty());
 }
 
-/// A zip archive's end says where its directory is: no change of it is taken for a disk that fails.
+/// The end of a zip archive holds the position of its directory. No change of it may look like a
+/// disk failure.
 #[test]
-fn a_changed_end_of_an_archive_is_a_typed_error() {
+fn a_changed_archive_end_is_a_typed_error() {
     let file = fs::read(format!("{}/tests/data/wrapped.pth", env!("CARGO_MANIFEST_DIR"))).unwrap();
     let mut refused = 0;
     for place in file.len() - 120..file.len() {
@@ -365,7 +367,7 @@ proptest! {
         prop_assert_eq!(read(file).unwrap(), tensors);
     }
 
-    /// Whatever a file holds, reading it ends, with tensors or a typed error.
+    /// Reading any file ends with tensors or a typed error.
     #[test]
     fn changed_files_never_panic(
         file in prop::sample::select(vec![

@@ -1,5 +1,5 @@
-//! The networks say what PyTorch says, whatever the threads and instruction set, and refuse what
-//! they cannot take.
+//! The networks agree with PyTorch for any number of threads and instruction set, and reject
+//! invalid inputs.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -11,10 +11,10 @@ use vision_models::{
     SlowFastForm, SlowOnly, SlowOnlyForm, SlowOnlyStream, Tensor, TensorSource,
 };
 
-/// The floor, as a part of the largest value.
+/// Tolerance relative to the largest value.
 const TOLERANCE: f32 = 5e-6;
 
-/// One network's scores, made by `data/networks.py`.
+/// One network's scores, computed by `data/networks.py`.
 #[derive(Deserialize)]
 struct Golden {
     shape: Vec<usize>,
@@ -85,9 +85,9 @@ fn resnets_agree_with_pytorch() {
     }
 }
 
-/// A linear layer behind a dropout, and a checkpoint without any.
+/// A linear layer after a dropout, and a checkpoint without a linear layer.
 #[test]
-fn heads_are_what_the_checkpoint_has() {
+fn heads_follow_the_checkpoint() {
     let golden = Golden::of("resnet18_dropout");
     let images = golden.images();
     let (_, _, height, width) = images.dim();
@@ -182,7 +182,7 @@ fn the_number_of_threads_changes_no_bit() {
 }
 
 #[test]
-fn a_batch_is_its_images_in_a_row() {
+fn batches_agree_with_single_images() {
     let images: Array4<f32> = input((3, 3, 64, 64));
     let mut network = small(options(2), [64, 64]);
     let batch = bits(network.infer(images.view()).unwrap().features);
@@ -195,7 +195,7 @@ fn a_batch_is_its_images_in_a_row() {
 }
 
 #[test]
-fn an_image_may_lie_in_memory_as_it_likes() {
+fn images_may_have_any_memory_layout() {
     let images: Array4<f32> = input((1, 3, 64, 64));
     let channels_last = images.view().permuted_axes([0, 2, 3, 1]).as_standard_layout().into_owned();
     let mut network = small(options(1), [64, 64]);
@@ -204,7 +204,8 @@ fn an_image_may_lie_in_memory_as_it_likes() {
     assert_eq!(bits(seen.logits), expected);
 }
 
-/// Loaded for one size, run at another and back: the plan is made anew, the weights stay.
+/// Loaded for one size, run at another one and back. The plan is computed again, and the weights
+/// stay.
 #[test]
 fn the_size_may_change() {
     let golden = Golden::of("resnet18");
@@ -219,7 +220,7 @@ fn the_size_may_change() {
 }
 
 #[test]
-fn a_stream_scores_like_the_whole_clip_bit_for_bit() {
+fn streams_score_bit_for_bit_like_whole_clips() {
     let (frames, height, width) = (4, 48, 64);
     let video: Array5<f32> = input((1, 3, frames + 3, height, width));
     for form in [SlowOnlyForm::MmAction2, SlowOnlyForm::MmAction2Depth18] {
@@ -315,16 +316,16 @@ fn a_checkpoint_of_another_network_is_recognised() {
     assert_eq!(names.len(), NetworkKind::all().len());
 }
 
-/// A wall of names helps nobody.
+/// An error with many names must be short.
 #[test]
-fn a_misfit_is_told_in_a_few_words() {
+fn misfit_errors_are_short() {
     let nothing = Shapes([("w".repeat(1 << 20), vec![1])].into());
     let error = ResNet::load(ResNetDepth::Fifty, nothing, [224, 224], options(1)).unwrap_err();
     let message = error.to_string();
     assert!(message.len() < 500, "{} bytes", message.len());
     assert!(message.contains("missing: conv1.weight [64, 3, 7, 7], ") && message.contains(" more"));
     let Error::Weights { missing, surplus, .. } = error else { panic!("{message}") };
-    // A checkpoint without a linear layer is one without a head.
+    // A checkpoint without a linear layer counts as one without a head.
     assert_eq!((missing.len(), surplus.len()), (265, 1));
 }
 
@@ -352,7 +353,7 @@ fn threads_are_counted_before_they_are_started() {
 }
 
 #[test]
-fn the_widths_of_scores_are_known_before_an_inference() {
+fn score_widths_are_known_before_an_inference() {
     let mut network = small(options(1), [32, 32]);
     let (classes, features) = (network.classes(), network.features());
     let images: Array4<f32> = input((1, 3, 32, 32));
@@ -361,7 +362,7 @@ fn the_widths_of_scores_are_known_before_an_inference() {
 }
 
 #[test]
-fn bad_inputs_are_refused_and_the_network_goes_on() {
+fn networks_refuse_bad_inputs_and_continue() {
     let mut network = small(options(1), [64, 64]);
     let image: Array4<f32> = input((1, 3, 64, 64));
     let expected = bits(network.infer(image.view()).unwrap().logits);
@@ -383,12 +384,12 @@ fn bad_inputs_are_refused_and_the_network_goes_on() {
         assert!(error.to_string().contains("too small"), "{shape:?} gave {error}");
     }
     assert_eq!(bits(network.infer(image.view()).unwrap().logits), expected);
-    // The smallest image there is.
+    // The smallest image.
     network.infer(Array4::zeros((1, 3, 1, 1)).view()).unwrap();
 }
 
 #[test]
-fn clips_that_do_not_fit_the_head_are_refused() {
+fn clips_unfit_for_the_head_are_refused() {
     let form = SlowOnlyForm::PyTorchVideo;
     let tensors = || weights(SlowOnly::parameters(form, 3));
     let mut network = SlowOnly::load(form, tensors(), [8, 224, 224], options(1)).unwrap();

@@ -1,9 +1,9 @@
-//! OpenPose's JSON: both models, several people, and what is refused.
+//! OpenPose's JSON: the models, several people, and rejected files.
 
 use proptest::prelude::*;
 use vision_models::{Body25, Error, ImageBody};
 
-/// A file of one person with the numbers of each joint.
+/// Returns a file of people with the numbers of each joint.
 fn file(people: &[Vec<[f64; 3]>]) -> String {
     let people: Vec<_> = people
         .iter()
@@ -26,7 +26,7 @@ fn problem(text: &str) -> String {
 }
 
 #[test]
-fn body_25_is_in_its_own_order_and_zeros_are_unseen() {
+fn body_25_keeps_order_and_zeros_are_unseen() {
     let mut joints = counted(25);
     joints[4] = [0.0, 0.0, 0.0];
     let people = ImageBody::from_openpose(file(&[joints]).as_bytes()).unwrap();
@@ -38,7 +38,7 @@ fn body_25_is_in_its_own_order_and_zeros_are_unseen() {
 }
 
 #[test]
-fn coco_18_is_told_by_its_number_of_joints() {
+fn coco_18_is_recognised_by_its_joint_count() {
     let people = ImageBody::from_openpose(file(&[counted(18), counted(18)]).as_bytes()).unwrap();
     assert_eq!(people.len(), 2);
     let x = |joint| people[1].get(joint).unwrap().position.x;
@@ -48,7 +48,7 @@ fn coco_18_is_told_by_its_number_of_joints() {
 }
 
 #[test]
-fn nobody_is_nobody() {
+fn files_without_people_give_none() {
     assert_eq!(ImageBody::from_openpose(file(&[]).as_bytes()), Ok(Vec::new()));
 }
 
@@ -74,13 +74,13 @@ fn other_models_and_other_files_are_named() {
     assert!(problem(&file(&vec![counted(18); 65])).contains("65 people"));
 }
 
-/// BODY_25B has as many joints as BODY_25, and the eyes where that has the neck.
+/// BODY_25B has as many joints as BODY_25, and the eyes where BODY_25 has the neck.
 #[test]
-fn body_25b_is_told_by_where_neck_and_mid_hip_lie() {
+fn body_25b_is_recognised_by_neck_and_hip() {
     let whole = include_str!("../data/body_25b.json");
     let people = ImageBody::from_openpose(whole.as_bytes()).unwrap();
     let x = |joint| people[0].get(joint).map(|keypoint| keypoint.position.x);
-    // By the names of its joints, as the file was made.
+    // The names of the joints, as the file was made.
     for (joint, expected) in [
         (Body25::Nose, 320.0),
         (Body25::LeftEye, 328.0),
@@ -96,7 +96,7 @@ fn body_25b_is_told_by_where_neck_and_mid_hip_lie() {
     ] {
         assert_eq!(x(joint), Some(expected), "{joint:?}");
     }
-    // The same person of BODY_25 stays as it is, seen from before, from the side and lying.
+    // The same person in BODY_25 keeps this order, seen from the front, from the side and lying.
     let standing: Vec<[f64; 3]> = Body25::ALL
         .into_iter()
         .map(|joint| {
@@ -119,7 +119,7 @@ fn body_25b_is_told_by_where_neck_and_mid_hip_lie() {
 }
 
 #[test]
-fn joints_that_were_scaled_to_the_image_are_refused_with_the_option_that_helps() {
+fn scaled_joints_are_refused_with_advice() {
     for (scale, shift) in [(1.0 / 640.0, 0.0), (2.0 / 640.0, -1.0)] {
         let scaled = |[x, y, c]: [f64; 3]| [scale * x + shift, scale * y + shift, c];
         let joints: Vec<_> = counted(25)
@@ -129,13 +129,14 @@ fn joints_that_were_scaled_to_the_image_are_refused_with_the_option_that_helps()
         let problem = problem(&file(&[joints]));
         assert!(problem.contains("--keypoint_scale 0"), "{problem}");
     }
-    // Two joints in the corner are none.
+    // Two joints in the corner are not taken for scaled ones.
     let mut corner = vec![[0.0; 3]; 25];
     (corner[0], corner[1]) = ([0.5, 0.5, 0.9], [0.7, 0.9, 0.9]);
     assert!(ImageBody::from_openpose(file(&[corner]).as_bytes()).is_ok());
 }
 
-/// However many people, numbers or brackets a file has, it takes five times its size and 64 KiB at most.
+/// A file takes at most five times its size and 64 KiB, however many people, numbers or brackets it
+/// has.
 #[test]
 fn a_file_of_nothing_useful_stays_small() {
     let many = "0,".repeat(2 << 20);
@@ -155,7 +156,7 @@ fn a_file_of_nothing_useful_stays_small() {
 }
 
 proptest! {
-    /// Whatever a file holds, nothing panics, and what is read is finite.
+    /// Any file is read without a panic, and the result is finite.
     #[test]
     fn any_text_is_read_or_refused(text in "\\PC{0,200}", at in 0..900_usize, byte: u8) {
         let _ = ImageBody::from_openpose(text.as_bytes());

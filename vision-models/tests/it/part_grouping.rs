@@ -6,12 +6,13 @@ use vision_models::{Coco18, Error, GroupingSettings, group_parts};
 
 const ROWS: usize = 46;
 const COLUMNS: usize = 82;
-/// Deviation of a joint's maximum (cells): OpenPose's seven pixels.
+/// Standard deviation of a joint's maximum (cells): OpenPose's seven pixels.
 const DEVIATION: f64 = 7.0 / 8.0;
-/// Same joints of two people are at least this far apart: closer, their maxima are one.
+/// Smallest distance between the same joints of two people. If they are closer, their maxima merge.
 const APART: f64 = 3.0;
 
-/// Limbs by their joints, and the first of their two fields, as in OpenPose's `poseParameters` for COCO.
+/// The joints of the limbs, and the first of their two fields, as in OpenPose's `poseParameters`
+/// for COCO.
 const LIMBS: [(usize, usize, usize); 19] = [
     (1, 8, 0),
     (8, 9, 2),
@@ -34,7 +35,7 @@ const LIMBS: [(usize, usize, usize); 19] = [
     (15, 17, 36),
 ];
 
-/// A person who stands, in heads of the body's height, from the neck.
+/// A standing person, relative to the neck, in units of the body's height.
 const STANDING: [[f64; 2]; 18] = [
     [0.0, -0.10],
     [0.0, 0.0],
@@ -56,7 +57,7 @@ const STANDING: [[f64; 2]; 18] = [
     [0.07, -0.11],
 ];
 
-/// The joints of a person, `None` where they are hidden.
+/// The joints of a person, `None` if hidden.
 type Person = [Option<[f64; 2]>; 18];
 
 prop_compose! {
@@ -69,7 +70,7 @@ prop_compose! {
     ) -> Person {
         std::array::from_fn(|joint| {
             let mut offset = STANDING[joint];
-            // Forearms and upper arms turn around the shoulder.
+            // Forearms and upper arms rotate around the shoulder.
             let arm = match joint { 3 | 4 => Some((2, arms[0])), 6 | 7 => Some((5, arms[1])), _ => None };
             if let Some((shoulder, angle)) = arm {
                 let (sine, cosine) = f64::sin_cos(angle);
@@ -91,8 +92,8 @@ fn distance(one: [f64; 2], other: [f64; 2]) -> f64 {
     (one[0] - other[0]).hypot(one[1] - other[1])
 }
 
-/// Whether the line between two people's joints runs along limbs of its kind all the way: where one person's trunk
-/// lies on another's, the fields do not say whose hip it is.
+/// Returns true if the line between two people's joints runs along limbs of its kind for its whole
+/// length. If one person's trunk covers another's, the fields do not tell which person has a hip.
 fn has_mixed_limb(people: &[Person]) -> bool {
     LIMBS.iter().any(|&(from, to, _)| {
         let limbs: Vec<_> =
@@ -121,8 +122,9 @@ fn has_mixed_limb(people: &[Person]) -> bool {
     })
 }
 
-/// Leaves out people of whom a joint is too close to the same of another or a limb could be another's, and those
-/// with two joints that are closer than half a cell (a limb without a direction).
+/// Leaves out people who cannot be distinguished from others. Their joint is too close to the same
+/// joint of another person, or a limb could belong to another person. Also leaves out people with
+/// two joints closer than half a cell, whose limb has no direction.
 fn tell_apart(people: Vec<Person>) -> Vec<Person> {
     let mut apart: Vec<Person> = Vec::new();
     for person in people {
@@ -144,8 +146,8 @@ fn tell_apart(people: Vec<Person>) -> Vec<Person> {
     apart
 }
 
-/// The maps that a perfect network gives (Sec. 2.2 and 2.3 of the paper): the largest Gaussian of each joint, and
-/// the mean of the limbs' directions within a cell of their lines.
+/// Draws the maps of a perfect network (Sec. 2.2 and 2.3 of the paper): the largest Gaussian of
+/// each joint, and the mean of the limbs' directions within a cell of their lines.
 #[allow(clippy::cast_possible_truncation)]
 fn draw(people: &[Person]) -> (Array3<f32>, Array3<f32>) {
     let mut joints = Array3::zeros((19, ROWS, COLUMNS));
@@ -183,7 +185,8 @@ fn draw(people: &[Person]) -> (Array3<f32>, Array3<f32>) {
     (joints, limbs)
 }
 
-/// The parts of people whose joints visible limbs connect, of four joints at least: what can be known.
+/// Returns the parts of people that are connected by visible limbs, if they have at least four
+/// joints. Only these can be found.
 fn visible_parts(people: &[Person]) -> Vec<Person> {
     let mut parts = Vec::new();
     for person in people {
@@ -207,7 +210,7 @@ fn visible_parts(people: &[Person]) -> Vec<Person> {
     parts
 }
 
-/// Whether a found person has exactly the joints of a part, within half a cell.
+/// Returns true if a found person has exactly the joints of a part, within half a cell.
 fn is(found: &Coco18, part: &Person) -> bool {
     found.iter().zip(part).all(|(found, place)| match (found, place) {
         (Some(found), Some(place)) => distance([found.position.x, found.position.y], *place) < 0.5,
@@ -220,7 +223,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(48))]
 
     #[test]
-    fn everyone_is_put_together_from_their_own_joints(people in prop::collection::vec(person(), 1..=6)) {
+    fn people_are_assembled_from_their_own_joints(people in prop::collection::vec(person(), 1..=6)) {
         let people = tell_apart(people);
         let (joints, limbs) = draw(&people);
         let found = group_parts(joints.view(), limbs.view(), &GroupingSettings::default())?;

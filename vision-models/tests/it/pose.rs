@@ -1,4 +1,4 @@
-//! The pose networks say what PyTorch says, and find what is in a picture.
+//! The pose networks agree with PyTorch and find the contents of an image.
 
 use ndarray::{Array3, Array4, ArrayView4};
 use serde::Deserialize;
@@ -9,10 +9,10 @@ use vision_models::{
 
 use crate::support::{input, weights};
 
-/// The floor, as a part of the largest value.
+/// Tolerance relative to the largest value.
 const TOLERANCE: f32 = 5e-6;
 
-/// A network's maps, made by `data/pose.py`.
+/// A network's maps, computed by `data/pose.py`.
 #[derive(Deserialize)]
 struct Golden {
     shape: [usize; 4],
@@ -23,7 +23,7 @@ struct Golden {
 struct GoldenMap {
     shape: [usize; 4],
     largest: f32,
-    /// Every seventh.
+    /// Every seventh value.
     values: Vec<f32>,
 }
 
@@ -104,8 +104,8 @@ fn checkpoints_are_known_by_their_names() {
     assert_eq!(network.as_deref(), Some("simple baseline of Microsoft"));
 }
 
-/// A network that hands one colour of the image through to the first map would be ideal here. The next best
-/// thing: its last layer sees nothing, so that every map is its bias, and the highest cell the first.
+/// A network that copies one colour of the image to the first map would be ideal. In this network
+/// the last layer sees nothing instead: every map is its bias, and the highest cell is the first.
 fn constant(maps: &[f32]) -> Tensors {
     let mut tensors = Tensors::new();
     for (name, shape) in SimpleBaseline::parameters(SimpleBaselineForm::MmPose1) {
@@ -121,7 +121,7 @@ fn constant(maps: &[f32]) -> Tensors {
 }
 
 #[test]
-fn a_joint_is_seen_where_its_map_is_positive() {
+fn joints_are_seen_where_maps_are_positive() {
     let mut maps = [-0.1; 17];
     (maps[5], maps[6], maps[10]) = (0.5, 0.75, 7.0);
     let image = Array3::zeros((200, 300, 3));
@@ -129,7 +129,8 @@ fn a_joint_is_seen_where_its_map_is_positive() {
     for passes in [Passes::One, Passes::Mirrored] {
         let mut network = SimpleBaseline::load(constant(&maps), passes, options()).unwrap();
         let body = network.estimate(image.view(), &person).unwrap();
-        // Shoulders, a wrist, and the neck between the shoulders. The mirrored pass takes left for right.
+        // Shoulders, a wrist, and the neck between the shoulders. The mirrored pass exchanges left
+        // and right.
         assert_eq!(body.iter().count(), if passes == Passes::One { 4 } else { 5 });
         let shoulder = body.get(Body25::LeftShoulder).unwrap();
         let expected = if passes == Passes::One { 0.5 } else { 0.625 };
@@ -143,7 +144,7 @@ fn a_joint_is_seen_where_its_map_is_positive() {
 }
 
 #[test]
-fn boxes_and_images_that_are_none_are_refused() {
+fn invalid_boxes_and_images_are_refused() {
     let mut network = SimpleBaseline::load(constant(&[0.5; 17]), Passes::One, options()).unwrap();
     let image = Array3::zeros((200, 300, 3));
     let good = PersonBox { left: 100.0, top: 50.0, width: 60.0, height: 90.0 };
@@ -158,7 +159,7 @@ fn boxes_and_images_that_are_none_are_refused() {
         let error = network.estimate(image.view(), &bad).unwrap_err();
         assert!(matches!(error, Error::Value { .. }), "{bad:?} gave {error}");
     }
-    // In part outside is fine.
+    // A box may be partly outside.
     let edge = PersonBox { left: -50.0, top: 150.0, ..good };
     assert!(network.estimate(image.view(), &edge).is_ok());
     for shape in [(0, 300, 3), (200, 0, 3), (200, 300, 4)] {

@@ -1,4 +1,5 @@
-//! What wrappers and training programs put before the names of a network's weights, and beside them.
+//! Prefixes of a network's weights from wrappers and training programs, and other tensors in the
+//! file.
 
 use std::{io::Cursor, sync::LazyLock};
 
@@ -15,7 +16,7 @@ fn plain() -> Tensors {
     PLAIN.clone()
 }
 
-/// The same tensors with something before each name.
+/// Returns the same tensors with a prefix before each name.
 fn behind(prefix: &str, mut tensors: Tensors) -> Tensors {
     let names: Vec<String> = tensors.names().map(str::to_owned).collect();
     let mut renamed = Tensors::new();
@@ -36,7 +37,7 @@ fn safetensors(tensors: &Tensors) -> Vec<u8> {
     file
 }
 
-/// A file with its header changed and so many bytes behind the tensors.
+/// Returns a file with a changed header and this many more bytes after the tensors.
 fn with_header(file: &[u8], change: impl Fn(&mut serde_json::Value, u64), more: usize) -> Vec<u8> {
     let length = u64::from_le_bytes(file[..8].try_into().unwrap());
     let (header, data) = file[8..].split_at(usize::try_from(length).unwrap());
@@ -55,9 +56,9 @@ fn kind() -> NetworkKind {
     NetworkKind::ResNet(DEPTH.into())
 }
 
-/// Whatever stands before all names, the network says the same.
+/// A common prefix of all names does not change the network's results.
 #[test]
-fn one_prefix_before_all_names_is_none() {
+fn a_common_prefix_changes_nothing() {
     let image = input((1, 3, 40, 40));
     let mut network = ResNet::load(DEPTH, plain(), [40, 40], Options::default()).unwrap();
     let expected = network.infer(image.view()).unwrap().logits.to_owned();
@@ -83,7 +84,7 @@ fn one_prefix_before_all_names_is_none() {
 }
 
 #[test]
-fn buffers_beside_the_network_are_left_out_by_name() {
+fn extra_buffers_are_left_out_by_name() {
     // torch's AveragedModel, and a module of Lightning with a loss and a normalisation.
     for (prefix, buffers) in [
         ("module.", vec![("n_averaged", vec![])]),
@@ -101,16 +102,17 @@ fn buffers_beside_the_network_are_left_out_by_name() {
     assert_eq!(kind().left_out(&plain()), Some(Vec::new()));
 }
 
-/// Weights of another layer say that it is another network: nothing is read by halves.
+/// Weights of another layer show that the checkpoint belongs to another network. It is then
+/// rejected completely.
 #[test]
-fn weights_beside_the_network_are_refused_by_name() {
+fn extra_weights_are_refused_by_name() {
     let mut tensors = behind("model.", plain());
     add(&mut tensors, "projection.weight", &[8, 3]);
     let error = ResNet::load(DEPTH, tensors, [40, 40], Options::default()).unwrap_err();
     let Error::Weights { missing, surplus, misshapen, .. } = error else { panic!("{error}") };
     assert_eq!((missing, misshapen), (vec![], vec![]));
     assert_eq!(surplus, ["projection.weight"]);
-    // Within the network's own names even a vector is of a layer.
+    // Among the network's own names even a vector belongs to a layer.
     let mut tensors = plain();
     add(&mut tensors, "layer1.0.extra.bias", &[64]);
     assert_eq!(NetworkKind::of(&tensors), None);
@@ -122,7 +124,7 @@ fn weights_beside_the_network_are_refused_by_name() {
         both.insert(name.clone(), teacher.remove(&name).unwrap()).unwrap();
     }
     assert_eq!(NetworkKind::of(&both), None);
-    // A pose network is no ResNet behind "backbone.".
+    // A pose network is not a ResNet with the prefix "backbone.".
     let form = SimpleBaselineForm::MmPose0;
     let pose = weights(SimpleBaseline::parameters(form));
     assert_eq!(NetworkKind::of(&behind("model.", pose)), Some(NetworkKind::SimpleBaseline(form)));
@@ -130,7 +132,7 @@ fn weights_beside_the_network_are_refused_by_name() {
 
 /// A counter beside the weights, and a tensor of a type that no layer has.
 #[test]
-fn a_tensor_of_another_type_is_left_out_and_told() {
+fn tensors_of_other_types_are_reported() {
     let whole = safetensors(&plain());
     for (dtype, size) in [("I64", 8), ("C64", 8), ("U64", 8), ("F8_E4M3", 1)] {
         let file = with_header(

@@ -1,4 +1,4 @@
-//! Frames come out as the training libraries make them.
+//! Compares prepared frames with those of the training libraries.
 
 use image::{ImageFormat, RgbImage};
 use ndarray::{Array3, Axis, s};
@@ -13,7 +13,7 @@ fn golden() -> Value {
     serde_json::from_str(include_str!("../data/preprocessing.json")).unwrap()
 }
 
-/// Noise on a gradient, as the script generates it.
+/// Returns noise on a gradient, as the script generates it.
 #[allow(clippy::cast_possible_truncation)]
 fn frame(height: usize, width: usize) -> Array3<u8> {
     let pixel = |index: usize| {
@@ -73,7 +73,7 @@ fn whole_pipelines() {
             assert_eq!(given.len(), expected.len());
             for (given, expected) in given.iter().zip(expected) {
                 let error = (f64::from(*given) - expected.as_f64().unwrap()).abs();
-                // The place of a pixel is rounded to f32: 97 pixels · 2⁻²⁴, times the contrast.
+                // The position of a pixel is rounded to f32: 97 pixels · 2⁻²⁴, times the contrast.
                 assert!(error < 3e-5, "{name} of {height} × {width}: {given} for {expected}");
             }
         }
@@ -133,7 +133,7 @@ fn crops_are_parts_of_the_frame() {
 }
 
 #[test]
-fn a_clip_is_its_frames() {
+fn clips_agree_with_their_frames() {
     let frames = [frame(40, 50), frame(40, 50).slice_move(s![..;-1, .., ..])];
     let views = [frames[0].view(), frames[1].view()];
     let preprocessing = Preprocessing { crops: Crops::Ten, crop: 200, ..Preprocessing::MMACTION2 };
@@ -216,9 +216,9 @@ fn images_and_folders_of_images() {
     assert!(matches!(list_frames(empty.path().join("none")), Err(Error::File { .. })));
 }
 
-/// What systems put into folders is no data, and what is left out besides is counted.
+/// The system's own files are no data. Other files that are left out are counted.
 #[test]
-fn a_folder_is_its_images_and_a_count_of_the_rest() {
+fn folders_list_images_and_count_other_files() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
     for name in [".git", "@eaDir", ".ipynb_checkpoints", "__MACOSX", "drilled", "2.png"] {
@@ -240,8 +240,8 @@ fn a_folder_is_its_images_and_a_count_of_the_rest() {
     assert!(!found.others.is_empty());
 }
 
-/// A PNG whose header claims these sides (pixels) in this colour type and depth (bits), with the
-/// pixels of a much smaller one.
+/// Returns a PNG whose header claims these sides (pixels), colour type and depth (bits), with the
+/// pixels of a much smaller image.
 fn png_that_claims(sides: [u32; 2], depth: u8, colour: u8) -> Vec<u8> {
     let mut png = Vec::new();
     RgbImage::new(1, 1).write_to(&mut std::io::Cursor::new(&mut png), ImageFormat::Png).unwrap();
@@ -255,7 +255,8 @@ fn png_that_claims(sides: [u32; 2], depth: u8, colour: u8) -> Vec<u8> {
     png
 }
 
-/// A JPEG whose header claims these sides (pixels), with the pixels of a much smaller one.
+/// Returns a JPEG whose header claims these sides (pixels), with the pixels of a much smaller
+/// image.
 fn jpeg_that_claims(sides: [u16; 2]) -> Vec<u8> {
     let mut jpeg = Vec::new();
     RgbImage::new(8, 8).write_to(&mut std::io::Cursor::new(&mut jpeg), ImageFormat::Jpeg).unwrap();
@@ -273,21 +274,22 @@ fn reason(bytes: &[u8]) -> String {
     }
 }
 
-/// A few hundred bytes that claim gigabytes are refused for what they claim, not after it is taken.
+/// A few hundred bytes that claim gigabytes are rejected by their claim, before memory is
+/// allocated.
 #[test]
 fn images_that_claim_to_be_huge() {
     const GREY: u8 = 0;
     const COLOUR: u8 = 2;
     const TRANSPARENT: u8 = 6;
     for (claim, taken) in [
-        // Grey becomes colour: 1 + 3 bytes a pixel.
+        // Grey becomes colour: 1 + 3 bytes per pixel.
         (png_that_claims([16_384, 16_384], 8, GREY), "1024 MiB"),
         (png_that_claims([16_384, 8_193], 8, GREY), "512 MiB"),
         (png_that_claims([16_384, 16_384], 1, GREY), "1024 MiB"),
         (png_that_claims([16_384, 16_384], 16, GREY), "1280 MiB"),
         (png_that_claims([16_384, 16_384], 8, COLOUR), "768 MiB"),
         (png_that_claims([16_384, 16_384], 16, TRANSPARENT), "2816 MiB"),
-        // 3 bytes a pixel, and 6 of coefficients.
+        // 3 bytes per pixel, and 6 of coefficients.
         (jpeg_that_claims([16_384, 16_384]), "2304 MiB"),
         (jpeg_that_claims([16_384, 7_300]), "1026 MiB"),
     ] {
@@ -296,7 +298,7 @@ fn images_that_claim_to_be_huge() {
         assert!(text.contains(&format!("pixels take {taken}")), "{text}");
         assert!(held < 1 << 20, "{held} bytes for {text}");
     }
-    // What is within the limits is refused only for the pixels that are not there.
+    // Images within the limits are rejected only because pixels are missing.
     for claim in
         [png_that_claims([4096, 4096], 8, GREY), png_that_claims([2000, 2000], 16, TRANSPARENT)]
     {
@@ -341,8 +343,8 @@ fn image_files_without_an_end() {
 }
 
 proptest! {
-    /// A constant frame stays constant, whatever the sizes; and no result leaves the range of the
-    /// frame's values.
+    /// A constant frame stays constant for any sizes. No result leaves the range of the frame's
+    /// values.
     #[test]
     fn resizing_keeps_the_range(
         (height, width) in (1..40_usize, 1..40_usize),

@@ -1,7 +1,8 @@
-//! How well the tracker knows the motion of real people, and how still who stands: joints of motion capture and film, with
-//! the errors of a real detector and of the shipped camera.
+//! Accuracy of the tracker on the motion of real people, and its steadiness for a standing person.
 //!
-//! The truth is the whole record, smoothed; what the tracker says has no part in it. Densities were chosen on these
+//! The joints are from motion capture and film, with the errors of a real detector and of the
+//! shipped camera. The truth is the whole record, smoothed. It does not depend on the tracker. The
+//! densities in the settings were chosen on these records too, because there are no others.
 //! records too: there are no others.
 
 use std::collections::HashMap;
@@ -15,10 +16,10 @@ use vision_models::{
 
 const FRAME: f64 = 0.05;
 
-/// Speeds of the gait that are judged (m/s).
+/// Speeds of the gait that are tested (m/s).
 const KEPT: [f64; 4] = [0.5, 0.85, 1.06, 1.4];
 
-/// A joint's place and velocity (m, m/s).
+/// A joint's position and velocity (m, m/s).
 type Joint = (Vector3<f64>, Vector3<f64>);
 type Joints = [Joint; Body25::COUNT];
 
@@ -28,10 +29,10 @@ struct Clip {
     frames: Vec<Vec<[f64; 3]>>,
 }
 
-/// The joints of somebody at any time.
+/// The joints of a person at any time.
 struct Motion {
     clip: Clip,
-    /// What is added from one turn to the next, of a motion that goes on for ever (m).
+    /// Offset from one cycle to the next (m), for a motion that is repeated without end.
     turn: Option<Vector3<f64>>,
     pace: f64,
 }
@@ -44,7 +45,7 @@ impl Motion {
         Self { clip, turn: None, pace: 1.0 }
     }
 
-    /// The gait at a speed (m/s), on and on.
+    /// Returns the gait at a speed (m/s), repeated without end.
     fn walking(speed: f64) -> Self {
         let mut walk = Self::of("walk");
         let hip = |frame: &Vec<[f64; 3]>| Vector3::from(frame[Body25::MidHip.index()]) * 1e-3;
@@ -74,7 +75,7 @@ impl Motion {
         place + self.turn.unwrap_or_default() * turns as f64
     }
 
-    /// By Catmull's and Rom's spline.
+    /// Interpolates by a Catmull-Rom spline.
     #[allow(clippy::cast_possible_truncation)]
     fn at(&self, time: f64) -> Joints {
         let frame = time * self.pace / self.clip.period;
@@ -91,7 +92,8 @@ impl Motion {
     }
 }
 
-/// Somebody who stands as the first frame of the gait does, but for a motion of all of the joints.
+/// Returns a person who stands as in the first frame of the gait, with a common motion of all
+/// joints added.
 fn moved(by: impl Fn(f64) -> Joint) -> impl Fn(f64) -> Joints {
     let stance = Motion::walking(1.0).at(0.0);
     move |time| {
@@ -100,7 +102,7 @@ fn moved(by: impl Fn(f64) -> Joint) -> impl Fn(f64) -> Joints {
     }
 }
 
-/// Sways by 20 mm/s rms, as somebody who works standing.
+/// Returns a sway of 20 mm/s rms, as of a person who works standing.
 fn sways(time: f64) -> Joint {
     let one = |frequency: f64, phase: f64| {
         let (angle, rate) = (TAU * frequency * time + phase, TAU * frequency);
@@ -110,7 +112,7 @@ fn sways(time: f64) -> Joint {
     (vector![x, y, 0.0], vector![vx, vy, 0.0])
 }
 
-/// Begins to walk to 1 m/s after 4 s (m/s²).
+/// Returns a motion that accelerates to 1 m/s after 4 s. `acceleration` is in m/s².
 fn begins(acceleration: f64) -> impl Fn(f64) -> Joint {
     move |time| {
         let (since, rise) = ((time - 4.0).max(0.0), 1.0 / acceleration);
@@ -120,20 +122,22 @@ fn begins(acceleration: f64) -> impl Fn(f64) -> Joint {
     }
 }
 
-/// What stands between a joint and where it is seen.
+/// The measurement errors between a joint and its measured position.
 #[derive(Clone, Copy)]
 struct Sight {
-    /// From the person (m).
+    /// Distance from the person (m).
     distance: f64,
-    /// How long errors last (s).
+    /// Correlation time of the errors (s).
     lasts: f64,
-    /// Whether covariances are told.
+    /// True if covariances are known.
     tells: bool,
 }
 
-/// As real detectors: errors of 2.5 pixels and of a D435i's depth that last; covariances of 3 pixels are told.
+/// Real detectors: lasting errors of 2.5 pixels and of a D435i's depth. The reported covariances
+/// are those of 3 pixels.
 const REAL: Sight = Sight { distance: 2.5, lasts: 0.16, tells: true };
-/// As the shipped recording's camera: errors of 1.5 pixels, new in each frame, of which nothing is told.
+/// The shipped recording's camera: errors of 1.5 pixels, independent in each frame, without
+/// covariances.
 const SHIPPED: Sight = Sight { distance: 2.5, lasts: 0.0, tells: false };
 
 struct Detector {
@@ -149,7 +153,7 @@ impl Detector {
         Self { sight, state, errors: [Vector3::zeros(); Body25::COUNT], seen: false }
     }
 
-    /// In (0, 1) (Knuth's generator, the upper half of its state).
+    /// Returns a number in (0, 1) (Knuth's generator, the upper half of its state).
     fn uniform(&mut self) -> f64 {
         self.state = self
             .state
@@ -191,7 +195,7 @@ impl Detector {
     }
 }
 
-/// How what is said of something compares with what is true.
+/// Comparison of the claimed uncertainties with the true errors.
 #[derive(Clone, Copy, Debug, Default)]
 struct Claim {
     frames: f64,
@@ -209,12 +213,12 @@ impl Claim {
         self.variances += covariance.trace();
     }
 
-    /// The share of frames in which the error is beyond three standard deviations.
+    /// Returns the share of frames in which the error is beyond three standard deviations.
     fn beyond(&self) -> f64 {
         self.beyond / self.frames
     }
 
-    /// Of standard deviation over error, root mean square both.
+    /// Returns the ratio of standard deviation to error, both root mean square.
     fn ratio(&self) -> f64 {
         (self.variances / self.errors).sqrt()
     }
@@ -233,7 +237,7 @@ impl Claim {
     }
 }
 
-/// The largest eigenvalue of a positive definite matrix, by powers.
+/// Returns the largest eigenvalue of a positive definite matrix by power iteration.
 fn largest<const D: usize>(matrix: &SMatrix<f64, D, D>) -> f64 {
     let mut direction = SVector::<f64, D>::from_fn(|row, _| 1.0 + 0.1 * row as f64);
     for _ in 0..40 {
@@ -242,7 +246,8 @@ fn largest<const D: usize>(matrix: &SMatrix<f64, D, D>) -> f64 {
     direction.dot(&(matrix * direction))
 }
 
-/// The tracker's people, frame by frame, with the truth: `tell` takes the time, the person and the floor's place and velocity.
+/// Runs the tracker frame by frame. `tell` gets the time, the person, and the true floor position
+/// and velocity.
 fn follow(
     motion: impl Fn(f64) -> Joints,
     duration: f64,
@@ -268,7 +273,7 @@ fn follow(
     }
 }
 
-/// What is claimed of the pelvis' velocity and place, from `settled` on (s).
+/// Returns the claims for the pelvis's velocity and position, from `settled` on (s).
 fn claims(motion: &Motion, sight: Sight, seeds: u64, settled: f64) -> [Claim; 2] {
     let mut claims = [Claim::default(); 2];
     for seed in 1..=seeds {
@@ -288,14 +293,14 @@ fn claims(motion: &Motion, sight: Sight, seeds: u64, settled: f64) -> [Claim; 2]
     claims
 }
 
-/// Checks that no more than a hundredth of errors of velocities is beyond three standard deviations.
+/// Checks that at most a hundredth of the velocity errors is beyond three standard deviations.
 fn check(claim: &Claim, what: &str) {
     claim.say(what);
     assert!(claim.beyond() <= 0.01, "{what}: {claim:?}");
 }
 
 #[test]
-fn the_velocity_of_who_walks_or_balances_is_as_certain_as_it_says() {
+fn body_velocities_are_as_certain_as_claimed() {
     for (name, sight) in [("real", REAL), ("shipped", SHIPPED)] {
         let mut all = Vec::new();
         for speed in KEPT {
@@ -315,9 +320,9 @@ fn the_velocity_of_who_walks_or_balances_is_as_certain_as_it_says() {
     }
 }
 
-/// Of head and trunk, arms, and legs.
+/// Tests head and trunk, arms, and legs.
 #[test]
-fn the_velocity_of_each_joint_is_as_certain_as_it_says() {
+fn joint_velocities_are_as_certain_as_claimed() {
     let groups: [&[usize]; 3] = [&[0, 1, 2, 5, 8, 9, 12], &[3, 4, 6, 7], &[10, 11, 13, 14]];
     for (name, sight) in [("real", REAL), ("shipped", SHIPPED)] {
         let mut all = [[Claim::default(); 2]; 3];
@@ -353,7 +358,7 @@ fn the_velocity_of_each_joint_is_as_certain_as_it_says() {
         for (part, claims) in ["trunk", "arms", "legs"].into_iter().zip(&all) {
             check(&claims[0], &format!("{name}, velocity of the {part}"));
             claims[1].say(&format!("{name}, place of the {part}"));
-            // Joints without covariances are given as they are seen.
+            // Joints without covariances are returned as measured.
             assert_eq!(claims[1].frames > 0.0, sight.tells);
             assert!(!sight.tells || claims[1].beyond() <= 0.02, "{claims:?}");
         }
@@ -361,7 +366,7 @@ fn the_velocity_of_each_joint_is_as_certain_as_it_says() {
 }
 
 #[test]
-fn who_stands_stands() {
+fn standing_people_stand_still() {
     for (name, sight) in [("real", REAL), ("shipped", SHIPPED)] {
         let (mut speed, mut way, mut rate, mut count) = (0.0, 0.0, 0.0, 0.0);
         for seed in 1..=10 {
@@ -382,7 +387,7 @@ fn who_stands_stands() {
 }
 
 #[test]
-fn who_begins_to_walk_is_followed_at_once() {
+fn starting_walkers_are_followed_at_once() {
     for (name, sight) in [("real", REAL), ("shipped", SHIPPED)] {
         let (mut lags, mut claim) = ([0.0_f64; 2], Claim::default());
         for seed in 1..=20 {

@@ -1,10 +1,10 @@
-//! Numbers that this crate's tests and the script of the golden values make alike.
+//! Numbers that the tests of this crate and the script of the golden values generate equally.
 
 use ndarray::{Array, Dimension, IntoDimension};
 use vision_models::{Tensor, Tensors};
 
-/// The `index`-th of the numbers that belong to a name, in [−1, 1): FNV-1a of the name, moved on
-/// by the index, mixed as in SplitMix64 (G. Steele, D. Lea and C. Flood, OOPSLA 2014).
+/// Returns the `index`-th number of a name, in [−1, 1): FNV-1a of the name, advanced by the index
+/// and mixed as in SplitMix64 (G. Steele, D. Lea and C. Flood, OOPSLA 2014).
 fn number(name_hash: u64, index: usize) -> f64 {
     let mut bits = name_hash.wrapping_add((index as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15));
     bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -19,7 +19,7 @@ fn hash(name: &str) -> u64 {
     })
 }
 
-/// An input of these sizes.
+/// Returns an input of these sizes.
 #[allow(clippy::cast_possible_truncation)]
 pub(crate) fn input<D: Dimension>(shape: impl IntoDimension<Dim = D>) -> Array<f32, D> {
     let shape = shape.into_dimension();
@@ -27,7 +27,7 @@ pub(crate) fn input<D: Dimension>(shape: impl IntoDimension<Dim = D>) -> Array<f
     Array::from_shape_vec(shape, values.collect()).unwrap()
 }
 
-/// Weights that keep the size of the activations about the same from layer to layer.
+/// Returns weights that keep the size of the activations similar from layer to layer.
 #[allow(clippy::cast_possible_truncation)]
 pub(crate) fn weights(parameters: Vec<(String, Vec<usize>)>) -> Tensors {
     let mut tensors = Tensors::new();

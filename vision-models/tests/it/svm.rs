@@ -1,4 +1,4 @@
-//! The linear SVM finds the optimum, and its file brings every number back.
+//! The linear SVM finds the optimum, and its file restores every number.
 
 use ndarray::{Array1, Array2, array};
 use proptest::prelude::*;
@@ -64,8 +64,8 @@ fn planes_are_those_of_scikit_learn() {
     }
 }
 
-/// Features of a random network are large and differ little from image to image: what tells the samples apart is lost
-/// where their products are rounded to f32.
+/// Features of a random network are large and differ little between images. The differences of the
+/// samples are lost if their products are rounded to f32.
 #[test]
 fn large_samples_that_are_nearly_parallel() {
     let points = Array2::from_shape_fn((40, 64), |(sample, feature)| {
@@ -78,7 +78,7 @@ fn large_samples_that_are_nearly_parallel() {
     assert!(trainings.iter().all(|training| training.converged), "{trainings:?}");
 }
 
-/// Two points: the plane is half way, and the margin is their distance.
+/// Two points: the plane is in the middle, and the margin is their distance.
 #[test]
 fn two_points() {
     for loss in [Loss::Hinge, Loss::SquaredHinge] {
@@ -104,8 +104,8 @@ fn an_unfinished_training_says_so() {
     assert!(training[0].objective > training[0].bound);
 }
 
-/// More samples than a matrix of their products could be made of, few features, and no plane between the
-/// classes: the gap closes in tens of steps.
+/// Too many samples for a matrix of their products, few features, and classes that no plane
+/// separates. The gap closes in tens of steps.
 #[test]
 fn many_samples_that_no_plane_separates() {
     let points = Array2::from_shape_fn((20_000, 3), |(row, column)| {
@@ -127,7 +127,7 @@ fn many_samples_that_no_plane_separates() {
     }
 }
 
-/// A sample that counts twice is two samples.
+/// A sample that counts twice is equivalent to two samples.
 #[test]
 fn weights_are_repetitions() {
     let points = array![[0.0_f32, 1.0], [1.0, 0.3], [2.0, 1.0], [0.5, 0.2], [1.5, 2.0]];
@@ -145,7 +145,7 @@ fn weights_are_repetitions() {
         for (one, other) in one.weights().iter().zip(other.weights()) {
             assert!((one - other).abs() < 1e-6, "{loss:?}: {one} for {other}");
         }
-        // Two of one class and three of the other.
+        // Two samples of one class and three of the other.
         let balanced = SvmSettings { class_weights: ClassWeights::Balanced, ..settings.clone() };
         let class_weights = ClassWeights::Given(vec![5.0 / 4.0, 5.0 / 6.0]);
         let given = SvmSettings { class_weights, ..settings };
@@ -223,7 +223,7 @@ fn files_that_are_refused() {
         }
     }
     assert!(matches!(text.replace("1e0", "NaN").parse::<LinearSvm>(), Err(Error::Value { .. })));
-    // No part of a file is a whole one, not even one that is cut within the last number.
+    // No truncated file reads as complete, even if it is cut within the last number.
     for end in 0..text.len() {
         let cut = &text[..end];
         let error = cut.parse::<LinearSvm>().unwrap_err().to_string();
@@ -233,7 +233,7 @@ fn files_that_are_refused() {
 }
 
 #[test]
-fn files_with_a_byte_order_mark_or_other_line_ends() {
+fn files_may_have_byte_order_marks_and_crlf() {
     let svm = LinearSvm::new(names(2), array![[1.0, -2.5e-300]], array![0.1]).unwrap();
     let text = svm.to_string();
     assert_eq!(format!("\u{feff}{text}").parse::<LinearSvm>().unwrap(), svm);
@@ -262,7 +262,7 @@ fn samples() -> impl Strategy<Value = (Array2<f32>, Vec<usize>)> {
 }
 
 #[test]
-fn classes_without_a_name_of_their_own_are_refused() {
+fn empty_and_repeated_class_names_are_refused() {
     let planes = || (array![[1.0, 2.0]], array![0.5]);
     for (classes, said) in [
         (["smooth", "smooth"], "classes 0 and 1 are both named \"smooth\""),
@@ -289,7 +289,7 @@ fn classes_without_a_name_of_their_own_are_refused() {
 }
 
 proptest! {
-    /// The primal and dual objectives meet, whatever the samples; and no other plane is better.
+    /// The primal and dual objectives agree for any samples, and no other plane is better.
     #[test]
     fn the_optimum_is_reached(
         (points, labels) in samples(),
@@ -340,7 +340,8 @@ proptest! {
         prop_assert_eq!(svm.to_string().parse::<LinearSvm>().unwrap(), svm);
     }
 
-    /// A whole file with some characters changed is the machine that it then describes, or refused.
+    /// A file with some characters changed is read as the machine that it then describes, or
+    /// rejected.
     #[test]
     fn any_text_is_read_or_refused(
         changes in prop::collection::vec(
@@ -358,7 +359,7 @@ proptest! {
         let text = String::from_utf8(text).unwrap();
         match text.parse::<LinearSvm>() {
             Ok(read) => {
-                // What was read is all that stands there: the same names, the same numbers.
+                // The machine contains exactly the names and numbers of the file.
                 let again = read.to_string();
                 prop_assert_eq!(again.parse::<LinearSvm>().unwrap(), read);
                 let words = |text: &str| -> Vec<Result<f64, String>> {

@@ -1,4 +1,5 @@
-//! Files of TensorFlow Lite: every operator beside TensorFlow Lite's own kernels, and files that are refused.
+//! Files of TensorFlow Lite: comparison of every operator with TensorFlow Lite's own kernels, and
+//! rejected files.
 
 use std::fs;
 
@@ -7,7 +8,7 @@ use proptest::prelude::*;
 use serde_json::Value;
 use vision_models::{Error, InstructionSet, Options, TensorFlowLite};
 
-/// Lanes of sums in another order (absolute; outputs are about one).
+/// Tolerance for sums in another order (absolute; outputs are about one).
 const CLOSE: f64 = 5e-6;
 
 fn data(name: &str) -> Vec<u8> {
@@ -18,7 +19,7 @@ fn json(name: &str) -> Value {
     serde_json::from_slice(&data(name)).unwrap()
 }
 
-/// The numbers that `operators.py` gives to its network.
+/// Returns the numbers that `operators.py` gives to its network.
 fn image([channels, rows, columns]: [usize; 3]) -> Array5<f32> {
     Array5::from_shape_fn((1, channels, 1, rows, columns), |(_, channel, _, row, column)| {
         let index = (row * columns + column) * channels + channel;
@@ -29,7 +30,7 @@ fn image([channels, rows, columns]: [usize; 3]) -> Array5<f32> {
     })
 }
 
-/// The outputs of a file, each with its channels last.
+/// Returns the outputs of a file, each with its channels last.
 fn outputs(network: TensorFlowLite, options: Options) -> Vec<Vec<f32>> {
     let image = image(network.input());
     let count = network.outputs().count();
@@ -60,7 +61,7 @@ fn every_operator_is_tensorflow_lites() {
 }
 
 #[test]
-fn a_network_of_some_outputs_gives_them_as_before() {
+fn kept_outputs_are_unchanged() {
     let open = || TensorFlowLite::from_bytes(data("operators.tflite")).unwrap();
     let all = outputs(open(), Options::default());
     let some = outputs(open().keep(&[2, 0]).unwrap(), Options::default());
@@ -90,7 +91,7 @@ fn what_is_refused_says_why() {
 }
 
 #[test]
-fn a_file_that_is_cut_off_is_refused() {
+fn truncated_files_are_refused() {
     let file = data("operators.tflite");
     for length in (0..file.len()).step_by(61).chain(0..200) {
         let error = TensorFlowLite::from_bytes(file[..length].to_vec()).unwrap_err();
@@ -98,7 +99,7 @@ fn a_file_that_is_cut_off_is_refused() {
     }
 }
 
-/// Reads a file, loads what is read, and checks the memory that reading promises.
+/// Reads a file, loads the network, and checks the promised memory of reading.
 fn is_harmless(file: Vec<u8>) -> Result<(), TestCaseError> {
     let promised = 4 * file.len() as u64 + (16 << 20);
     let mut read = None;
@@ -120,14 +121,14 @@ fn is_harmless(file: Vec<u8>) -> Result<(), TestCaseError> {
 }
 
 #[test]
-fn tables_that_are_listed_again_and_again_stay_small() {
-    // A vector of a million offsets to one table, where the list of tensors was.
+fn repeated_tables_need_little_memory() {
+    // A vector of a million offsets to one table, in place of the list of tensors.
     let mut file = data("operators.tflite");
     let at = file.len();
     let count = 1_u32 << 20;
     file.extend(count.to_le_bytes());
     for index in 0..count {
-        // Each to the root table, wherever that is.
+        // Each points to the root table.
         let place = at + 4 + 4 * index as usize;
         let root = u32::from_le_bytes([file[0], file[1], file[2], file[3]]) as usize;
         let ahead = u32::try_from((root.wrapping_sub(place)) & 0xffff_ffff).unwrap();

@@ -1,4 +1,4 @@
-//! What must be true of the tracker, whatever it sees.
+//! Properties that the tracker must have for any input.
 
 use std::f64::consts::{PI, TAU};
 
@@ -16,7 +16,7 @@ fn keypoint(x: f64, y: f64, z: f64) -> Keypoint {
     Keypoint { position: Point3::new(x, y, z), confidence }
 }
 
-/// An upright person of 1.75 m with the pelvis above the origin, looking along x.
+/// Returns an upright person of 1.75 m with the pelvis above the origin, looking along x.
 fn person() -> Body {
     let mut body = Body::default();
     for (joint, x, y, z) in [
@@ -55,7 +55,8 @@ fn tracker() -> BodyTracker {
     BodyTracker::new(TrackerSettings::default()).unwrap()
 }
 
-/// Feeds frames `first..last` of a person whose floor position and heading are functions of time.
+/// Gives the tracker frames `first..last` of a person whose floor position and heading are
+/// functions of time.
 fn watch(
     tracker: &mut BodyTracker,
     frames: std::ops::Range<u32>,
@@ -94,7 +95,7 @@ fn a_standing_person_is_acquired_after_four_frames() {
 }
 
 #[test]
-fn a_walking_and_turning_person_is_followed_without_lag() {
+fn walking_and_turning_are_followed_without_lag() {
     let velocity = vector![-0.6, 0.3];
     let mut tracker = tracker();
     watch(&mut tracker, 0..200, |t| (vector![3.0, 0.0] + velocity * t, 0.2 * t));
@@ -106,7 +107,7 @@ fn a_walking_and_turning_person_is_followed_without_lag() {
     assert!((pose.heading_rate - 0.2).abs() < 1e-3);
 }
 
-/// A fixed sequence of errors with standard deviation 0.03 m and no correlation to speak of.
+/// Returns a fixed sequence of errors with standard deviation 0.03 m and negligible correlation.
 fn errors() -> impl FnMut() -> f64 {
     let mut state = 1_u32;
     move || {
@@ -115,9 +116,10 @@ fn errors() -> impl FnMut() -> f64 {
     }
 }
 
-/// Each joint has errors of its own: all of the trunk tell more of the velocity than mid hip alone does.
+/// Each joint has independent errors. All joints of the trunk give a better velocity than mid hip
+/// alone.
 #[test]
-fn every_joint_of_the_trunk_tells_how_the_person_moves() {
+fn all_trunk_joints_improve_the_velocity() {
     let error_with = |joints: &[Body25]| {
         let (mut noise, mut tracker) = (errors(), tracker());
         let (mut error, mut count) = (0.0, 0.0);
@@ -148,7 +150,7 @@ fn every_joint_of_the_trunk_tells_how_the_person_moves() {
 }
 
 #[test]
-fn filtering_takes_noise_away() {
+fn filtering_reduces_noise() {
     let mut noise = errors();
     let mut tracker = tracker();
     let (mut raw, mut filtered, mut count) = (0.0, 0.0, 0.0);
@@ -168,7 +170,7 @@ fn filtering_takes_noise_away() {
 }
 
 #[test]
-fn a_person_who_vanishes_is_coasted_for_half_a_second_and_then_lost() {
+fn a_vanished_person_coasts_half_a_second() {
     let velocity = vector![0.5, 0.0];
     let mut tracker = tracker();
     watch(&mut tracker, 0..100, |t| (velocity * t, 0.0));
@@ -187,7 +189,7 @@ fn a_person_who_vanishes_is_coasted_for_half_a_second_and_then_lost() {
 }
 
 #[test]
-fn a_short_jump_is_left_out_and_a_lasting_one_is_followed() {
+fn only_lasting_jumps_are_followed() {
     let mut tracker = tracker();
     watch(&mut tracker, 0..40, |_| (vector![2.0, 0.0], PI));
     watch(&mut tracker, 40..43, |_| (vector![2.0, 2.0], PI));
@@ -214,7 +216,7 @@ fn scattered_outliers_never_become_a_person() {
 }
 
 #[test]
-fn a_lost_person_is_taken_up_again_anywhere() {
+fn a_lost_person_is_found_again_anywhere() {
     let mut tracker = tracker();
     watch(&mut tracker, 0..20, |_| (vector![2.0, 0.0], 3.0));
     watch(&mut tracker, 60..64, |_| (vector![-1.0, 4.0], -3.0));
@@ -251,7 +253,7 @@ fn heading_takes_either_pair_and_holds_without() {
 }
 
 #[test]
-fn a_single_frame_seen_from_behind_does_not_turn_the_person() {
+fn one_reversed_frame_does_not_turn_the_person() {
     let mut tracker = tracker();
     watch(&mut tracker, 0..40, |_| (vector![2.0, 0.0], 0.0));
     watch(&mut tracker, 40..42, |_| (vector![2.0, 0.0], PI));
@@ -285,9 +287,9 @@ fn wrong_time_stamps_are_refused_and_change_nothing() {
     assert_eq!(tracker.predict(0.5), before);
 }
 
-/// A stamp an hour ahead must not make the person look fresh for an hour.
+/// A time stamp an hour ahead must not make the person look recent for an hour.
 #[test]
-fn a_measurement_from_the_future_is_of_nobody_who_can_be_relied_on() {
+fn a_future_time_stamp_means_lost() {
     let mut tracker = tracker();
     watch(&mut tracker, 0..10, |_| (vector![2.0, 0.0], 0.0));
     let seen = 9.0 * FRAME;
@@ -298,7 +300,7 @@ fn a_measurement_from_the_future_is_of_nobody_who_can_be_relied_on() {
 }
 
 #[test]
-fn what_is_forgotten_blocks_no_earlier_frame() {
+fn earlier_frames_are_accepted_after_forgetting() {
     let mut tracker = tracker();
     watch(&mut tracker, 100..140, |_| (vector![2.0, 0.0], 0.0));
     let stature = tracker.stature();
@@ -329,7 +331,7 @@ fn wrong_settings_are_refused_by_name() {
     }
 }
 
-/// A coordinate as cameras, files and bugs give it.
+/// Generates coordinates from cameras, files and bugs.
 fn any_coordinate() -> impl Strategy<Value = f64> {
     prop_oneof![
         4 => -5.0..5.0_f64,
@@ -351,7 +353,7 @@ fn any_body() -> impl Strategy<Value = Body> {
     prop::collection::vec(joint, 25).prop_map(|joints| Body::new(joints.try_into().unwrap()))
 }
 
-/// A person who walks, with a constant velocity and turning rate for each half second.
+/// Generates a walking person with a constant velocity and turning rate in each half second.
 fn any_walk() -> impl Strategy<Value = Vec<(Vector2<f64>, f64)>> {
     let leg = (-1.0..1.0_f64, -1.0..1.0_f64, -2.0..2.0_f64);
     (prop::collection::vec(leg, 1..12), -PI..PI).prop_map(|(legs, heading)| {
@@ -405,7 +407,7 @@ proptest! {
         prop_assert_eq!(later.status == TrackStatus::Lost, later.age > settings.coast_limit);
     }
 
-    /// Move and turn the whole world: the pose moves and turns with it.
+    /// A motion of the whole world moves the pose with it.
     #[test]
     fn tracking_is_invariant_to_where_the_world_is(
         walk in any_walk(), x in -10.0..10.0_f64, y in -10.0..10.0_f64, turn in -PI..PI,
@@ -425,7 +427,7 @@ proptest! {
                 prop_assert!((there.floor - moved.xy()).norm() < 1e-9);
                 let turned = motion.rotation * here.velocity.push(0.0);
                 prop_assert!((there.velocity - turned.xy()).norm() < 1e-9);
-                // The same up to a whole number of turns, and always the same number.
+                // Equal up to a constant whole number of turns.
                 let turns = (there.heading - here.heading - turn) / TAU;
                 prop_assert!((turns - turns.round()).abs() < 1e-9);
                 prop_assert!((turns - *branch.get_or_insert(turns)).abs() < 1e-9);
@@ -434,7 +436,7 @@ proptest! {
         }
     }
 
-    /// However often the person turns round, the heading goes on from frame to frame.
+    /// The heading is continuous from frame to frame, however often the person turns around.
     #[test]
     fn heading_is_continuous_through_half_turns(rate in -2.5..2.5_f64, start in -PI..PI) {
         let mut tracker = tracker();
@@ -452,7 +454,7 @@ proptest! {
             before = Some((pose.heading, offset));
         }
         let (heading, offset) = before.unwrap();
-        // Who turns slowly may seem to stand for a moment.
+        // A person who turns slowly may seem to stand for a moment.
         let tolerance = if rate.abs() < 0.25 { 0.1 } else { 0.02 };
         prop_assert!((heading - offset - (start + rate * 199.0 * FRAME)).abs() < tolerance);
     }

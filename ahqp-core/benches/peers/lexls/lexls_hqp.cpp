@@ -1,5 +1,5 @@
-// Solves a set of hierarchical problems (`.hqp`) with LexLS, and prints what the program `hqp` prints:
-// a line `INDEX STATUS ITERATIONS x_0 … x_{n-1}` a problem, and the times on standard error.
+// Solves a set of hierarchical problems (`.hqp`) with LexLS. Prints the same as the program `hqp`: one line
+// `INDEX STATUS ITERATIONS x_0 … x_{n-1}` per problem, and the times on standard error.
 //
 //     lexls_hqp FILE [--warm [--point]] [--repeat K]
 
@@ -33,7 +33,7 @@ struct Problem
     std::vector<Level> levels;
 };
 
-/// How a solve ended: the STATUS column of `hqp`.
+/// Result of a solve: the STATUS column of `hqp`.
 enum Status
 {
     SOLVED = 0,
@@ -47,7 +47,7 @@ struct Outcome
     LexLS::Index iterations;
     LexLS::dVectorType x;
     double microseconds;
-    /// Which constraints were active at the end, level by level.
+    /// The active constraints at the end, level by level.
     std::vector<std::vector<LexLS::ConstraintActivationType>> active;
 };
 
@@ -79,12 +79,12 @@ Value read(std::istream &in)
     return value;
 }
 
-/// A level `B` becomes simple bounds where LexLS takes them: first, and each variable once.
+/// A level `B` becomes simple bounds if LexLS accepts them: first level, each variable once.
 Level read_level(std::istream &in, LexLS::Index variables, bool first)
 {
     expect(in, "level");
     const auto kind = read<std::string>(in);
-    // All levels are objectives to LexLS. A hard one is above all those that it limits.
+    // LexLS treats all levels as objectives. A hard one is above all those that it limits.
     read<int>(in);
     const auto rows = read<LexLS::Index>(in);
     if (kind == "G")
@@ -146,7 +146,7 @@ std::vector<Problem> read_set(const std::string &file)
         for (std::size_t level = 0; level < levels; ++level)
         {
             Level next = read_level(in, problem.variables, level == 0);
-            // LexLS has nothing to do for a level without rows.
+            // A level without rows needs no solve.
             if (next.data.rows() > 0)
             {
                 problem.levels.push_back(next);
@@ -165,8 +165,8 @@ bool same_shape(const Problem &a, const Problem &b)
            && std::equal(a.levels.begin(), a.levels.end(), b.levels.begin(), same_rows);
 }
 
-/// One solve, from the end of the one before if that is given. The clock runs from handing over the
-/// data to having read x.
+/// Solves once, starting from the previous result if it is given. The time is measured from passing the
+/// data until x is read.
 Outcome solve(const Problem &problem, const Outcome *before, bool point)
 {
     std::vector<LexLS::Index> rows;
@@ -179,7 +179,7 @@ Outcome solve(const Problem &problem, const Outcome *before, bool point)
         variables.push_back(level.variables);
     }
     const auto levels = static_cast<LexLS::Index>(problem.levels.size());
-    // Without it LexLS runs through its whole budget where it cycles.
+    // Otherwise LexLS uses its whole budget if it cycles.
     LexLS::ParametersLexLSI parameters;
     parameters.cycling_handling_enabled = true;
 
@@ -308,7 +308,7 @@ void run(const Options &options)
             }
             times.push_back(outcome.microseconds);
             iterations += outcome.iterations;
-            // A solve that failed leaves nothing to start from.
+            // A failed solve gives no start for the next.
             of_last = outcome.status == SOLVED ? &problem : nullptr;
             last    = std::move(outcome);
         }
@@ -318,7 +318,7 @@ void run(const Options &options)
         throw std::runtime_error("the set holds no problems");
     }
     std::sort(times.begin(), times.end());
-    // The nearest rank, as `hqp` has it.
+    // The nearest rank, as in `hqp`.
     const auto percentile = [&](std::size_t percent) { return times[(times.size() * percent + 99) / 100 - 1]; };
     std::fprintf(stderr, "median_us=%.3f p90_us=%.3f p99_us=%.3f max_us=%.3f mean_iterations=%.2f\n",
                  percentile(50), percentile(90), percentile(99), times.back(),

@@ -1,17 +1,18 @@
-//! What can be wrong with a set of problems.
+//! Errors of a set of problems.
 
 use std::io;
 
-/// Why a set cannot be read: where, what was found, and what would be right. Lines count from 1.
+/// Reason why a set cannot be read: the place, what was found, and what would be valid. Lines count
+/// from 1.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum HqpError {
-    /// The system cannot read on.
+    /// Reading failed.
     #[error("line {line}: cannot read on: {source}")]
     Io {
-        /// The line that failed.
+        /// Line at which reading failed.
         line: usize,
-        /// What the system says.
+        /// Error of the operating system.
         source: io::Error,
     },
     /// The text ends too early.
@@ -19,40 +20,40 @@ pub enum HqpError {
     Ended {
         /// The last line.
         line: usize,
-        /// What should come next.
+        /// The expected item.
         wanted: String,
     },
-    /// Another word than the format asks for.
+    /// Another word than the format requires.
     #[error("line {line}: `{got}` stands where {wanted} should; are the counts before it right?")]
     Unexpected {
         /// The line.
         line: usize,
-        /// What does.
+        /// The word that was found.
         got: String,
-        /// What should stand there.
+        /// The expected word.
         wanted: String,
     },
-    /// A number that is none, or a count or an index outside its range.
+    /// An invalid number, or a count or an index outside its range.
     #[error("line {line}: {what} is `{got}`; it must be {wanted}")]
     Value {
         /// The line.
         line: usize,
-        /// The quantity.
+        /// Name of the quantity.
         what: &'static str,
-        /// What stands there.
+        /// The text that was found.
         got: String,
-        /// What would be right.
+        /// The allowed range.
         wanted: String,
     },
-    /// A word that is far too long.
+    /// A word that is much too long.
     #[error("line {line}: a word is longer than {limit} bytes; is this a text file?")]
     WordTooLong {
         /// The line.
         line: usize,
-        /// The most that is read.
+        /// Longest word that is read, in bytes.
         limit: usize,
     },
-    /// The problem is refused by the solver's own types.
+    /// The problem was refused by `ahqp-core`.
     #[error(transparent)]
     Problem(#[from] ahqp_core::Error),
 }

@@ -1,15 +1,15 @@
-//! Why a problem of a set has no solution, in the words of the file.
+//! Reasons why a problem of a set has no solution, in the terms of the file.
 
 use ahqp_core::{ConstraintSource, Error, LevelId};
 
 use super::Problem;
 
-/// The most rows of a conflict that are listed.
+/// Largest number of rows of a conflict that are listed.
 const MOST_PLACES: usize = 10;
 
 impl Problem {
-    /// Says why the solver gives no solution: with the file's line where the rows stand, and what
-    /// is wrong with them.
+    /// Describes why the solver returns no solution, with the line of the rows in the file and the
+    /// cause.
     pub fn reason(&self, error: &Error) -> String {
         let words = match error {
             Error::EmptyRange { source_of_row, lower, upper, .. } if lower == upper => {
@@ -46,7 +46,7 @@ impl Problem {
         format!("problem {} ({}), {words}", self.index, self.name)
     }
 
-    /// Lists what cannot hold together, in the words of the file.
+    /// Lists the rows that cannot hold together, in the terms of the file.
     pub fn conflict(&self, conflict: &[ConstraintSource]) -> String {
         let places: Vec<String> =
             conflict.iter().take(MOST_PLACES).map(|source| self.place(*source)).collect();

@@ -1,18 +1,18 @@
-//! Words of a text, with the lines on which they stand.
+//! Words of a text with their lines.
 
 use std::io::BufRead;
 
 use super::INFINITE;
 use crate::file::error::HqpError;
 
-/// No number or name is longer (bytes).
+/// Length of the longest number or name (bytes).
 const LONGEST_WORD: usize = 256;
 
-/// Which numbers are allowed.
+/// Numbers that are allowed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Number {
     Finite,
-    /// Anything but NaN; from ±1e30 on it is infinite.
+    /// Any number except NaN. From ±1e30 on it is infinite.
     Bound,
 }
 
@@ -24,7 +24,7 @@ pub(super) struct Tokens<R> {
 }
 
 impl<R> Tokens<R> {
-    /// The line that was read last.
+    /// Returns the line that was read last.
     pub(super) fn line(&self) -> usize {
         self.line
     }
@@ -35,7 +35,7 @@ impl<R: BufRead> Tokens<R> {
         Self { input, line: 1, word: Vec::new() }
     }
 
-    /// A word that must stand there.
+    /// Reads a word that must equal `keyword`.
     pub(super) fn keyword(&mut self, keyword: &str, begins: &str) -> Result<(), HqpError> {
         // The file may begin with a byte-order mark.
         let is_first = self.line == 1;
@@ -51,7 +51,7 @@ impl<R: BufRead> Tokens<R> {
         self.next(|| what.to_owned()).map(str::to_owned)
     }
 
-    /// One of two words, for what each stands.
+    /// Reads one of two words, and returns its value.
     pub(super) fn choice<T>(
         &mut self,
         what: &'static str,
@@ -111,7 +111,7 @@ impl<R: BufRead> Tokens<R> {
         }
     }
 
-    /// Nothing but white space may follow.
+    /// Checks that only white space follows.
     pub(super) fn end(&mut self, what: &'static str) -> Result<(), HqpError> {
         if !self.advance()? {
             return Ok(());
@@ -135,7 +135,7 @@ impl<R: BufRead> Tokens<R> {
         })
     }
 
-    /// Reads the next word; false at the end of the text.
+    /// Reads the next word. Returns false at the end of the text.
     fn advance(&mut self) -> Result<bool, HqpError> {
         self.word.clear();
         loop {

@@ -1,10 +1,10 @@
-//! Numbers of some 32 digits: the unevaluated sum of two doubles (Dekker, Numerische Mathematik 18,
-//! 1971; Hida, Li and Bailey, ARITH-15, 2001).
+//! Numbers of about 32 digits: the unevaluated sum of two doubles (Dekker, Numerische Mathematik
+//! 18, 1971; Hida, Li and Bailey, ARITH-15, 2001).
 
 use std::cmp::Ordering;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
-/// A number, and what is too small to stand in it.
+/// A number as the sum of a double and a remainder too small for that double.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct DoubleDouble {
     high: f64,
@@ -15,7 +15,7 @@ impl DoubleDouble {
     pub(super) const ZERO: Self = Self { high: 0.0, low: 0.0 };
     pub(super) const ONE: Self = Self { high: 1.0, low: 0.0 };
 
-    /// The nearest double.
+    /// Returns the nearest double.
     pub(super) fn rounded(self) -> f64 {
         self.high
     }
@@ -32,7 +32,8 @@ impl DoubleDouble {
         self.high < 0.0
     }
 
-    /// The root of a number that is not negative: one step of Newton's method from the double's root.
+    /// Returns the root of a number that is not negative: one step of Newton's method from the root
+    /// as a double.
     pub(super) fn sqrt(self) -> Self {
         if self.high <= 0.0 {
             return Self::ZERO;
@@ -42,20 +43,20 @@ impl DoubleDouble {
     }
 }
 
-/// a + b and its rounding.
+/// Returns a + b with its rounding.
 fn sum(a: f64, b: f64) -> DoubleDouble {
     let high = a + b;
     let part = high - a;
     DoubleDouble { high, low: (a - (high - part)) + (b - part) }
 }
 
-/// The same where |a| ≥ |b|.
+/// Returns a + b with its rounding, for |a| ≥ |b|.
 fn ordered_sum(a: f64, b: f64) -> DoubleDouble {
     let high = a + b;
     DoubleDouble { high, low: b - (high - a) }
 }
 
-/// Two halves of a number, of 26 bits each: their products are exact.
+/// Splits a number into two halves of 26 bits each, whose products are exact.
 fn halves(a: f64) -> (f64, f64) {
     const SPLITTER: f64 = 134_217_729.0;
     let scaled = SPLITTER * a;
@@ -63,7 +64,7 @@ fn halves(a: f64) -> (f64, f64) {
     (high, a - high)
 }
 
-/// a b and its rounding.
+/// Returns a b with its rounding.
 fn product(a: f64, b: f64) -> DoubleDouble {
     let high = a * b;
     let ((a1, a2), (b1, b2)) = (halves(a), halves(b));
@@ -145,7 +146,8 @@ impl SubAssign for DoubleDouble {
 mod tests {
     use super::*;
 
-    /// Sums, products, quotients and roots keep 30 digits: what they leave is far below a double's last.
+    /// Sums, products, quotients and roots keep 30 digits. Their errors are far below the last
+    /// digit of a double.
     #[test]
     fn thirty_digits_are_kept() {
         let third = DoubleDouble::ONE / DoubleDouble::from(3.0);

@@ -1,13 +1,14 @@
-//! Weighted least squares in what a span leaves free.
+//! Weighted least squares in the directions that a span leaves free.
 
 use super::double_double::DoubleDouble;
 use super::row::Row;
 use super::span::{Span, add_scaled, dot, length, take_off};
 use crate::certificate::tolerances::DEPENDENT;
 
-/// The step of least norm, orthogonal to `span`, that minimises ½ Σ w (a d + r)² + cᵀd over rows with residuals
-/// r; where c falls for ever, a direction along which it does. Rows may [depend](DEPENDENT)
-/// on heavier ones.
+/// Returns the step of least norm, orthogonal to `span`, that minimises ½ Σ w (a d + r)² + cᵀd.
+///
+/// The sum is over rows with residuals r. If the objective is unbounded below, returns a direction
+/// along which it falls. Rows may [depend](DEPENDENT) on heavier ones.
 pub(super) fn step(
     span: &Span,
     rows: &[(&Row, DoubleDouble)],
@@ -29,9 +30,11 @@ pub(super) fn step(
     step
 }
 
-/// The rows in coordinates that are orthogonal to the span, and their residuals behind them, heavy rows
-/// first: √w (a Q, r). The coordinates are made of the heaviest independent rows, so that light ones
-/// keep their digits (Powell and Reid, IFIP 68, 1969; Higham, Accuracy and Stability, Sec. 20.4).
+/// Returns the rows in coordinates orthogonal to the span, each followed by its residual: √w (a Q,
+/// r). Heavy rows come first.
+///
+/// The coordinates are built from the heaviest independent rows, so that light rows keep their
+/// digits (Powell and Reid, IFIP 68, 1969; Higham, Accuracy and Stability, Sec. 20.4).
 fn project(
     span: &Span,
     rows: &[(&Row, DoubleDouble)],
@@ -92,7 +95,8 @@ fn project(
     (system, units)
 }
 
-/// The y that minimises ½‖M y + r‖² + cᵀy, r being the last column, by Householder reflections.
+/// Returns the y that minimises ½‖M y + r‖² + cᵀy, where r is the last column, by Householder
+/// reflections.
 fn solve(mut system: Vec<Vec<DoubleDouble>>, linear: Vec<DoubleDouble>) -> Vec<DoubleDouble> {
     let columns = linear.len();
     for column in 0..columns {

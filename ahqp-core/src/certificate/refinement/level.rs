@@ -1,8 +1,9 @@
-//! The minimum of one level by a primal active-set method.
+//! Minimum of one level by a primal active-set method.
 //!
-//! Violations of soft rows make a convex, piecewise quadratic objective: each step goes to the minimum of
-//! the present piece with the working rows held at their bounds, as far along as the objective falls and the
-//! other hard rows allow. Where no step is left, a working row whose multiplier has the wrong sign goes.
+//! The violations of soft rows form a convex, piecewise quadratic objective. Each step leads
+//! towards the minimum of the current piece, with the working rows held at their bounds. It ends
+//! where the objective stops falling, or where another hard row stops it. If no step is left, a
+//! working row whose multiplier has the wrong sign is removed.
 
 use super::double_double::DoubleDouble;
 use super::least_squares;
@@ -26,30 +27,30 @@ impl Side {
     }
 }
 
-/// A level, and where its search stands.
+/// A level and the state of its search.
 pub(super) struct Search<'a> {
-    /// The directions that are decided.
+    /// Directions that are decided.
     pub(super) decided: &'a Span,
     pub(super) hard: &'a [Row],
     pub(super) soft: &'a [Row],
     /// The linear term of the objective.
     pub(super) linear: &'a [DoubleDouble],
-    /// The step from x, at which all hard rows hold.
+    /// Step from x. All hard rows hold at its end.
     pub(super) p: Vec<DoubleDouble>,
     /// Hard rows that are held at a bound.
     pub(super) working: Vec<(usize, Side)>,
-    /// The longest vector: what rounding is relative to.
+    /// Length of the longest vector, which rounding is relative to.
     pub(super) reach: f64,
 }
 
-/// The minimum of a level: which rows push there.
+/// Rows with nonzero multipliers at the minimum of a level.
 pub(super) struct Pushing {
     pub(super) hard: Vec<usize>,
     pub(super) soft: Vec<usize>,
 }
 
 impl Search<'_> {
-    /// Goes to the minimum. None where that takes too long.
+    /// Goes to the minimum. None if that takes too many steps.
     pub(super) fn minimise(&mut self) -> Option<Pushing> {
         let n = self.p.len();
         let (mut stalled, mut last) = (0, f64::INFINITY);
@@ -62,7 +63,7 @@ impl Search<'_> {
             let is_faint = size <= FAINT_STEP * reach && 2.0 * size >= last;
             let short = if is_faint { size } else { NO_STEP * reach };
             last = size;
-            // Least index first cannot cycle (Bland).
+            // The least index first cannot cycle (Bland).
             let is_stalled = stalled > n;
             let (room, blocking) = self.ratio_test(&step, size, is_stalled);
             let t = if size > short { self.line_search(&step, room) } else { DoubleDouble::ZERO };
@@ -83,7 +84,8 @@ impl Search<'_> {
         None
     }
 
-    /// The span of the decided directions and the working rows, and the coordinates of these in it.
+    /// Returns the span of the decided directions and the working rows, with the coordinates of the
+    /// working rows in it.
     fn held(&mut self) -> (Span, Vec<Vec<DoubleDouble>>) {
         let (mut span, mut triangle) = (self.decided.clone(), Vec::new());
         let hard = self.hard;
@@ -97,15 +99,15 @@ impl Search<'_> {
         (span, triangle)
     }
 
-    /// The soft rows that are violated, all equalities among them, and by how much.
+    /// Returns the violated soft rows, including all equalities, with their violations.
     fn violated(&self) -> Vec<(&Row, DoubleDouble)> {
         let rows = self.soft.iter().map(|row| (row, row.violation(dot(&row.a, &self.p))));
         rows.filter(|(row, violation)| row.is_equality() || *violation != DoubleDouble::ZERO)
             .collect()
     }
 
-    /// λ of the working rows, with −Σ λ a the gradient Σ w r a + d but for what is decided, and the rounding in
-    /// the gradient.
+    /// Returns the multipliers λ of the working rows, and the rounding in the gradient. −Σ λ a is
+    /// the gradient Σ w r a + d except in the decided directions.
     fn multipliers(
         &self,
         span: &Span,
@@ -131,7 +133,8 @@ impl Search<'_> {
         Multipliers { values, rounding }
     }
 
-    /// The place of a working row whose multiplier has the wrong sign: the worst, or the first row.
+    /// Returns the position of a working row whose multiplier has the wrong sign: the worst one, or
+    /// the first row.
     fn wrong_sign(&self, multipliers: &Multipliers, first: bool) -> Option<usize> {
         let places = self.working.iter().enumerate();
         let wrong = places.zip(&multipliers.values).filter_map(|((place, &(id, side)), &value)| {
@@ -147,7 +150,7 @@ impl Search<'_> {
         worst.map(|(place, ..)| place)
     }
 
-    /// The rows whose multipliers are no rounding.
+    /// Returns the rows whose multipliers exceed rounding.
     fn pushing(&self, multipliers: &Multipliers, violated: &[(&Row, DoubleDouble)]) -> Pushing {
         let is_there = |force: f64| force.abs() > multipliers.rounding;
         let working = self.working.iter().zip(&multipliers.values);
@@ -166,7 +169,7 @@ impl Search<'_> {
         Pushing { hard, soft }
     }
 
-    /// How far along a step the hard rows hold, and the row that is met there.
+    /// Returns how far along a step the hard rows hold, and the row that is met there.
     fn ratio_test(
         &self,
         step: &[DoubleDouble],
@@ -197,7 +200,8 @@ impl Search<'_> {
         best.map_or((None, None), |(room, _, row)| (Some(room), Some(row)))
     }
 
-    /// Where along a step, within `room`, the violations of the soft rows are least.
+    /// Returns the point along a step, within `room`, at which the violation of the soft rows is
+    /// least.
     fn line_search(&self, step: &[DoubleDouble], room: Option<DoubleDouble>) -> DoubleDouble {
         let rows: Vec<_> =
             self.soft.iter().map(|row| (row, dot(&row.a, &self.p), dot(&row.a, step))).collect();
@@ -218,7 +222,7 @@ impl Search<'_> {
             })
         };
         let (mut from, mut falls) = (DoubleDouble::ZERO, derivative(DoubleDouble::ZERO));
-        // Behind the last kink the objective is one quadratic.
+        // After the last kink the objective is a single quadratic.
         let last = kinks.last().copied().unwrap_or(DoubleDouble::ZERO) + DoubleDouble::ONE;
         for to in kinks.into_iter().chain([room.unwrap_or(last)]) {
             let slope = derivative(to);

@@ -7,8 +7,8 @@ use super::row::Row;
 use super::span::{add_scaled, length};
 use crate::certificate::tolerances::{NO_PIVOT, OUTSIDE};
 
-/// ½‖R x − b‖² + dᵀx is the quadratic but for a constant, d outside the range of the Hessian: by a pivoted
-/// Cholesky factorisation.
+/// Writes the quadratic as ½‖R x − b‖² + dᵀx plus a constant, by a pivoted Cholesky factorisation.
+/// d lies outside the range of the Hessian.
 pub(super) fn objective(
     hessian: &DMatrix<f64>,
     gradient: &DVector<f64>,

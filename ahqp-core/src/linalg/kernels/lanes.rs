@@ -4,20 +4,20 @@
 pub(super) trait Lanes: Copy {
     fn splat(value: f64) -> Self;
     fn load(from: &[f64; 4]) -> Self;
-    /// The first up to four numbers of a slice, and zeros behind them.
+    /// Loads up to four numbers from the start of a slice, followed by zeros.
     fn load_part(from: &[f64]) -> Self;
     fn store(self, to: &mut [f64; 4]);
     /// self · b + c.
     fn multiply_add(self, b: Self, c: Self) -> Self;
     fn sum(self) -> f64;
 
-    /// The sums of four.
+    /// Returns the sums of four values.
     fn sums(four: [Self; 4]) -> [f64; 4] {
         four.map(Self::sum)
     }
 }
 
-/// For every machine.
+/// Portable implementation for every machine.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Portable([f64; 4]);
 
@@ -63,7 +63,8 @@ mod x86 {
         _mm256_set1_pd, _mm256_storeu_pd,
     };
 
-    /// For AVX2 with fused multiply-add. Values may be made only where both are known to be there.
+    /// Implementation for AVX2 with fused multiply-add. Values may be created only where both are
+    /// known to exist.
     #[derive(Debug, Clone, Copy)]
     pub(in crate::linalg::kernels) struct Avx2(__m256d);
 
@@ -76,8 +77,8 @@ mod x86 {
 
         #[inline(always)]
         fn load(from: &[f64; 4]) -> Self {
-            // SAFETY: the machine has AVX (see the type); the four numbers read are `from`'s, and
-            // the instruction asks for no alignment.
+            // SAFETY: the machine has AVX (see the type). The four numbers read belong to `from`,
+            // and the instruction requires no alignment.
             Self(unsafe { _mm256_loadu_pd(from.as_ptr()) })
         }
 
@@ -92,8 +93,9 @@ mod x86 {
                 [ALL; 4],
             ];
             let mask = &MASKS[from.len().min(4)];
-            // SAFETY: the machine has AVX (see the type); the mask is four numbers, of those of `from`
-            // only the ones for which it is set are read, and neither load asks for alignment.
+            // SAFETY: the machine has AVX (see the type). The mask is four numbers. Only those
+            // numbers of `from` are read for which the mask is set. Neither load requires
+            // alignment.
             unsafe {
                 let mask = _mm256_castpd_si256(_mm256_loadu_pd(mask.as_ptr()));
                 Self(_mm256_maskload_pd(from.as_ptr(), mask))
@@ -102,8 +104,8 @@ mod x86 {
 
         #[inline(always)]
         fn store(self, to: &mut [f64; 4]) {
-            // SAFETY: the machine has AVX (see the type); the four numbers written are `to`'s, and
-            // the instruction asks for no alignment.
+            // SAFETY: the machine has AVX (see the type). The four numbers written belong to `to`,
+            // and the instruction requires no alignment.
             unsafe { _mm256_storeu_pd(to.as_mut_ptr(), self.0) };
         }
 

@@ -78,7 +78,7 @@ pub(super) fn mix_rows<L: Lanes>(rows: &mut RowsMut<'_>, width: usize, v: &[f64]
     let (stride, whole) = (rows.stride, width - width % 4);
     let mut start = 0;
     while start < whole {
-        // As many columns at once as are left, up to what the registers hold.
+        // Handles as many columns at once as are left and the registers can hold.
         match (whole - start) / 4 {
             1 => mix_columns::<L, 1>(rows, start, v, tau),
             2 => mix_columns::<L, 2>(rows, start, v, tau),
@@ -97,7 +97,7 @@ pub(super) fn mix_rows<L: Lanes>(rows: &mut RowsMut<'_>, width: usize, v: &[f64]
     }
 }
 
-/// Mixes `B` times four columns: their sums stay in registers.
+/// Mixes `B` times four columns, whose sums stay in registers.
 #[inline(always)]
 fn mix_columns<L: Lanes, const B: usize>(
     rows: &mut RowsMut<'_>,
@@ -138,7 +138,7 @@ pub(super) fn add_rows<L: Lanes>(data: &[f64], stride: usize, weights: &[f64], o
     let whole = out.len() - out.len() % 4;
     let mut start = 0;
     while start < whole {
-        // As many columns at once as are left, up to what the registers hold.
+        // Handles as many columns at once as are left and the registers can hold.
         match (whole - start) / 4 {
             1 => add_columns::<L, 1>(data, stride, start, weights, out),
             2 => add_columns::<L, 2>(data, stride, start, weights, out),
@@ -185,7 +185,7 @@ pub(super) fn square_rows<L: Lanes>(data: &[f64], stride: usize, out: &mut [f64]
     }
 }
 
-/// The products of four rows with one vector.
+/// Returns the products of four rows with one vector.
 #[inline(always)]
 fn dots<L: Lanes>(rows: [&[f64]; 4], v: &[f64]) -> [f64; 4] {
     let (chunks, rest) = v.as_chunks::<4>();

@@ -1,7 +1,7 @@
-//! Hard rows that do not hold where a search has ended.
+//! Hard rows that are violated at the end of a search.
 //!
-//! Each decision of a search is right within the rounding of its own sum. Where all terms of a row are
-//! small beside x, several of them together can leave it violated.
+//! Each decision of a search is right within the rounding of its own sum. If all terms of a row are
+//! small compared with x, several decisions together can leave it violated.
 
 use super::ActiveSet;
 use crate::linalg::vector::norm;
@@ -9,7 +9,8 @@ use crate::solver::data::Coefficients;
 use crate::solver::tolerances::ROUNDS;
 
 impl ActiveSet {
-    /// The hard row that is most violated at x within its bounds, if that is no rounding.
+    /// Clamps x to its bounds, and returns the most violated hard row. None if the violation is
+    /// rounding.
     pub(crate) fn broken_row(&mut self) -> Option<usize> {
         for (x, (&lower, &upper)) in
             self.x.iter_mut().zip(self.data.lower.iter().zip(&self.data.upper))
@@ -24,22 +25,22 @@ impl ActiveSet {
         self.most_violated(constraints)
     }
 
-    /// Finds the most violated of these rows; none if the violation is rounding.
+    /// Returns the most violated of these rows. None if the violation is rounding.
     pub(crate) fn most_violated(&self, rows: impl Iterator<Item = usize>) -> Option<usize> {
         let excess = rows.map(|id| (id, self.excess(id)));
         let worst = excess.max_by(|a, b| a.1.total_cmp(&b.1));
         worst.filter(|&(_, excess)| excess > 1.0).map(|(id, _)| id)
     }
 
-    /// Moves x onto broken hard rows, one after the other (Kaczmarz), as long as that moves x by no more
-    /// than the feasibility tolerance of its length.
+    /// Moves x onto violated hard rows one after the other (Kaczmarz). Stops at a row for which x
+    /// would have to move by more than the feasibility tolerance of its length.
     pub(crate) fn move_onto_broken_rows(&mut self) {
         let most = self.settings.feasibility_tolerance * norm(&self.x);
         for _ in 0..ROUNDS * self.data.n {
             let Some(id) = self.broken_row() else { return };
             let norm = self.data.norm_beside_bounds(id, &self.activity);
             let distance = self.violation(id) / norm;
-            // Also where the row has nothing at free variables.
+            // The distance is NaN if the row has no coefficient at a free variable.
             if distance.is_nan() || distance.abs() > most {
                 return;
             }

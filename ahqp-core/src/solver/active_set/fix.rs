@@ -1,4 +1,4 @@
-//! Fixing what a level decided for the levels below.
+//! Fixing the decisions of a level for the levels below.
 
 use std::ops::Range;
 
@@ -9,11 +9,12 @@ use crate::solver::activity::Activity;
 use crate::solver::tolerances::{CERTAIN, SETTLED};
 
 impl ActiveSet {
-    /// Fixes what a level decided, at the end of its search: active rows that it needs stay active.
+    /// Fixes the decisions of a level at the end of its search. Active rows that it needs stay
+    /// active.
     ///
-    /// Rows of the objective that are violated keep their values; the others are hard rows from here on.
-    /// Active rows that the level does not need, as their multipliers are rounding, stay active until a
-    /// level below drops them: that moves x along a direction in which no level above has a gradient.
+    /// Violated rows of the objective keep their values. The other rows of the objective become
+    /// hard rows. A row is not needed if its multiplier is rounding. It stays active until a level
+    /// below drops it, which moves x along a direction in which no level above has a gradient.
     pub(crate) fn fix_level(&mut self, goal: Option<&Goal>) {
         let factorisation = &self.factorisation;
         for &id in factorisation.stacked.iter().chain(&factorisation.bounded) {
@@ -42,8 +43,9 @@ impl ActiveSet {
         self.factorisation.close_groups(|id| !fixed[id]);
     }
 
-    /// Makes rows of a minimised objective inactive that it does not need: they are not violated. Where the
-    /// optimum would move without them they stay: their pull is there, but less than rounding.
+    /// Makes rows of a finished objective inactive that it does not need. They are not violated.
+    /// Rows stay active if the optimum would move without them, since their force exists but is
+    /// below rounding.
     fn release_unneeded(&mut self, goal: &Goal, rows: Range<usize>) {
         self.released.clear();
         for id in rows {
@@ -67,7 +69,7 @@ impl ActiveSet {
         }
     }
 
-    /// Returns true if the minimum of the goal is elsewhere than x.
+    /// Returns true if the minimum of the goal is not at x.
     fn moves(&mut self, goal: &Goal) -> bool {
         self.set_direction(goal) && norm(&self.direction) > SETTLED * (1.0 + norm(&self.x))
     }

@@ -1,11 +1,12 @@
-//! What a search within one level minimises.
+//! Goals of a search within one level.
 
 use std::ops::Range;
 
-/// What a search minimises.
+/// Objective of a search.
 #[derive(Debug, Clone)]
 pub(crate) enum Goal {
-    /// The violation of these rows, which the last group holds, and the linear term of their level.
+    /// The violation of these rows, which the last group contains, and the linear term of their
+    /// level.
     Rows(Range<usize>),
     /// ‖x‖.
     Norm,

@@ -1,11 +1,13 @@
-//! The primal active-set method within one level, from a point where every hard row in play holds.
+//! The primal active-set method within one level, from a point at which all hard rows in play hold.
 //!
-//! Each iteration goes to the minimum with the active rows held. It stops at the first row in the way,
-//! which becomes active. Where none is, the row whose multiplier has the wrong sign and the largest force
-//! becomes inactive (Nocedal & Wright, Numerical Optimization, algorithm 16.3; the violations of soft rows
-//! are variables that are never formed). The objective never rises. When it stalls for long, rows are taken
-//! by least index, which cannot cycle (Bland). A row that becomes inactive leaves its bound with the very
-//! next step; one that stops that step was dropped by rounding, and stays until x moves.
+//! Each iteration goes towards the minimum with the active rows held. It stops at the first
+//! blocking row, which becomes active. If no row blocks, the row with the largest force of the
+//! wrong sign becomes inactive (Nocedal & Wright, Numerical Optimization, algorithm 16.3). The
+//! violations of soft rows are variables that are never formed. The objective never rises. After a
+//! long stall, rows are chosen by least index, which cannot cycle (Bland).
+//!
+//! A row that becomes inactive leaves its bound with the next step. If it blocks that step, it was
+//! dropped because of rounding, and stays active until x moves.
 
 use super::goal::Goal;
 use super::ratio_test::Choice;
@@ -28,17 +30,17 @@ pub(crate) enum End {
 #[derive(Debug, Clone, Copy)]
 struct Dropped {
     id: usize,
-    /// What it was, and in which group.
+    /// Former activity and group.
     state: Activity,
     group: usize,
-    /// Whether it has left a direction to an objective above the one that is minimised.
+    /// True if the change left a free direction to an objective above the goal.
     frees_objectives_above: bool,
-    /// Whether no row has become active since.
+    /// True if no row has become active since then.
     is_last_change: bool,
 }
 
 impl ActiveSet {
-    /// Goes from x to the minimum of the goal.
+    /// Moves x to the minimum of the goal.
     pub(crate) fn search(&mut self, goal: &Goal) -> End {
         self.kept.clear();
         self.kept_for_objectives.clear();
@@ -49,8 +51,8 @@ impl ActiveSet {
                 return End::OutOfBudget;
             }
             self.iterations += 1;
-            // Least index first cannot cycle, but is slow: only after a stall, or in a search that has gone on for
-            // long: a cycle of short steps is no stall.
+            // The least index cannot cycle, but is slow. It is used after a stall or in a long
+            // search, since a cycle of short steps is no stall.
             let is_long = self.iterations - begun > LONG * self.data.n;
             let may_cycle = stalled > self.data.n || is_long;
             let choice = if may_cycle { Choice::First } else { Choice::Steepest };
@@ -98,8 +100,8 @@ impl ActiveSet {
         }
     }
 
-    /// The step to the minimum with the active rows held. Returns false if there is none: the direction
-    /// is one in which the goal falls for ever.
+    /// Computes the step to the minimum with the active rows held. Returns false if there is none.
+    /// The direction is then one along which the goal decreases without bound.
     pub(super) fn set_direction(&mut self, goal: &Goal) -> bool {
         let free = match goal {
             Goal::Rows(_) => FreeCoordinates::Kept,
@@ -113,14 +115,14 @@ impl ActiveSet {
         };
         let has_minimum = factorisation.step_from(data, x, gap, free, direction);
         for variable in (0..data.n).filter(|&i| activity[i].is_active()) {
-            // Exactly, so that heavy rows see no rounding of it.
+            // The step is exact, so that heavy rows see no rounding of it.
             let step = active_bound(data, activity, variable) - x[variable];
             direction[variable] = if has_minimum { step } else { 0.0 };
         }
         has_minimum
     }
 
-    /// x ← x + length · direction.
+    /// Computes x ← x + length · direction.
     fn advance(&mut self, goal: &Goal, length: f64) {
         if !length.is_finite() {
             return;
@@ -142,7 +144,7 @@ impl ActiveSet {
         }
     }
 
-    /// x has come to where the active rows hold: variables at a bound are exactly there.
+    /// Records that x is where the active rows hold. Variables at a bound are set to it exactly.
     fn attain(&mut self) {
         self.factorisation.attain();
         for variable in (0..self.data.n).filter(|&i| self.activity[i].is_active()) {
@@ -150,7 +152,8 @@ impl ActiveSet {
         }
     }
 
-    /// Makes a row active: a hard one in the group for these, one of the objective in its own.
+    /// Makes a row active. A hard row joins the group of hard rows, a row of the objective the
+    /// group of the objective.
     fn activate(&mut self, goal: &Goal, id: usize, bound: Activity) {
         self.activity[id] = bound;
         let last = self.factorisation.groups.len() - 1;
@@ -174,8 +177,9 @@ impl ActiveSet {
         Dropped { id, state, group, frees_objectives_above, is_last_change: true }
     }
 
-    /// Makes a row active again without which an objective above would move x: that objective needs it,
-    /// by a multiplier that rounding hides. It stays to the end of the search.
+    /// Makes a row active again if an objective above would move x without it. That objective needs
+    /// the row with a multiplier that rounding hides. The row stays active to the end of the
+    /// search.
     fn take_back(&mut self, goal: &Goal, row: Dropped) {
         if goal.has_row(row.id) {
             self.residual[row.id] = 0.0;
@@ -185,21 +189,21 @@ impl ActiveSet {
         self.kept_for_objectives.push(row.id);
     }
 
-    /// aᵢx − bound of an active row.
+    /// Returns aᵢx − bound of an active row.
     fn violation_of_active(&self, id: usize) -> f64 {
         let bounds =
             if self.activity[id] == Activity::Lower { &self.data.lower } else { &self.data.upper };
         self.value[id] - bounds[id]
     }
 
-    /// The row that should become inactive, as its multiplier has the wrong sign: the one with the largest
-    /// force, or the first. None at the optimum.
+    /// Returns a row that should become inactive, since its multiplier has the wrong sign: the one
+    /// with the largest force, or the first. None at the optimum.
     fn find_wrong_row(&mut self, goal: &Goal, choice: Choice) -> Option<usize> {
         self.has_gradient = self.balance(goal);
         if !self.has_gradient {
             return None;
         }
-        // Most rows that should go are far above rounding: how much that is need not be known then.
+        // Most such rows are far above rounding. The exact rounding is then not needed.
         if choice == Choice::Steepest {
             let clear = self.multipliers.clear_force(&self.factorisation);
             let pairs = self.multipliers.pairs(&self.factorisation).map(|(id, m)| (id, m, 0.0));
@@ -217,8 +221,8 @@ impl ActiveSet {
         }
     }
 
-    /// The rows with a wrong sign that may become inactive, and their forces: those of the goal, and those
-    /// that balance its gradient, given as (row, multiplier, rounding).
+    /// Returns the rows of the goal that may become inactive and have a wrong sign, with their
+    /// forces. Rows that balance the gradient are given as (row, multiplier, rounding).
     fn wrong_rows(
         &self,
         pairs: impl Iterator<Item = (usize, f64, f64)>,
@@ -230,7 +234,7 @@ impl ActiveSet {
         .map(|(id, multiplier, _)| (id, multiplier.abs() * self.data.norm(id)))
     }
 
-    /// The gradient of the goal at x, balanced. Returns false if there is none but rounding.
+    /// Balances the gradient of the goal at x. Returns false if it is rounding only.
     fn balance(&mut self, goal: &Goal) -> bool {
         let Self { data, factorisation, multipliers, value, activity, x, .. } = self;
         match goal {
@@ -247,7 +251,7 @@ impl ActiveSet {
         }
     }
 
-    /// Returns true if row `id` is active but need not stay so.
+    /// Returns true if row `id` is active and may become inactive.
     fn may_drop(&self, id: usize) -> bool {
         let is_inequality = matches!(self.activity[id], Activity::Lower | Activity::Upper);
         let is_kept = self.kept.contains(&id) || self.kept_for_objectives.contains(&id);

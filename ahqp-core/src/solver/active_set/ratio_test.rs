@@ -1,4 +1,4 @@
-//! The ratio test: how far along a direction x may go, and the row that stops it.
+//! Ratio test: how far x may move along a direction, and the row that blocks it.
 
 use std::ops::Range;
 
@@ -7,10 +7,10 @@ use crate::linalg::vector::norm;
 use crate::solver::active_set::goal::Goal;
 use crate::solver::activity::Activity;
 
-/// Rows that are looked through at a time.
+/// Number of rows that are examined at a time.
 const BLOCK: usize = u64::BITS as usize;
 
-/// A row in the way of a step: the room left before its bound, and how fast that shrinks.
+/// A blocking row, with the room left before its bound and the rate at which the room shrinks.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Candidate {
     id: usize,
@@ -19,17 +19,17 @@ pub(super) struct Candidate {
     slope: f64,
 }
 
-/// Which of several rows in the way is taken.
+/// Choice among several blocking rows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Choice {
-    /// The one most across the direction: the least rounding.
+    /// The row most across the direction, which gives the least rounding.
     Steepest,
-    /// The first: cannot cycle (Bland).
+    /// The first row, which cannot cycle (Bland).
     First,
 }
 
 impl ActiveSet {
-    /// How much of `direction`, up to `full` of it, x may go, and the row that stops it.
+    /// Returns how far x may move along `direction`, up to `full`, and the row that blocks it.
     pub(super) fn ratio_test(
         &mut self,
         goal: &Goal,
@@ -38,8 +38,8 @@ impl ActiveSet {
     ) -> (f64, Option<(usize, Activity)>) {
         self.set_slopes(goal);
         self.find_candidates(goal, full);
-        // Two passes: the bound relaxed by the tolerance finds how far x may go, and among the
-        // rows met by then the one most across the direction is taken.
+        // The first pass finds how far x may move within the bounds relaxed by the tolerance. Among
+        // the rows met by then, the second pass takes the one most across the direction.
         let mut reach = full;
         for candidate in &self.candidates {
             if candidate.room < reach * candidate.slope {
@@ -67,7 +67,7 @@ impl ActiveSet {
         }
     }
 
-    /// By how much the values of the rows in play change along `direction`.
+    /// Computes the rates of change of the rows in play along `direction`.
     fn set_slopes(&mut self, goal: &Goal) {
         let n = self.data.n;
         for rows in &self.in_play {
@@ -86,7 +86,7 @@ impl ActiveSet {
         }
     }
 
-    /// The rows whose bounds the direction meets within `full` of its length.
+    /// Finds the rows whose bounds the direction meets within `full`.
     fn find_candidates(&mut self, goal: &Goal, full: f64) {
         let least = self.factorisation.least_part() * norm(&self.direction).min(f64::MAX);
         self.candidates.clear();
@@ -120,8 +120,8 @@ impl ActiveSet {
         }
     }
 
-    /// Which of the inactive rows of a block are outside their bounds at `full` of the direction, a bit
-    /// a row. Written without branches: most rows are far away, and nobody can guess which.
+    /// Returns, as one bit for each row, which inactive rows of a block are outside their bounds at
+    /// `full`. The loop has no branches, since they would be unpredictable.
     #[expect(clippy::needless_bitwise_bool, reason = "no branches")]
     fn rows_ahead(&self, block: Range<usize>, full: f64) -> u64 {
         let [value, slope, residual] =

@@ -1,11 +1,14 @@
 //! Repair of a predicted active set.
 //!
-//! A level's Lagrangian has the gradient Aᵀr of its residuals r, balanced by multipliers of all rows
-//! above it: hard rows, rows of higher objectives (held, of either sign) and bounds. x is optimal when
-//! every inactive row holds and, for every active inequality, the first level at which its multiplier
-//! differs from zero gives it the right sign (Dimitrov, Sherikov, Wieber; Escande, Mansard, Wieber,
-//! IJRR 33, 2014). A repair computes x of the active set, and makes rows that are violated active and
-//! rows with a wrong sign inactive, until none is left or no end is in sight.
+//! The gradient Aᵀr of a level's Lagrangian comes from its residuals r. The multipliers of all rows
+//! above balance it: hard rows, rows of higher objectives (held, of either sign) and bounds.
+//!
+//! x is optimal under two conditions. Every inactive row holds. Every active inequality has the
+//! right sign at the first level at which its multiplier is not zero (Dimitrov, Sherikov, Wieber;
+//! Escande, Mansard, Wieber, IJRR 33, 2014).
+//!
+//! A repair computes x of the active set. It makes violated rows active and rows with a wrong sign
+//! inactive, until none is left or progress ends.
 
 use super::{ActiveSet, Residuals};
 use crate::linalg::vector::norm;
@@ -15,8 +18,8 @@ use crate::solver::factorisation::Purpose;
 use crate::solver::tolerances::{FAR, UPDATED};
 
 impl ActiveSet {
-    /// Repairs the present active set, which fits the data, in up to `rounds` rounds. Returns true if x
-    /// is the optimum then, and false if that is not in sight.
+    /// Repairs the current active set, which fits the data, in up to `rounds` rounds. Returns true
+    /// if x is then the optimum, and false if the repair does not converge.
     pub(crate) fn repair(&mut self, rounds: usize) -> bool {
         let mut last = None;
         for round in 0..rounds {
@@ -33,7 +36,7 @@ impl ActiveSet {
                 }
                 Some(changes) if !first || changes <= self.data.n / FAR + 1 => {
                     let only = self.signs.changed.first().copied().filter(|_| changes == 1);
-                    // One row that comes and goes by rounding leads round in a circle.
+                    // A single row that changes back and forth by rounding is a cycle.
                     if only.is_some() && only == last {
                         return false;
                     }
@@ -45,7 +48,7 @@ impl ActiveSet {
         false
     }
 
-    /// Computes the point of the present active set. Returns false if there is none.
+    /// Computes the point of the current active set. Returns false if there is none.
     fn set_point(&mut self, anew: bool) -> bool {
         let few = !anew && self.signs.changed.len() <= self.data.n / UPDATED;
         let Self { factorisation, data, activity, signs, .. } = self;
@@ -58,12 +61,12 @@ impl ActiveSet {
         has_point
     }
 
-    /// Checks the point that the active set gives, and corrects the set where it is wrong. Returns how
-    /// many rows came or went; none where that cannot help.
+    /// Checks the point of the active set, and corrects the set where it is wrong. Returns the
+    /// number of changed rows. None if changes cannot help.
     ///
-    /// As in a primal active-set method, the way from point to point ends where it meets a row
-    /// that is inactive, and a row goes only where nothing was in the way. The first point is
-    /// taken as it is: what it violates becomes active, and is approached from there.
+    /// As in a primal active-set method, the way from point to point ends at the first inactive row
+    /// that it meets. A row is dropped only if nothing blocked the way. The first point is taken as
+    /// it is. Rows that it violates become active, and are approached from there.
     fn correct(&mut self, first: bool) -> Option<usize> {
         let x_norm = norm(&self.factorisation.x);
         if !x_norm.is_finite() {
@@ -84,8 +87,8 @@ impl ActiveSet {
         Some(self.signs.changed.len())
     }
 
-    /// Makes the row inactive whose multiplier is most wrong at the first level that has a wrong one: signs
-    /// below a level that is not at its optimum mean nothing.
+    /// Makes the row inactive whose multiplier is most wrong, at the first level that has a wrong
+    /// one. Below a level that is not optimal, signs mean nothing.
     fn check_signs(&mut self) {
         for group in 0..self.factorisation.groups.len() {
             if self.signs.unsettled == 0 {
@@ -110,13 +113,13 @@ impl ActiveSet {
         self.signs.release(&mut self.activity);
     }
 
-    /// Looks at the signs of the multipliers just computed.
+    /// Checks the signs of the multipliers that were just computed.
     fn check_signs_of_level(&mut self) {
         let Self { data, factorisation, multipliers, signs, activity, .. } = self;
         for (id, residual, rounding) in multipliers.residuals(factorisation) {
             signs.check(id, activity[id], residual, rounding, data.norm(id));
         }
-        // How much of small multipliers is rounding is only asked where there are any.
+        // The rounding of multipliers is computed only if some of them are small.
         let clear = multipliers.clear_force(factorisation);
         let is_clear = |(id, multiplier): (usize, f64)| {
             !signs.is_open(id) || multiplier.abs() * data.norm(id) > clear
@@ -133,7 +136,7 @@ impl ActiveSet {
         }
     }
 
-    /// Finds the rows that are violated; none if a row that should hold does not.
+    /// Finds the violated rows. None if an active row is not at its bound.
     fn find_violated(&mut self, x_norm: f64) -> Option<()> {
         let n = self.data.n;
         self.violated.clear();
@@ -161,8 +164,8 @@ impl ActiveSet {
         Some(())
     }
 
-    /// Goes from the point reached last towards the present one, up to the first of the violated
-    /// rows, which is the only one kept. Returns false if there is none: the present point is reached.
+    /// Goes from the last point towards the current one, up to the first violated row, which alone
+    /// is kept. Returns false if no row is violated, so that the current point is reached.
     fn stop_at_first(&mut self) -> bool {
         let length = |&(id, bound): &(usize, Activity)| {
             let (from, to) = (self.reached[id], self.value[id]);
@@ -185,7 +188,8 @@ impl ActiveSet {
         self.activity[id].is_active() && !self.is_closed_at_point(id, gap(), x_norm)
     }
 
-    /// Returns true if a gap between a row and its bound is none at the factorisation's point.
+    /// Returns true if a gap between a row and its bound counts as zero at the factorisation's
+    /// point.
     fn is_closed_at_point(&self, id: usize, gap: f64, x_norm: f64) -> bool {
         let tolerance = self.settings.feasibility_tolerance;
         self.data.is_closed(id, gap, &self.factorisation.x, x_norm, tolerance)

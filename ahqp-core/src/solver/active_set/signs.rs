@@ -3,17 +3,16 @@
 use crate::linalg::list::List;
 use crate::solver::activity::Activity;
 
-/// Which active inequalities have shown that their sign is right: the first multiplier that
-/// differs from zero decides.
+/// Active inequalities whose sign has been found right. The first nonzero multiplier decides.
 #[derive(Debug, Clone)]
 pub(super) struct Signs {
-    /// All rows but the active inequalities whose sign has yet to be seen.
+    /// All rows except the active inequalities whose sign is still open.
     settled: Vec<bool>,
-    /// How many those are.
+    /// Number of open rows.
     pub(super) unsettled: usize,
     /// The row whose sign is most wrong, and its force: the multiplier times the row's norm.
     wrong: Option<(usize, f64)>,
-    /// Rows whose activity the check at hand has changed.
+    /// Rows whose activity the current check has changed.
     pub(super) changed: List<usize>,
 }
 
@@ -37,7 +36,7 @@ impl Signs {
         }
     }
 
-    /// Looks at the multiplier of a row in this state, given the rounding in it and the row's norm.
+    /// Checks the multiplier of a row in this state, given its rounding and the row's norm.
     pub(super) fn check(
         &mut self,
         id: usize,
@@ -58,12 +57,12 @@ impl Signs {
         }
     }
 
-    /// Returns true if the sign of row `id` has yet to be seen.
+    /// Returns true if the sign of row `id` is still open.
     pub(super) fn is_open(&self, id: usize) -> bool {
         !self.settled[id]
     }
 
-    /// Makes the row inactive that is most wrong. Returns true if there is one.
+    /// Makes the row inactive whose sign is most wrong. Returns true if there is one.
     pub(super) fn release(&mut self, activity: &mut [Activity]) -> bool {
         let Some((id, _)) = self.wrong.take() else { return false };
         activity[id] = Activity::Inactive;

@@ -1,4 +1,4 @@
-//! What of a row is rounding: of its terms, of what it has at free variables, of its bounds.
+//! Rounding of rows: of their terms, of their coefficients at free variables, and of their bounds.
 
 use std::borrow::Borrow;
 
@@ -7,8 +7,8 @@ use crate::solver::activity::Activity;
 use crate::solver::tolerances::{NO_TERMS, ROUNDING, SPREAD};
 
 impl ProblemData {
-    /// Returns true if these rows, of one objective, pull by so different forces that the rounding of one may
-    /// hide another.
+    /// Returns true if forces of these rows, of one objective, differ so much that the rounding of
+    /// one may hide another.
     pub(crate) fn have_spread<Id: Borrow<usize>>(
         &self,
         rows: impl IntoIterator<Item = Id>,
@@ -25,18 +25,19 @@ impl ProblemData {
         most > SPREAD * least
     }
 
-    /// The size that numbers in row `id` have at most at x: what rounding is relative to.
+    /// Returns the largest size of numbers in row `id` at x, which rounding is relative to.
     pub(crate) fn magnitude(&self, id: usize, x_norm: f64) -> f64 {
         let norm = self.norms[id];
         self.nearer_bound(id) + if norm > 0.0 { norm * x_norm } else { NO_TERMS }
     }
 
-    /// The rounding in a x − bound of row `id`, given ‖x‖.
+    /// Returns the rounding in a x − bound of row `id`, given ‖x‖.
     pub(crate) fn rounding(&self, id: usize, x_norm: f64) -> f64 {
         self.relative_rounding[id] * self.magnitude(id, x_norm) + self.bound_rounding[id]
     }
 
-    /// The same where aᵢx has been summed up from `x`, and variables at their bounds are exact.
+    /// Returns that rounding if aᵢx was summed up from `x`, and variables at their bounds are
+    /// exact.
     pub(crate) fn rounding_beside_bounds(
         &self,
         id: usize,
@@ -49,7 +50,7 @@ impl ProblemData {
         self.relative_rounding[id] * magnitude + of_sum + self.bound_rounding[id]
     }
 
-    /// The norm of what a row has at variables that are not at a bound.
+    /// Returns the norm of a row's coefficients at variables that are not at a bound.
     pub(crate) fn norm_beside_bounds(&self, id: usize, activity: &[Activity]) -> f64 {
         match self.row(id).coefficients() {
             Coefficients::Unit(variable) => f64::from(u8::from(!activity[variable].is_active())),
@@ -60,13 +61,13 @@ impl ProblemData {
         }
     }
 
-    /// The rounding in row `id`, relative to it.
+    /// Returns the rounding in row `id`, relative to the row.
     pub(crate) fn relative_rounding(&self, id: usize) -> f64 {
         self.relative_rounding[id]
     }
 
-    /// The size of the terms of row `id` at x, Σ|aᵢⱼxⱼ| + |bᵢ|. Entries of x that the row does not see,
-    /// however large, have no part in it.
+    /// Returns the size of the terms of row `id` at x, Σ|aᵢⱼxⱼ| + |bᵢ|. Entries of x with a zero
+    /// coefficient do not count, however large.
     pub(crate) fn size(&self, id: usize, x: &[f64]) -> f64 {
         let terms = match self.row(id).coefficients() {
             Coefficients::Unit(variable) => x[variable].abs(),
@@ -76,14 +77,16 @@ impl ProblemData {
         self.nearer_bound(id) + terms
     }
 
-    /// A far bound counts by way of x where x is near it.
+    /// Returns the size of the bound nearer to zero. A distant bound counts through x if x is near
+    /// it.
     fn nearer_bound(&self, id: usize) -> f64 {
         let nearer = self.lower[id].abs().min(self.upper[id].abs());
         if nearer.is_finite() { nearer } else { 0.0 }
     }
 
-    /// Returns true if a `gap` between row `id` and its bound is none: within `tolerance` of the row's
-    /// terms at x, or what is left of vectors as long as `farthest`, ‖x‖ or more, by rounding.
+    /// Returns true if a `gap` between row `id` and its bound counts as zero. It is within
+    /// `tolerance` of the row's terms at x, or within the rounding of vectors of length `farthest`,
+    /// which is ‖x‖ or more.
     pub(crate) fn is_closed(
         &self,
         id: usize,

@@ -1,4 +1,4 @@
-//! Whether a hierarchy still holds the data that were solved.
+//! Check that a hierarchy still contains the data that were solved.
 
 use super::ProblemData;
 use crate::error::Error;
@@ -8,13 +8,14 @@ use crate::problem::level::Objective;
 use crate::problem::source::{ConstraintSource, Names};
 
 impl ProblemData {
-    /// An error that names the first row in which `hierarchy` differs from the data loaded last. Allocates.
+    /// Returns an error for the first row in which `hierarchy` differs from the data loaded last.
+    /// Allocates.
     pub(crate) fn expect_unchanged(&self, hierarchy: &Hierarchy) -> Result<(), Error> {
         self.check_shape(hierarchy)?;
         let mut fresh = Self::new(hierarchy);
         fresh.load(hierarchy)?;
         let bounds = |table: &Self, id: usize| (table.lower[id], table.upper[id], table.scales[id]);
-        // A row without bounds says nothing; so are those of a quadratic beyond its rank.
+        // Rows without bounds do not count, nor rows of a quadratic beyond its rank.
         let counts = |id: usize| self.lower[id].is_finite() || self.upper[id].is_finite();
         let differs = |id: usize| {
             bounds(self, id) != bounds(&fresh, id)

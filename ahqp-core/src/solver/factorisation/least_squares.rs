@@ -1,4 +1,4 @@
-//! The least squares of one group: its pivots and the rows that depend on them.
+//! Least squares of one group: its pivots and the rows that depend on them.
 
 use super::{Factorisation, Group, LANES};
 use crate::linalg::kernels::{RowsMut, mix_rows, multiply_rows};
@@ -6,17 +6,17 @@ use crate::linalg::vector::{add_scaled, dot, norm, reflector};
 use crate::solver::data::ProblemData;
 use crate::solver::tolerances::ROUNDING;
 
-/// Numbers of one least-squares problem; sized once.
+/// Memory of one least-squares problem, allocated once.
 #[derive(Debug, Clone)]
 pub(super) struct LeastSquares {
-    /// One pivot row and all dependent ones, `stride` entries each.
+    /// One pivot row and all dependent rows, with `stride` entries each.
     stack: Vec<f64>,
-    /// What remains to be met of each of these.
+    /// Remaining target of each of these rows.
     target: Vec<f64>,
     /// The factor L' and its targets.
     triangular: Vec<f64>,
     triangular_target: Vec<f64>,
-    /// What coordinates of groups before add to each row of the group.
+    /// Contribution of the coordinates of earlier groups to each row of the group.
     known: Vec<f64>,
     column: Vec<f64>,
 }
@@ -34,15 +34,15 @@ impl LeastSquares {
         }
     }
 
-    /// Reflects column `j` of the stack, of which `width` entries are in use, into the pivot row, which
-    /// stands first. `least` is a target below which the pulls of rows may balance each other.
+    /// Reflects column `j` of the stack, with `width` entries in use, into the pivot row, which is
+    /// the first. `least` is a target below which the forces of rows may balance each other.
     fn reflect(&mut self, j: usize, count: usize, stride: usize, least: f64) {
         let (column, target) = (&mut self.column[..=count], &mut self.target[..=count]);
         for (entry, row) in column.iter_mut().zip(self.stack.chunks_exact(stride)) {
             *entry = row[j];
         }
         let sum = dot(column, target);
-        // Only below this can the sum be the rounding of its terms.
+        // The sum can be the rounding of its terms only below this threshold.
         let may_balance = sum.powi(2) <= least.powi(2) * dot(column, column);
         let balances = may_balance && {
             let terms = column.iter().zip(target.iter()).map(|(entry, target)| entry * target);
@@ -52,7 +52,7 @@ impl LeastSquares {
         let data = &mut self.stack[..(count + 1) * stride];
         mix_rows(&mut RowsMut { data, stride }, (j + 1).next_multiple_of(LANES), column, tau);
         add_scaled(target, -tau * dot(column, target), column);
-        // Pulls that balance each other move nothing.
+        // Forces that balance each other move nothing.
         if balances {
             target[0] = 0.0;
         }
@@ -60,11 +60,12 @@ impl LeastSquares {
 }
 
 impl Factorisation {
-    /// min ½‖[L; D] t − c‖² + dᵀt over the group's own coordinates t: pivots L, dependent rows D.
+    /// Minimises ½‖[L; D] t − c‖² + dᵀt over the group's own coordinates t, with pivots L and
+    /// dependent rows D.
     ///
-    /// From the last column to the first, a reflection of a pivot row and all dependent ones leaves
-    /// nothing in these: [L; D] = Q' [L'; 0], with L' lower triangular. The pivots are the heavier rows.
-    /// Coordinates before `from` are taken as zero.
+    /// From the last column to the first, a reflection of a pivot row and all dependent rows
+    /// removes the column from the dependent rows: [L; D] = Q' [L'; 0] with a lower triangular L'.
+    /// The pivots are the heavier rows. Coordinates before `from` are taken as zero.
     pub(super) fn decide_least_squares(&mut self, data: &ProblemData, group: usize, from: usize) {
         let n = self.stride;
         let Group { start, end, rank, first_pivot: first, linear_of, .. } = self.groups[group];
@@ -87,7 +88,7 @@ impl Factorisation {
         squares.target[1..=count].copy_from_slice(&squares.known[rank..end - start]);
         for (index, row) in (rank..).zip(squares.stack.chunks_exact_mut(stride).skip(1)).take(count)
         {
-            // What rotations leave of a heavy row would pull at light ones.
+            // Rounding of rotations of a heavy row would act as a force on light rows.
             let nothing = ROUNDING * data.norm(self.stacked[start + index]);
             for (to, &entry) in row.iter_mut().zip(entries(index, rank)) {
                 *to = if entry.abs() <= nothing { 0.0 } else { entry };
@@ -108,7 +109,7 @@ impl Factorisation {
         let LeastSquares { triangular, triangular_target: target, .. } = squares;
         let row = |j: usize| &triangular[j * stride..=j * stride + j];
         if let Some(level) = linear_of {
-            // L'ᵀ (L' t − c') = −d.
+            // Solves L'ᵀ (L' t − c') = −d.
             let linear = &mut self.turned[..rank];
             let from = level * self.n + first;
             linear.copy_from_slice(&self.linear[from..from + rank]);

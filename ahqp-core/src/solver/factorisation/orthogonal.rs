@@ -1,7 +1,7 @@
 //! The orthogonal factor Q of the stacked rows, A = [L 0] Qᵀ.
 //!
-//! Elimination gives it as a product of reflections. That is all it takes to solve with; what changes it
-//! later needs it multiplied out.
+//! Elimination gives it as a product of reflections, which is sufficient for solving. Later changes
+//! need it multiplied out.
 
 use std::ops::Range;
 
@@ -12,20 +12,21 @@ use crate::linalg::kernels::{
 };
 use crate::linalg::vector::reflector;
 
-/// Q, for vectors over the free variables; sized once.
+/// Q for vectors over the free variables. All memory is allocated once.
 #[derive(Debug, Clone)]
 pub(crate) struct Orthogonal {
-    /// Entries from vector to vector: the variables, and zeros up to whole lanes.
+    /// Distance between vectors: the number of variables, padded with zeros to whole lanes.
     stride: usize,
-    /// Entries of vectors in use.
+    /// Number of entries of vectors in use.
     size: usize,
-    /// The columns of Q one after the other, but for the pending reflections; unless they are the identity's.
+    /// Columns of Q one after the other, without the pending reflections. Unused if Q without them
+    /// is the identity.
     columns: Vec<f64>,
     is_identity: bool,
-    /// Reflector i stands at i times the stride, from entry i on.
+    /// Reflector i starts at i times the stride, and has entries from i on.
     reflectors: Vec<f64>,
     tau: Vec<f64>,
-    /// What makes one of four reflections, for every four of them.
+    /// Factors that combine four reflections in one, for every four of them.
     blocks: Vec<BlockFactor>,
     /// Reflections that are not multiplied out.
     pending: Range<usize>,
@@ -48,13 +49,13 @@ impl Orthogonal {
         }
     }
 
-    /// The identity, for vectors of `size` entries.
+    /// Resets Q to the identity, for vectors of `size` entries.
     pub(super) fn begin(&mut self, size: usize) {
         (self.size, self.is_identity, self.pending) = (size, true, 0..0);
     }
 
-    /// Adds the reflection that turns what `row` has from entry `step` on into that entry, and applies
-    /// it to the rows in `below`. Returns the entry.
+    /// Adds the reflection that maps the entries of `row` from `step` on into entry `step`, and
+    /// applies it to the rows in `below`. Returns the entry.
     pub(super) fn reflect(&mut self, step: usize, row: &[f64], below: &mut [f64]) -> f64 {
         if self.pending.is_empty() {
             self.pending = step..step;
@@ -77,13 +78,13 @@ impl Orthogonal {
         image
     }
 
-    /// What reflector `step` has from entry `first` on.
+    /// Returns the entries of reflector `step` from entry `first` on.
     fn reflector(&self, step: usize, first: usize) -> &[f64] {
         let start = step * self.stride;
         &self.reflectors[start + first..start + self.size.next_multiple_of(LANES)]
     }
 
-    /// The reflectors of four steps.
+    /// Returns the reflectors of four steps.
     fn block(&self, block: usize) -> [&[f64]; LANES] {
         std::array::from_fn(|i| self.reflector(block * LANES + i, block * LANES))
     }
@@ -111,8 +112,8 @@ impl Orthogonal {
         }
     }
 
-    /// Applies the pending reflections to rows, from the last to the first. `changed` gives the rows that
-    /// those from a step on change.
+    /// Applies the pending reflections to rows, from the last to the first. `changed` returns the
+    /// first row that changes for reflections from a step on.
     fn apply_back(&self, data: &mut [f64], changed: impl Fn(usize) -> usize) {
         let Range { start, mut end } = self.pending;
         while end > start {
@@ -129,7 +130,7 @@ impl Orthogonal {
         }
     }
 
-    /// Forgets the reflections of elimination from this step on, if they are pending: no row needs them.
+    /// Discards the pending reflections from this step on, since no row needs them.
     pub(super) fn forget_from(&mut self, step: usize) {
         self.pending.end = self.pending.end.min(step);
         self.pending.start = self.pending.start.min(step);
@@ -144,7 +145,8 @@ impl Orthogonal {
             let data = &mut columns[..size * stride];
             data.fill(0.0);
             data.iter_mut().step_by(stride + 1).for_each(|one| *one = 1.0);
-            // From the last to the first, as each meets only what those behind it have mixed.
+            // From the last to the first, each reflection meets only columns that later ones have
+            // changed.
             self.apply_back(data, |step| step);
             self.columns = columns;
         } else {
@@ -157,13 +159,13 @@ impl Orthogonal {
         self.pending = 0..0;
     }
 
-    /// The first coordinate that pending reflections need of those from `first` on.
+    /// Returns the first coordinate that pending reflections need to compute those from `first` on.
     fn first_needed(&self, first: usize) -> usize {
         if self.pending.is_empty() { first } else { first.min(self.pending.start) }
     }
 
-    /// Takes rows over the free variables, with zeros behind, into the coordinates of Q. Coordinates before
-    /// `first` become zero.
+    /// Transforms rows over the free variables, padded with zeros, into the coordinates of Q.
+    /// Coordinates before `first` become zero.
     pub(super) fn turn_rows(&mut self, data: &mut [f64], first: usize) {
         if !self.is_identity {
             let needed = self.first_needed(first);
@@ -181,8 +183,8 @@ impl Orthogonal {
         }
     }
 
-    /// Takes the unit vector at `place` into the coordinates of Q, multiplied out; `vector` is zero. Those
-    /// before `first` stay zero.
+    /// Transforms the unit vector at `place` into the coordinates of Q, which must be multiplied
+    /// out. `vector` is zero before. Coordinates before `first` stay zero.
     pub(super) fn turn_unit(&self, vector: &mut [f64], place: usize, first: usize) {
         let entries = self.columns[first * self.stride..].iter().skip(place);
         let coordinates = &mut vector[first..self.size];
@@ -191,7 +193,7 @@ impl Orthogonal {
         }
     }
 
-    /// The coordinates from `first` on of a vector.
+    /// Computes the coordinates of a vector from `first` on.
     pub(super) fn turn_part(&mut self, vector: &[f64], first: usize, out: &mut [f64]) {
         if self.is_identity || !self.pending.is_empty() {
             let mut turned = std::mem::take(&mut self.scratch);
@@ -211,7 +213,8 @@ impl Orthogonal {
         }
     }
 
-    /// Takes coordinates from `first` on, the others zero, to the vector over the free variables.
+    /// Transforms coordinates from `first` on, with zeros before, to the vector over the free
+    /// variables.
     pub(super) fn turn_part_back(&mut self, coordinates: &[f64], first: usize, out: &mut [f64]) {
         out.fill(0.0);
         if self.is_identity || !self.pending.is_empty() {
@@ -232,19 +235,19 @@ impl Orthogonal {
         }
     }
 
-    /// Turns the coordinates by rotations, one after the other.
+    /// Rotates the coordinates, one rotation after the other.
     pub(super) fn rotate(&mut self, rotations: &[Rotation]) {
         let data = &mut self.columns[..self.size * self.stride];
         rotate_rows(&mut RowsMut { data, stride: self.stride }, rotations);
     }
 
-    /// The last coordinate comes to stand at `place`; those from there on make room.
+    /// Moves the last coordinate to `place`, and shifts those from there on.
     pub(super) fn move_last(&mut self, place: usize) {
         self.columns[place * self.stride..self.size * self.stride].rotate_right(self.stride);
     }
 
-    /// Turns the coordinates from `first` on, along which no stacked row has an entry, so that `row` has
-    /// only the first of them.
+    /// Reflects the coordinates from `first` on so that `row` has an entry only along the first of
+    /// them. No stacked row has entries along these coordinates.
     pub(super) fn reflect_free(&mut self, row: &mut [f64], first: usize) {
         let v = &mut self.scratch[..self.size - first];
         v.copy_from_slice(&row[first..self.size]);
@@ -256,7 +259,7 @@ impl Orthogonal {
         row[first] = image;
     }
 
-    /// Adds a variable, and a coordinate that is that variable, behind the others.
+    /// Appends a variable, and a coordinate that equals this variable.
     pub(super) fn grow(&mut self) {
         let (stride, last) = (self.stride, self.size);
         self.columns[last * stride..(last + 1) * stride].fill(0.0);

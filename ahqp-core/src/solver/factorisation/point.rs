@@ -1,4 +1,4 @@
-//! The point that a factorisation gives, and the multipliers that balance a gradient.
+//! The point of a factorisation, and the multipliers that balance a gradient.
 
 use std::ops::Range;
 
@@ -9,16 +9,16 @@ use crate::solver::activity::Activity;
 use crate::solver::data::{ProblemData, active_bound};
 use crate::solver::tolerances::{ROUNDING, SETTLED};
 
-/// What a step does with coordinates that no group decides.
+/// Treatment of coordinates that no group decides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum FreeCoordinates {
     /// They keep their values.
     Kept,
-    /// They become zero: the least norm.
+    /// They become zero, which gives the least norm.
     Zero,
 }
 
-/// The entries of a vector at the free variables, and zeros behind.
+/// Copies the entries of a vector at the free variables, padded with zeros.
 fn gather(free: &[usize], vector: &[f64], out: &mut [f64]) {
     for (entry, &variable) in out.iter_mut().zip(free) {
         *entry = vector[variable];
@@ -27,8 +27,8 @@ fn gather(free: &[usize], vector: &[f64], out: &mut [f64]) {
 }
 
 impl Factorisation {
-    /// The coordinates that the groups decide, and x, with all free coordinates zero: the
-    /// point of least norm. Returns false if a linear term falls for ever along what they leave open.
+    /// Computes the decided coordinates and x, with all free coordinates zero: the point of least
+    /// norm. Returns false if a linear term decreases without bound along a free direction.
     pub(crate) fn set_point(&mut self, data: &ProblemData) -> bool {
         if !(self.decided..self.groups.len()).all(|group| self.decide(data, group, 0)) {
             return false;
@@ -42,7 +42,7 @@ impl Factorisation {
         true
     }
 
-    /// Puts x where bounds in the stack hold it, without the rounding of the way there.
+    /// Sets variables of bounds in the stack exactly to their bounds, without rounding.
     pub(crate) fn set_bounds(&mut self, data: &ProblemData, activity: &[Activity]) {
         let first = self.groups.first().map_or(0, |group| group.end);
         for &id in self.stacked[..first].iter().filter(|&&id| id < self.n) {
@@ -50,9 +50,11 @@ impl Factorisation {
         }
     }
 
-    /// The step from `x` to the point that the groups decide, where `gap` is the bound of
-    /// an active row less aᵢx; groups that have not changed since x [attained](Self::attain) them need no
-    /// step. Returns false if a linear term has no minimum; the step is then a direction in which it falls.
+    /// Computes the step from `x` to the point that the groups decide. `gap` is the bound of an
+    /// active row minus aᵢx.
+    ///
+    /// Groups that have not changed since x [attained](Self::attain) them need no step. Returns
+    /// false if a linear term has no minimum. The step is then a direction in which it decreases.
     pub(crate) fn step_from(
         &mut self,
         data: &ProblemData,
@@ -104,8 +106,9 @@ impl Factorisation {
         has_minimum
     }
 
-    /// Objectives before the last group are at their optimum. A row that counts as dependent or not by the
-    /// last digits of what the others leave of it must not make them take a step of more than `most`.
+    /// Keeps objectives before the last group at their optimum, by removing steps of theirs above
+    /// `most`. Such a step arises from a row whose dependence is decided by the last digits of its
+    /// remainder.
     fn keep_objective(&mut self, group: usize, most: f64) {
         let Group { purpose, first_pivot, rank, .. } = self.groups[group];
         if purpose == Purpose::Minimised && group + 1 < self.groups.len() {
@@ -118,8 +121,8 @@ impl Factorisation {
         }
     }
 
-    /// The first group that has a step to make, with the targets of its rows and of those behind. Hard rows
-    /// that are where they are held have none.
+    /// Returns the first group that has a step to make. Computes the targets of its rows and of the
+    /// later ones. Hard rows that are where they are held have none.
     fn first_to_move(&mut self, gap: impl Fn(usize) -> f64) -> usize {
         let mut first = self.groups.len();
         for index in self.attained..self.groups.len() {
@@ -135,8 +138,8 @@ impl Factorisation {
         first
     }
 
-    /// The active hard rows that the last step moves, and by how much: pivots to where they are held,
-    /// dependent rows by what the others make of them. `product` is aᵢ times the step.
+    /// Iterates over the active hard rows that the last step moves, with their changes. Pivots move
+    /// to where they are held, dependent rows by `product`, which is aᵢ times the step.
     pub(crate) fn steps_of_held(
         &self,
         product: impl Fn(usize) -> f64,
@@ -152,13 +155,13 @@ impl Factorisation {
         })
     }
 
-    /// The point of a search has come to where the groups decide.
+    /// Records that the point of a search is where the groups decide.
     pub(crate) fn attain(&mut self) {
         self.attained = self.groups.len();
     }
 
-    /// The coordinates that the group decides, those before `first` taken as zero. Returns false if its
-    /// linear term has no minimum.
+    /// Computes the coordinates that the group decides, with those before `first` taken as zero.
+    /// Returns false if its linear term has no minimum.
     fn decide(&mut self, data: &ProblemData, group: usize, first: usize) -> bool {
         let n = self.stride;
         let Group { purpose, start, end, rank, first_pivot, linear_of, .. } = self.groups[group];
@@ -182,7 +185,7 @@ impl Factorisation {
         true
     }
 
-    /// Takes a level's linear term into the coordinates y; its size.
+    /// Transforms a level's linear term into the coordinates y. Returns its size.
     fn turn_linear(&mut self, data: &ProblemData, level: usize) -> f64 {
         let (n, k) = (self.n, self.free.len());
         let source = &data.levels[level].linear;
@@ -192,9 +195,9 @@ impl Factorisation {
         norm(source)
     }
 
-    /// Multipliers μ of the first pivots that balance a gradient whose coordinates stand in
-    /// `coordinates`: Σ μᵢ Lᵢ = −coordinates, but for pivots
-    /// that are decided for good. Overwrites it with μ.
+    /// Computes the multipliers μ of the first pivots that balance a gradient given by
+    /// `coordinates`: Σ μᵢ Lᵢ = −coordinates. Pivots that are fixed are left out. Overwrites
+    /// `coordinates` with μ.
     pub(crate) fn balance(&self, coordinates: &mut [f64]) {
         let n = self.stride;
         let open = self.closed;
@@ -207,8 +210,8 @@ impl Factorisation {
         }
     }
 
-    /// The rounding in the multipliers of [`balance`](Self::balance), given that in the coordinates,
-    /// which it replaces. `norm` is that of a row.
+    /// Computes the rounding in the multipliers of [`balance`](Self::balance), given the rounding
+    /// in the coordinates, which it replaces. `norm` returns the norm of a row.
     pub(crate) fn balance_rounding(
         &self,
         multipliers: &[f64],
@@ -230,10 +233,10 @@ impl Factorisation {
         }
     }
 
-    /// The rounding in a x of a stacked row of the group that comes from x: the rows that decide x are met to
-    /// their own rounding, and to a share of that in rows that depend on them.
+    /// Returns the part of the rounding in a x that comes from x, for a stacked row of the group. The rows that
+    /// decide x hold up to their own rounding, and to a share of the rounding of rows that depend on them.
     ///
-    /// The least squares of v − b and p v − c takes a share p / (1 + p²) of an error in c into v.
+    /// The least squares of v − b and p v − c moves v by the share p / (1 + p²) of an error in c.
     pub(crate) fn rounding_of_point(
         &mut self,
         data: &ProblemData,
@@ -260,8 +263,8 @@ impl Factorisation {
         rounding
     }
 
-    /// Tells `each` of the rows that decide x (id, place in the stack), and the share of them in a row that depends on
-    /// them.
+    /// Calls `each` with the id, the place in the stack and the share of every row that decides x, for a row that
+    /// depends on them.
     fn for_each_part(&mut self, group: usize, at: usize, mut each: impl FnMut(usize, usize, f64)) {
         let n = self.stride;
         let Group { rank, first_pivot, .. } = self.groups[group];
@@ -277,9 +280,9 @@ impl Factorisation {
         self.turned = left;
     }
 
-    /// Returns true if a dependent row of the group pulls along a coordinate before those that the group
-    /// decides, or along a variable at a bound, by a small part of it: what the pivots leave of it there.
-    /// With other bounds active the rank tolerance may take that for none.
+    /// Returns true if a dependent row of the group has a faint force, after the pivots are
+    /// subtracted. The force is along an earlier coordinate or along a variable at a bound. If
+    /// other bounds are active, the rank tolerance may neglect it.
     pub(crate) fn has_faint_pulls(
         &mut self,
         data: &ProblemData,
@@ -312,11 +315,13 @@ impl Factorisation {
         any
     }
 
-    /// Replaces the residuals of a group's pivots by those that balance the others, and the linear
-    /// term, along the coordinates that the group decides, as they do at its minimum, where these are
-    /// known better. A heavy row's residual may be far below the rounding of its own terms. `rounding` is that
-    /// in the residuals; both are in the order of the stack. `sums` and `sums_rounding` have room for a number
-    /// a coordinate.
+    /// Replaces residuals of a group's pivots by those that balance the other rows and the linear
+    /// term, as at the minimum.
+    ///
+    /// The balance is along the coordinates that the group decides. A residual is replaced where
+    /// the balance is more accurate, since a heavy row's residual may be far below the rounding of
+    /// its own terms. `rounding` contains the rounding in the residuals. Both are in the order of
+    /// the stack. `sums` and `sums_rounding` have room for one number for each coordinate.
     pub(crate) fn balance_group(
         &self,
         data: &ProblemData,
@@ -339,14 +344,14 @@ impl Factorisation {
         }
         // Each entry has the rounding of its whole row.
         let mut of_entries = 0.0;
-        // From the last row to the first: sums along a pivot's coordinate are those of the rows behind it.
+        // In this order, the sum along a pivot's coordinate covers the later rows.
         for index in (0..residual.len()).rev() {
             let at = start + index;
             let place = at * self.stride + first_pivot;
             let row = &self.rows[place..place + rank.min(index + 1)];
             if let Some(own) = row.get(index) {
                 let (sum, sum_rounding) = (sums[index], sums_rounding[index] + of_entries);
-                // Where rows nearly depend on each other, a residual at x is known better.
+                // If rows nearly depend on each other, the residual at x is more accurate.
                 if sum_rounding < rounding[index] * own.abs() {
                     residual[index] = -sum / own;
                     rounding[index] = sum_rounding / own.abs();
@@ -362,7 +367,7 @@ impl Factorisation {
         }
     }
 
-    /// The first coordinates of a vector over all variables.
+    /// Computes the first coordinates of a vector over all variables.
     pub(crate) fn coordinates(&mut self, vector: &[f64], out: &mut [f64]) {
         let mut turned = std::mem::take(&mut self.turned);
         gather(&self.free, vector, &mut turned);
@@ -371,7 +376,7 @@ impl Factorisation {
         self.turned = turned;
     }
 
-    /// Adds the first coordinates of stacked rows, times their weights.
+    /// Adds the first coordinates of stacked rows, multiplied by their weights.
     pub(crate) fn add_rows(&self, rows: Range<usize>, weights: &[f64], coordinates: &mut [f64]) {
         add_rows(&self.rows[rows.start * self.stride..], self.stride, weights, coordinates);
     }

@@ -1,17 +1,18 @@
-//! From where on a row depends on those before it.
+//! Thresholds of the dependence of rows.
 
 use crate::solver::tolerances::{CLEAR, FAINT, NOTHING};
 
-/// What of a row counts as a part of its own, relative to the row.
+/// Parts of a row, relative to the row, that count as independent of earlier rows.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct RankTolerances {
-    /// Less than this of a row of an objective depends on the rows before it.
+    /// A row of an objective depends on earlier rows if they leave less than this.
     pub(super) dependent: f64,
-    /// The same of hard rows, which must hold: rounding.
+    /// A hard row, which must hold, depends on earlier rows if they leave less than this, which is
+    /// rounding.
     pub(super) nothing: f64,
-    /// Less than this of a row may be taken for dependent when other bounds are active.
+    /// A row may count as dependent if other bounds are active and they leave less than this.
     pub(crate) faint: f64,
-    /// More than this is beyond doubt.
+    /// A row is independent beyond doubt if they leave more than this.
     pub(super) clear: f64,
 }
 

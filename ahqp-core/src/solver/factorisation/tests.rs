@@ -7,8 +7,8 @@ use crate::solver::data::{Coefficients, ProblemData};
 use crate::solver::settings::Settings;
 use crate::testing::{Sizes, hierarchies};
 
-/// The largest difference between the rows as they stand in the stack and as the coordinates make
-/// them, relative to the rows.
+/// Returns the largest difference between the rows in the stack and the rows recomputed from the
+/// coordinates, relative to the rows.
 fn worst_row(factorisation: &mut Factorisation, data: &ProblemData) -> f64 {
     let mut worst = 0.0_f64;
     for (at, id) in factorisation.stacked.clone().iter().copied().enumerate() {
@@ -30,7 +30,7 @@ fn worst_row(factorisation: &mut Factorisation, data: &ProblemData) -> f64 {
     worst
 }
 
-/// Active at one of its bounds, if it has one.
+/// Returns an activity at one of the row's bounds, if it has one.
 fn activated(data: &ProblemData, id: usize) -> Activity {
     if data.is_equality(id) {
         Activity::Equal
@@ -44,8 +44,8 @@ fn activated(data: &ProblemData, id: usize) -> Activity {
 }
 
 proptest! {
-    /// Whatever rows come and go: L and Q belong to the rows, and the point is the one that a
-    /// factorisation from nothing gives.
+    /// L and Q belong to the rows, whatever rows come and go. The point equals that of a new
+    /// factorisation.
     #[test]
     fn an_updated_factorisation_is_one_made_anew(
         hierarchy in hierarchies(Sizes { variables: 1..=14, levels: 1..=4, rows: 0..=7 }),
@@ -79,11 +79,11 @@ proptest! {
             prop_assert!(worst_row(&mut updated, &data) < 1e-9);
             let mut anew = Factorisation::new(&data, tolerances);
             prop_assert!(anew.factorise(&data, &state));
-            // Bounds that came later are rows of the first group.
+            // Bounds that became active later are rows of the first group.
             let later = |f: &Factorisation| f.groups.iter().skip(1).map(|g| g.rank).collect();
             let ranks: [Vec<_>; 2] = [&updated, &anew].map(later);
             prop_assert_eq!(&ranks[0], &ranks[1]);
-            // Of held rows that contradict each other, any may be the ones that hold.
+            // If held rows contradict each other, the choice among them is free.
             let free_choice =
                 |g: &super::Group| g.purpose == Purpose::Held && g.end - g.start > g.rank;
             if !anew.groups.iter().chain(&updated.groups).any(free_choice) {

@@ -1,13 +1,13 @@
-//! A factorisation that follows its active set.
+//! Updates of a factorisation after changes of the active set.
 //!
-//! A row that comes or goes moves the pivots below it by one coordinate, which a chain of plane
-//! rotations does (Gill, Golub, Murray, Saunders, Mathematics of Computation 28, 1974): L stays
-//! triangular level by level, and a level gains or loses a pivot where a direction has become
-//! free or has been used up. A bound that becomes active is a row of the first group; one that
-//! was active from the start and is let go makes its variable free.
+//! A row that comes or goes moves the pivots below it by one coordinate. A chain of plane rotations
+//! does this (Gill, Golub, Murray, Saunders, Mathematics of Computation 28, 1974). L stays
+//! triangular level by level. A level gains or loses a pivot where a direction has become free or
+//! has been used up. A bound that becomes active is a row of the first group. A bound that was
+//! active from the start and is dropped makes its variable free.
 //!
-//! Ranks are taken for granted only where they are beyond doubt; elsewhere the caller factors
-//! anew, with pivoting.
+//! Ranks are updated only where they are beyond doubt. Otherwise the caller factors again, with
+//! pivoting.
 
 use std::ops::Range;
 
@@ -19,12 +19,12 @@ use crate::solver::data::{Coefficients, ProblemData, active_bound};
 use crate::solver::factorisation::rank_tolerances::RankTolerances;
 use crate::solver::tolerances::HEAVIER;
 
-/// A change that would leave a rank in doubt.
+/// Error of a change that would leave a rank in doubt.
 #[derive(Debug)]
 pub(crate) struct RankInDoubt;
 
 impl RankTolerances {
-    /// Returns true if a part of a row, relative to the row, is there.
+    /// Returns true if a part of a row, relative to the row, is nonzero.
     fn is_there(self, part: f64) -> Result<bool, RankInDoubt> {
         if part >= self.clear {
             Ok(true)
@@ -37,8 +37,9 @@ impl RankTolerances {
 }
 
 impl Factorisation {
-    /// Follows the rows in `changed` into or out of the active set: hard rows and objectives of their own
-    /// levels. Returns false if a rank is in doubt: [`factorise`](Self::factorise) has to be called then.
+    /// Adds or removes the rows in `changed`, which are hard rows and rows of objectives, in the
+    /// groups of their levels. Returns false if a rank is in doubt. [`factorise`](Self::factorise)
+    /// must then be called.
     pub(crate) fn update(
         &mut self,
         data: &ProblemData,
@@ -57,7 +58,7 @@ impl Factorisation {
         })
     }
 
-    /// Adds an active row to a group; with pivoting of all rows where a rank is in doubt.
+    /// Adds an active row to a group. If a rank is in doubt, factors all rows again with pivoting.
     pub(crate) fn add(
         &mut self,
         data: &ProblemData,
@@ -73,14 +74,15 @@ impl Factorisation {
         }
     }
 
-    /// Takes out a row that is no longer active; with pivoting of all rows where a rank is in doubt.
+    /// Removes a row that has become inactive. If a rank is in doubt, factors all rows again with
+    /// pivoting.
     pub(crate) fn take_out(&mut self, data: &ProblemData, activity: &[Activity], id: usize) {
         if data.norm(id) > 0.0 && self.remove(data, id).is_err() {
             self.eliminate_again(data, activity);
         }
     }
 
-    /// Adds a row behind the pivots of a group, as one of them if it is independent.
+    /// Inserts a row after the pivots of a group, as one of them if it is independent.
     fn insert(
         &mut self,
         data: &ProblemData,
@@ -105,7 +107,7 @@ impl Factorisation {
         at.map(|_| ())
     }
 
-    /// Takes a row out of the stack, or lets a variable go that left as a column.
+    /// Removes a row from the stack, or frees a variable that was removed as a column.
     fn remove(&mut self, data: &ProblemData, id: usize) -> Result<(), RankInDoubt> {
         self.orthogonal.multiply_out();
         self.rotations.clear();
@@ -115,12 +117,12 @@ impl Factorisation {
         }
     }
 
-    /// An error if the rank leaves out parts of rows that may count once other rows are active.
+    /// Returns an error if the rank neglects parts of rows that may matter for other active rows.
     fn expect_whole_rows(&self) -> Result<(), RankInDoubt> {
         if self.leaves_parts_out { Err(RankInDoubt) } else { Ok(()) }
     }
 
-    /// Turns the coordinates so that a row, given in them, is triangular behind the pivots of
+    /// Rotates the coordinates so that a row, given in them, is triangular after the pivots of
     /// `group`. Returns its place in the stack, which is left open.
     fn make_room(
         &mut self,
@@ -155,7 +157,8 @@ impl Factorisation {
         if last < decided {
             self.demote(data, last)?;
         }
-        // Dependent rows up to the next pivot have nothing along the coordinate that the group gains.
+        // Dependent rows up to the next pivot have no entry along the coordinate that the group
+        // gains.
         for at in start + rank..next {
             self.rows[at * self.stride + place] = 0.0;
         }
@@ -165,8 +168,8 @@ impl Factorisation {
         Ok(start + rank)
     }
 
-    /// Rotates neighbouring coordinates, from the last to the first, so that what `row` has in
-    /// `planes` and one entry behind them comes to stand in the first entry.
+    /// Rotates neighbouring coordinates, from the last to the first. The entries of `row` in
+    /// `planes` and the next entry move into the first entry.
     fn turn_towards(&mut self, row: &mut [f64], planes: Range<usize>) {
         let (mut square, mut behind) = (row[planes.end].powi(2), row[planes.end]);
         for first in planes.clone().rev() {
@@ -183,8 +186,9 @@ impl Factorisation {
         }
     }
 
-    /// Turns the rows whose pivots are in `planes` and all behind them by the rotations at hand, which are in
-    /// these planes from the last to the first. The pivots move up by a coordinate.
+    /// Applies the current rotations to the rows whose pivots are in `planes` and to all later
+    /// rows. The rotations are in these planes from the last to the first. The pivots move up by
+    /// one coordinate.
     fn shift_pivots(
         &mut self,
         data: &ProblemData,
@@ -194,7 +198,7 @@ impl Factorisation {
         let mut behind = self.pivots.get(planes.end).copied().unwrap_or(self.stacked.len());
         for (index, plane) in planes.rev().enumerate() {
             let at = self.pivots[plane];
-            // Up to the next pivot, rows have had no entry there.
+            // Rows up to the next pivot have no entry there.
             self.rows[at * n..behind * n].iter_mut().skip(plane + 1).step_by(n).for_each(zero);
             self.rotate_entries(at, self.rotations[index]);
             let pivot = self.rows[at * n + plane + 1].abs();
@@ -206,7 +210,7 @@ impl Factorisation {
         Ok(())
     }
 
-    /// Turns two coordinates of the stacked rows from `at` on.
+    /// Rotates two coordinates of the stacked rows from `at` on.
     fn rotate_entries(&mut self, at: usize, rotation: Rotation) {
         let Rotation { first, cosine, sine, .. } = rotation;
         let rows = &mut self.rows[at * self.stride..self.stacked.len() * self.stride];
@@ -217,8 +221,9 @@ impl Factorisation {
         }
     }
 
-    /// An error if a dependent row of this size is much heavier than one of the pivots beside it: a heavy
-    /// row's residual is all rounding where a light pivot's residual has to balance it.
+    /// Returns an error if a dependent row of this size is much heavier than one of the pivots
+    /// beside it. A heavy row's residual is all rounding where it must balance the residual of a
+    /// light pivot.
     fn expect_heavy_pivots(
         &self,
         data: &ProblemData,
@@ -229,7 +234,7 @@ impl Factorisation {
         if pivots.any(is_light) { Err(RankInDoubt) } else { Ok(()) }
     }
 
-    /// The row whose pivot is `coordinate` joins the dependent ones of its group.
+    /// Moves the row whose pivot is `coordinate` to the dependent rows of its group.
     fn demote(&mut self, data: &ProblemData, coordinate: usize) -> Result<(), RankInDoubt> {
         let (n, at) = (self.stride, self.pivots[coordinate]);
         let index = self.groups.iter().position(|g| (g.start..g.end).contains(&at));
@@ -240,7 +245,7 @@ impl Factorisation {
         }
         let group = &mut self.groups[index];
         let pivots = at..group.start + group.rank;
-        // What stands behind a pivot was never made zero.
+        // Entries after a pivot were never set to zero.
         self.rows[at * n + coordinate + 1..at * n + group.first_pivot + group.rank].fill(0.0);
         group.rank -= 1;
         self.rows[pivots.start * n..pivots.end * n].rotate_left(n);
@@ -249,7 +254,7 @@ impl Factorisation {
         Ok(())
     }
 
-    /// Takes a row out of the stack.
+    /// Removes a row from the stack.
     fn unstack(&mut self, data: &ProblemData, at: usize) -> Result<(), RankInDoubt> {
         let group =
             self.groups.iter().position(|g| (g.start..g.end).contains(&at)).ok_or(RankInDoubt)?;
@@ -265,8 +270,8 @@ impl Factorisation {
         Ok(())
     }
 
-    /// Turns the rows from `at` on, whose pivots move down by a coordinate from `free` on, which
-    /// has none any more, until a dependent row takes what is left.
+    /// Rotates the rows from `at` on, whose pivots move down by one coordinate. Coordinate `free`
+    /// has no pivot at the start. It ends where a dependent row takes over the free coordinate.
     fn move_down(
         &mut self,
         data: &ProblemData,
@@ -296,7 +301,8 @@ impl Factorisation {
         Ok(())
     }
 
-    /// Makes a dependent row of `group` the pivot of a coordinate that none has, if one is there.
+    /// Makes a dependent row of `group` the pivot of a coordinate without one, if there is such a
+    /// row.
     fn adopt(
         &mut self,
         data: &ProblemData,
@@ -322,7 +328,7 @@ impl Factorisation {
         Ok(true)
     }
 
-    /// Lets a variable go that was at a bound from the start: a coordinate more.
+    /// Frees a variable that was at a bound from the start, which adds a coordinate.
     fn free_variable(&mut self, data: &ProblemData, variable: usize) -> Result<(), RankInDoubt> {
         let place = self.bounded.iter().position(|&i| i == variable).ok_or(RankInDoubt)?;
         self.bounded.remove(place);
@@ -344,7 +350,7 @@ impl Factorisation {
                 let width = self.groups[group].width(at);
                 let row = &mut self.rows[at * n..(at + 1) * n];
                 let mut carry = coefficient;
-                // One rotation a pivot, from the first on.
+                // One rotation for each pivot, from the first on.
                 for (entry, &Rotation { cosine, sine, .. }) in row.iter_mut().zip(&self.rotations) {
                     (*entry, carry) =
                         (cosine * *entry + sine * carry, cosine * carry - sine * *entry);
@@ -375,7 +381,7 @@ impl Factorisation {
         Ok(())
     }
 
-    /// The group to which an active row belongs.
+    /// Returns the group to which an active row belongs.
     fn group_of(&self, data: &ProblemData, id: usize) -> Option<usize> {
         if id < self.n {
             return (!self.groups.is_empty()).then_some(0);
@@ -389,7 +395,7 @@ impl Factorisation {
         })
     }
 
-    /// A row in the coordinates; returns what the variables at a bound add to it.
+    /// Transforms a row into the coordinates. Returns the contribution of the variables at a bound.
     fn turn_row(&mut self, data: &ProblemData, id: usize, row: &mut [f64]) -> f64 {
         row.fill(0.0);
         match data.row(id).coefficients() {
@@ -409,7 +415,7 @@ impl Factorisation {
         }
     }
 
-    /// Opens a place in the stack, in `group`.
+    /// Inserts a place into the stack, in `group`.
     fn open(&mut self, at: usize, group: usize) {
         let (n, count) = (self.stride, self.stacked.len());
         self.stacked.insert(at, 0);
@@ -423,7 +429,7 @@ impl Factorisation {
         self.renumber();
     }
 
-    /// Closes a place in the stack, in `group`.
+    /// Removes a place from the stack, in `group`.
     fn close(&mut self, at: usize, group: usize) {
         let (n, count) = (self.stride, self.stacked.len());
         self.stacked.remove(at);
@@ -437,7 +443,7 @@ impl Factorisation {
         self.renumber();
     }
 
-    /// The places of the pivots, from the ranks of the groups.
+    /// Recomputes the places of the pivots from the ranks of the groups.
     fn renumber(&mut self) {
         self.pivots.clear();
         for group in &mut self.groups {
@@ -452,7 +458,7 @@ fn zero(entry: &mut f64) {
 }
 
 impl Group {
-    /// How many coordinates stacked row `at`, one of the group, has entries along.
+    /// Number of coordinates along which stacked row `at` of the group has entries.
     fn width(&self, at: usize) -> usize {
         self.first_pivot + self.rank.min(at + 1 - self.start)
     }

@@ -1,4 +1,4 @@
-//! The controller's own problem: a mobile manipulator follows a wandering target in a box.
+//! The problem of a mobile manipulator's controller, which follows a wandering target in a box.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -22,12 +22,13 @@ const GAIN: f64 = 40.0;
 const JOINT_SPEED: [f64; 10] = [0.25, 0.25, 0.4, 0.9, 0.9, 0.9, 0.9, 0.9, 0.9, 0.9];
 /// Limits of the desired twist \[m/s, rad/s\].
 const TASK_SPEED: [f64; 6] = [0.6, 0.6, 0.6, 0.8, 0.8, 0.8];
-/// The box about the first pose: below and above \[m, rad\].
+/// The box around the first pose: below and above \[m, rad\].
 const BOX: [[f64; 6]; 2] =
     [[0.10, 0.14, 0.08, 0.25, 0.25, 0.25], [0.16, 0.10, 0.12, 0.25, 0.25, 0.25]];
-/// Where the arm starts, base first \[m, rad\].
+/// Initial joint positions, base first \[m, rad\].
 const START: [f64; 10] = [0.0, 0.0, 0.0, 0.0, -0.5, 0.0, -2.0, 0.0, 1.6, 0.78];
-/// Denavit-Hartenberg parameters after Craig: a \[m\], d \[m\], α \[rad\] of each arm joint.
+/// Denavit-Hartenberg parameters by Craig's convention: a \[m\], d \[m\], α \[rad\] of each arm
+/// joint.
 const ARM: [[f64; 3]; 7] = [
     [0.0, 0.333, 0.0],
     [0.0, 0.0, -FRAC_PI_2],
@@ -40,12 +41,14 @@ const ARM: [[f64; 3]; 7] = [
 
 type Jacobian = SMatrix<f64, 6, 10>;
 
-/// The stack of a mobile manipulator with an augmented state, 22 variables, one problem a
-/// millisecond: bounds of velocities, inverse kinematics, the box as hard rows softened by a
-/// slack, the least slack, and a person-side task of three rows.
+/// Returns the stack of a mobile manipulator with an augmented state of 22 variables, one problem
+/// for each millisecond.
+///
+/// It consists of velocity bounds and inverse kinematics, followed by the box as hard rows softened
+/// by a slack. The least slack and a person-side task of three rows come last.
 ///
 /// # Errors
-/// None but those of [`Hierarchy`]'s constructors, which the sizes here do not provoke.
+/// Those of [`Hierarchy`]'s constructors, which the sizes here do not cause.
 pub fn controller_sequence(seed: u64, ticks: usize) -> Result<Vec<Hierarchy>, Error> {
     let random = &mut Random::new(seed);
     let preference = preference(random);
@@ -67,7 +70,7 @@ pub fn controller_sequence(seed: u64, ticks: usize) -> Result<Vec<Hierarchy>, Er
         let wish = 12.0 * (target - desired);
         let tilt =
             0.15 * Vector3::new((3.0 * time).sin(), (2.0 * time).cos() - 1.0, (4.0 * time).sin());
-        // Tracking error, and a little noise of the measured pose.
+        // The tracking error plus small noise of the measured pose.
         let noise = [31.0, 17.0, 23.0, 5.0, 7.0, 3.0].map(|rate| 1e-4 * (rate * time).sin());
         let mut error = Vector6::from(noise);
         for i in 0..3 {
@@ -103,7 +106,7 @@ pub fn controller_sequence(seed: u64, ticks: usize) -> Result<Vec<Hierarchy>, Er
         )?))?;
         problems.push(hierarchy);
 
-        // The robot moves on, kept in its box by clipping.
+        // The robot moves on, clipped to its box.
         let mut velocity = wish;
         for i in 0..3 {
             let (below, above) = (-BOX[0][i] - offset[i], BOX[1][i] - offset[i]);
@@ -124,7 +127,7 @@ pub fn controller_sequence(seed: u64, ticks: usize) -> Result<Vec<Hierarchy>, Er
     Ok(problems)
 }
 
-/// A matrix with singular values 1.5, 1 and 0.3 between random rotations.
+/// Returns a matrix with singular values 1.5, 1 and 0.3 between random rotations.
 fn preference(random: &mut Random) -> Matrix3<f64> {
     let mut turn = || {
         let axis = Vector3::new(random.normal(), random.normal(), random.normal());
@@ -133,7 +136,7 @@ fn preference(random: &mut Random) -> Matrix3<f64> {
     turn() * Matrix3::from_diagonal(&Vector3::new(1.5, 1.0, 0.3)) * turn()
 }
 
-/// Rows Δt ẋ_d − s ≤ above and −Δt ẋ_d − s ≤ below.
+/// Returns the rows Δt ẋ_d − s ≤ above and −Δt ẋ_d − s ≤ below.
 fn box_rows(above: &[f64; 6], below: &[f64; 6]) -> Result<Rows, Error> {
     let mut rows = Rows::zeros(12, STATE.len());
     for i in 0..12 {
@@ -147,14 +150,14 @@ fn box_rows(above: &[f64; 6], below: &[f64; 6]) -> Result<Rows, Error> {
     Ok(rows)
 }
 
-/// Equalities of `matrix` on the variables from `start` on.
+/// Returns the equalities of `matrix` on the variables from `start` on.
 fn block(start: usize, matrix: &DMatrix<f64>, target: &DVector<f64>) -> Result<Rows, Error> {
     let mut wide = DMatrix::zeros(matrix.nrows(), STATE.len());
     wide.view_mut((0, start), matrix.shape()).copy_from(matrix);
     Rows::equalities(&wide, target)
 }
 
-/// Position of the tool and its Jacobian in world axes.
+/// Returns the position of the tool and its Jacobian in world axes.
 fn kinematics(joints: &SMatrix<f64, 10, 1>) -> (Vector3<f64>, Jacobian) {
     let mut pose =
         Isometry3::new(Vector3::new(joints[0], joints[1], 0.0), Vector3::new(0.0, 0.0, joints[2]));
@@ -163,7 +166,7 @@ fn kinematics(joints: &SMatrix<f64, 10, 1>) -> (Vector3<f64>, Jacobian) {
     for (i, [a, d, twist]) in ARM.into_iter().enumerate() {
         pose *= UnitQuaternion::from_axis_angle(&Vector3::x_axis(), twist);
         pose *= UnitQuaternion::from_axis_angle(&Vector3::z_axis(), joints[3 + i]);
-        // Craig's frames shift by a along the old x and by d along the new z.
+        // Craig's frames move by a along the old x and by d along the new z.
         let shift = pose.rotation * Vector3::new(0.0, 0.0, d);
         let along = pose.rotation
             * UnitQuaternion::from_axis_angle(&Vector3::z_axis(), -joints[3 + i])

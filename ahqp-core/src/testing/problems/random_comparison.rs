@@ -12,15 +12,16 @@ const VARIABLES: usize = 50;
 const LEVELS: usize = 10;
 const MOST_ROWS: usize = 20;
 
-/// `count` random hierarchies of the kind on which DAQP's hierarchical mode was published
-/// (arXiv 2512.18458): 50 variables without bounds, 10 levels of 1 to 20 soft rows each.
+/// Returns `count` random hierarchies of the kind for which DAQP's hierarchical mode was published
+/// (arXiv 2512.18458).
 ///
-/// The coefficients of a row are |U(−1, 1)|, scaled to norm 1. Its upper bound is U(0, 1) above its
-/// value at a random point of the level, U(−1, 1) in each coordinate. With probability
-/// `equality_share` a level consists of equalities; the ranges of others have width U(0, 1).
+/// They have 50 variables without bounds, and 10 levels of 1 to 20 soft rows each. The coefficients
+/// of a row are |U(−1, 1)|, scaled to norm 1. Its upper bound is U(0, 1) above its value at a
+/// random point of the level, U(−1, 1) in each coordinate. A level consists of equalities with
+/// probability `equality_share`. The ranges of other levels have width U(0, 1).
 ///
 /// # Errors
-/// None but those of [`Hierarchy`]'s constructors, which the sizes here do not provoke.
+/// Those of [`Hierarchy`]'s constructors, which the sizes here do not cause.
 pub fn random_comparison(
     seed: u64,
     equality_share: f64,
@@ -56,7 +57,7 @@ mod tests {
     use super::*;
     use crate::problem::level::Objective;
 
-    /// All levels of `count` hierarchies.
+    /// Returns all levels of `count` hierarchies.
     fn levels(seed: u64, equality_share: f64, count: usize) -> Vec<Rows> {
         let hierarchies = random_comparison(seed, equality_share, count).unwrap();
         let objectives = hierarchies.iter().flat_map(Hierarchy::levels).map(Level::objective);

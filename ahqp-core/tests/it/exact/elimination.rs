@@ -7,8 +7,9 @@ use num_traits::{One, Signed, Zero};
 
 use super::Exact;
 
-/// A solution of a linear system, the unknowns that nothing determines left at zero; none if the
-/// equations contradict each other. Each equation is its coefficients and its right-hand side.
+/// Returns a solution of a linear system, with undetermined unknowns set to zero. None if the
+/// equations contradict each other. An equation is its coefficients followed by its right-hand
+/// side.
 pub(super) fn solve(equations: &[Vec<Exact>]) -> Option<Vec<Exact>> {
     let unknowns = equations.first()?.len() - 1;
     let mut rows: Vec<Vec<BigInt>> = equations.iter().map(|row| integers(row)).collect();
@@ -24,7 +25,7 @@ pub(super) fn solve(equations: &[Vec<Exact>]) -> Option<Vec<Exact>> {
         let pivot = &pivot_row[column];
         for (i, row) in rows.iter_mut().enumerate().filter(|(i, _)| *i != rank) {
             let factor = row[column].clone();
-            // Columns that are done hold nothing but their own pivot.
+            // Completed columns contain only their own pivot.
             for (j, entry) in row.iter_mut().enumerate() {
                 let done = j < column && i < rank && pivots[i] != j;
                 if done || (j < column && i > rank) {
@@ -46,7 +47,7 @@ pub(super) fn solve(equations: &[Vec<Exact>]) -> Option<Vec<Exact>> {
     Some(solution)
 }
 
-/// Which of `candidates` are independent of `given` and of the candidates before.
+/// Returns which of `candidates` are independent of `given` and of earlier candidates.
 pub(super) fn independent(given: &[&[Exact]], candidates: &[&[Exact]]) -> Vec<bool> {
     // Rows in echelon form, each with its pivot.
     let mut echelon: Vec<(usize, Vec<BigInt>)> = Vec::new();
@@ -73,7 +74,8 @@ pub(super) fn independent(given: &[&[Exact]], candidates: &[&[Exact]]) -> Vec<bo
     candidates.iter().map(|row| add(row)).collect()
 }
 
-/// The row times the least common multiple of its denominators, over what its entries share.
+/// Multiplies the row by the least common multiple of its denominators, and divides by the common
+/// factor.
 fn integers(row: &[Exact]) -> Vec<BigInt> {
     let common = row.iter().fold(BigInt::one(), |common, entry| common.lcm(entry.denom()));
     let mut row: Vec<_> =

@@ -13,24 +13,25 @@ pub(super) struct Linear {
 }
 
 impl Linear {
-    /// The row and its bound, times `sign`.
+    /// Creates the row and its bound, multiplied by `sign`.
     pub(super) fn new(row: &[f64], bound: f64, sign: f64) -> Self {
         Self { a: row.iter().map(|&a| exact(sign * a)).collect(), b: exact(sign * bound) }
     }
 
-    /// a x − b.
+    /// Returns a x − b.
     pub(super) fn gap(&self, x: &[Exact]) -> Exact {
         self.a.iter().zip(x).map(|(a, x)| a * x).sum::<Exact>() - &self.b
     }
 
-    /// Whether a x is b at `x`, but for rounding.
+    /// Returns true if a x equals b at `x`, up to rounding.
     fn is_near(&self, x: &[Exact]) -> bool {
         let terms: f64 = self.a.iter().zip(x).map(|(a, x)| double(&(a * x)).abs()).sum();
         double(&self.gap(x)).abs() <= 1e-9 * (terms + double(&self.b).abs())
     }
 }
 
-/// ½xᵀHx + gᵀx + ½Σ (a x − b)² over equalities + ½Σ max(a x − b, 0)² over inequalities.
+/// The objective ½xᵀHx + gᵀx + ½Σ (a x − b)² over equalities + ½Σ max(a x − b, 0)² over
+/// inequalities.
 #[derive(Debug, Clone)]
 pub(super) struct Minimum {
     pub(super) hessian: Vec<Vec<Exact>>,
@@ -50,19 +51,19 @@ impl Minimum {
     }
 }
 
-/// Repairs of a guessed active set after which the search begins at the start.
+/// Number of repairs of a guessed active set after which the search begins at the start.
 const REPAIRS: usize = 20;
 
-/// Rows of the inequalities that are violated (by index, of the objective) and that are kept at their
-/// bounds (of the constraints).
+/// Indices of violated inequalities of the objective, and of inequalities of the constraints that
+/// are kept at their bounds.
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct Active {
     violated: Vec<usize>,
     kept: Vec<usize>,
 }
 
-/// A point that minimises the objective within the constraints. `start` is within them; `guess` is where
-/// the minimum may be.
+/// Returns a point that minimises the objective within the constraints. `start` satisfies them, and
+/// `guess` may be near the minimum.
 pub(super) fn minimise(
     objective: &Minimum,
     held: &Held,
@@ -73,7 +74,7 @@ pub(super) fn minimise(
     problem.repair().unwrap_or_else(|| problem.search(start))
 }
 
-/// The same by trying all active sets; none where the constraints contradict each other.
+/// Returns the minimum by trying all active sets. None if the constraints contradict each other.
 pub(super) fn enumerate(objective: &Minimum, held: &Held, guess: &[Exact]) -> Option<Vec<Exact>> {
     Problem { objective, held, guess }.enumerate()
 }
@@ -84,7 +85,7 @@ struct Problem<'a> {
     guess: &'a [Exact],
 }
 
-/// What is wrong with an active set.
+/// Verdict on an active set.
 enum Check {
     Optimal,
     Violated(usize),
@@ -125,9 +126,9 @@ impl Problem<'_> {
         None
     }
 
-    /// The primal active-set method (Nocedal & Wright, Numerical Optimization, algorithm 16.3) from a
-    /// point within the constraints, rows by least index (Bland). A violation is a variable of its own:
-    /// a row that does not keep it may have more of it than it needs.
+    /// Runs the primal active-set method (Nocedal & Wright, Numerical Optimization, algorithm 16.3)
+    /// from a point within the constraints, with rows by least index (Bland). A violation is a
+    /// variable of its own. A row that is not kept may have a larger violation than it needs.
     fn search(&self, start: &[Exact]) -> Vec<Exact> {
         let (soft, hard) = (&self.objective.inequalities, &self.held.inequalities);
         let mut x = start.to_vec();
@@ -225,7 +226,7 @@ impl Problem<'_> {
         None
     }
 
-    /// Those of the rows that are independent of the equalities and of those before.
+    /// Returns the rows that are independent of the equalities and of earlier rows.
     fn independent(&self, kept: &[usize]) -> Vec<usize> {
         let given: Vec<&[Exact]> = self.held.equalities.iter().map(|row| &row.a[..]).collect();
         let candidates: Vec<&[Exact]> =
@@ -234,8 +235,8 @@ impl Problem<'_> {
         kept.iter().zip(is_independent).filter(|(_, is)| *is).map(|(&i, _)| i).collect()
     }
 
-    /// The minimum with the active rows as equalities, and the multipliers of the kept ones. What
-    /// nothing determines stays as `near` has it.
+    /// Returns the minimum with the active rows as equalities, and the multipliers of the kept
+    /// rows. Undetermined directions stay as in `near`.
     fn equality_minimum(
         &self,
         active: &Active,
@@ -246,7 +247,8 @@ impl Problem<'_> {
         let soft: Vec<&Linear> = self.objective.equalities.iter().chain(violated).collect();
         let kept = active.kept.iter().map(|&i| &self.held.inequalities[i]);
         let hard: Vec<&Linear> = self.held.equalities.iter().chain(kept).collect();
-        // In p = x − near: (H + AᵀA) p + Bᵀλ = −(H near + g + Aᵀ(A near − b)) and B p = −gap.
+        // The system for p = x − near is (H + AᵀA) p + Bᵀλ = −(H near + g + Aᵀ(A near − b)) and B p
+        // = −gap.
         let width = n + hard.len() + 1;
         let mut equations = vec![vec![Exact::zero(); width]; n + hard.len()];
         let gaps: Vec<Exact> = soft.iter().map(|row| row.gap(near)).collect();

@@ -1,18 +1,20 @@
-//! Least squares of rows of any weights, by elimination: the heaviest independent rows determine x, the
-//! others are combinations of them (Peters & Wilkinson, The Computer Journal 13, 1970). Rows are of unit
-//! size and weights enter at the end only, so that light rows keep all their digits beside heavy ones.
+//! Least squares of rows of any weights, by elimination.
+//!
+//! The heaviest independent rows determine x, and the others are combinations of them (Peters &
+//! Wilkinson, The Computer Journal 13, 1970). Rows have unit size, and weights enter only at the
+//! end, so that light rows keep all their digits.
 
 use qd::Quad;
 
 use super::row::{Difference, Row, Sign};
 
-/// A row with more than this outside the span of others is independent of them.
+/// A row is independent if its part outside the span of others is larger.
 const INDEPENDENT: f64 = 1e-8;
-/// A row with less is dependent. Between the two lies doubt.
+/// A row is dependent if that part is smaller. Between the two it is in doubt.
 const DEPENDENT: f64 = 1e-22;
-/// A coefficient of a combination that is smaller is nothing but rounding.
+/// Smaller coefficients of a combination are rounding.
 const NO_SHARE: f64 = 1e-20;
-/// A coefficient of a combination that is larger is accurate.
+/// Larger coefficients of a combination are accurate.
 const SHARE: f64 = 1e-10;
 
 const ZERO: Quad = Quad::ZERO;
@@ -21,7 +23,7 @@ fn dot(a: &[Quad], b: &[Quad]) -> Quad {
     a.iter().zip(b).fold(ZERO, |sum, (a, b)| sum + a * b)
 }
 
-/// Takes off `v` its part along the unit vector `q`, and returns its length.
+/// Subtracts from `v` its component along the unit vector `q`, and returns that component.
 fn take_off(v: &mut [Quad], q: &[Quad]) -> Quad {
     let part = dot(v, q);
     for (v, q) in v.iter_mut().zip(q) {
@@ -34,7 +36,7 @@ fn length(v: &[Quad]) -> Quad {
     dot(v, v).sqrt()
 }
 
-/// The length in double precision, for comparisons.
+/// Returns the length in double precision, for comparisons.
 fn rough_length(v: &[Quad]) -> f64 {
     v.iter().map(|v| v.0 * v.0).sum::<f64>().sqrt()
 }
@@ -43,7 +45,7 @@ fn quads(row: &[f64]) -> Vec<Quad> {
     row.iter().map(|&a| Quad::from(a)).collect()
 }
 
-/// Orthonormal vectors.
+/// An orthonormal basis.
 #[derive(Debug, Default)]
 pub(super) struct Basis(Vec<Vec<Quad>>);
 
@@ -52,7 +54,7 @@ impl Basis {
         self.0.len()
     }
 
-    /// The row without its part in the span. Twice is enough.
+    /// Returns the row without its part in the span. Two passes are enough.
     fn outside(&self, row: &[f64]) -> Vec<Quad> {
         let mut v = quads(row);
         for q in self.0.iter().chain(&self.0) {
@@ -61,7 +63,7 @@ impl Basis {
         v
     }
 
-    /// Puts the row into the span; none where its independence is in doubt.
+    /// Adds the row to the span. None if its independence is in doubt.
     pub(super) fn extend(&mut self, row: &[f64]) -> Option<()> {
         let mut v = self.outside(row);
         let size = rough_length(&v);
@@ -77,25 +79,25 @@ impl Basis {
     }
 }
 
-/// Kept rows and weighted rows, outside a fixed subspace: a choice of independent ones, kept rows first
-/// and then by weight, and the others as combinations of them.
+/// A choice of independent rows outside a fixed subspace, and the other rows as combinations of
+/// them. Kept rows come first, then weighted rows by weight.
 pub(super) struct Factors<'a> {
     rows: &'a [&'a Row],
-    /// The rows before are kept, the others have their weights.
+    /// Number of kept rows, which come first. The other rows have weights.
     kept: usize,
-    /// The independent rows, each with a unit vector of its own.
+    /// Independent rows, each with its own unit vector.
     pivots: Vec<usize>,
     units: Vec<Vec<Quad>>,
-    /// For each row its parts along those vectors, none along those that came too late for it.
+    /// Components of each row along these vectors, without those added after the row.
     parts: Vec<Vec<Quad>>,
 }
 
-/// The minimum of ½ Σ weight² (a x − b)² over weighted rows where a x = b in kept rows.
+/// Minimum of ½ Σ weight² (a x − b)² over weighted rows, subject to a x = b for kept rows.
 pub(super) struct Minimum {
     pub(super) x: Vec<Quad>,
-    /// For each row the sign of its multiplier, which is weight² (a x − b) in weighted rows.
+    /// Sign of each row's multiplier, which is weight² (a x − b) for weighted rows.
     pub(super) forces: Vec<Sign>,
-    /// For each row a x − b as the multipliers have it.
+    /// Value of a x − b of each row by the multipliers.
     pub(super) gaps: Vec<Quad>,
 }
 
@@ -146,12 +148,13 @@ impl<'a> Factors<'a> {
         Some(factors)
     }
 
-    /// The minimum nearest to `from`, outside the fixed subspace; none where a sign is in doubt.
+    /// Returns the minimum nearest to `from`, outside the fixed subspace. None if a sign is in
+    /// doubt.
     pub(super) fn minimum(&self, fixed: &Basis, from: &[Quad]) -> Option<Minimum> {
         let dependents: Vec<usize> =
             (self.kept..self.rows.len()).filter(|i| !self.pivots.contains(i)).collect();
         let mut gaps = vec![ZERO; self.rows.len()];
-        // What is left of the dependent rows where the pivots are reached.
+        // Remainders of the dependent rows at the point that the pivots determine.
         let reached = self.step(from, &gaps);
         let mut shares = Vec::with_capacity(dependents.len());
         let mut rests = Vec::with_capacity(dependents.len());
@@ -199,7 +202,7 @@ impl<'a> Factors<'a> {
         Some(Minimum { x, forces, gaps })
     }
 
-    /// The step, along the unit vectors, to where the pivots have those gaps.
+    /// Returns the step, along the unit vectors, to the point at which the pivots have these gaps.
     fn step(&self, from: &[Quad], gaps: &[Quad]) -> Vec<Quad> {
         let mut step: Vec<Quad> = Vec::with_capacity(self.pivots.len());
         for &i in &self.pivots {
@@ -210,7 +213,7 @@ impl<'a> Factors<'a> {
         step
     }
 
-    /// The row as a combination of the pivots; none where a coefficient is in doubt.
+    /// Returns the row as a combination of the pivots. None if a coefficient is in doubt.
     fn share(&self, row: usize) -> Option<Vec<Quad>> {
         let mut share = self.parts[row].clone();
         share.resize(self.pivots.len(), ZERO);
@@ -230,7 +233,7 @@ impl<'a> Factors<'a> {
         Some(share)
     }
 
-    /// None where the combination is not the row.
+    /// Checks the combination. None if it does not equal the row.
     fn check_share(&self, fixed: &Basis, row: usize, share: &[Quad]) -> Option<()> {
         let mut rest = quads(&self.rows[row].a);
         for (&i, share) in self.pivots.iter().zip(share) {
@@ -245,11 +248,12 @@ impl<'a> Factors<'a> {
         (rough_length(&rest) < DEPENDENT * size).then_some(())
     }
 
-    /// Weight (a x − b) in the dependent rows.
+    /// Returns weight · (a x − b) for the dependent rows.
     ///
-    /// With the multipliers φ of dependent rows D = L P those of the pivots are −Lᵀφ, and each row gives
-    /// way by φ/weight²: (W_D⁻² + L W_P⁻² Lᵀ) φ = rest. In φ/W_D that is (I + M Mᵀ) pull = W_D rest with
-    /// M = W_D L W_P⁻¹, whose entries are small because heavy rows were made pivots first.
+    /// Let φ be the multipliers of dependent rows D = L P. Those of the pivots are −Lᵀφ, and each
+    /// row gives way by φ/weight²: (W_D⁻² + L W_P⁻² Lᵀ) φ = rest. This is (I + M Mᵀ) pull = W_D
+    /// rest for pull = φ/W_D and M = W_D L W_P⁻¹. The entries of M are small, since heavy rows were
+    /// made pivots first.
     fn pulls(&self, dependents: &[usize], shares: &[Vec<Quad>], rests: &[Quad]) -> Vec<Difference> {
         let count = dependents.len();
         let weight = |i: usize| Quad::from(self.rows[i].weight);
@@ -264,7 +268,7 @@ impl<'a> Factors<'a> {
             (0..count).map(|k| (0..count).map(|l| product(k, l)).collect()).collect();
         let right: Vec<Quad> =
             dependents.iter().zip(rests).map(|(&i, rest)| weight(i) * rest).collect();
-        // Cholesky.
+        // Cholesky factorisation.
         let mut lower = products.clone();
         let mut pulls = right.clone();
         for k in 0..count {

@@ -4,18 +4,18 @@ use super::State;
 use super::factors::{Factors, Minimum};
 use super::row::{Difference, Kind, Row, Sign};
 
-/// Repairs of a guessed active set after which exact arithmetic should decide.
+/// Number of repairs of a guessed active set after which exact arithmetic decides.
 const REPAIRS: usize = 20;
-/// Below this part of its terms a gap of a guess is zero, but for the guess's own errors.
+/// A gap of a guess below this part of its terms counts as zero, up to the errors of the guess.
 const NEAR: f64 = 1e-8;
 
-/// Hard rows that are kept at their bounds and soft rows that pull, by index.
+/// Indices of hard rows that are kept at their bounds, and of soft rows with a force.
 struct Active {
     kept: Vec<usize>,
     pulling: Vec<usize>,
 }
 
-/// What is wrong with an active set.
+/// Verdict on an active set.
 enum Check {
     Optimal,
     Kept(usize),
@@ -25,10 +25,11 @@ enum Check {
 }
 
 impl State {
-    /// Moves to a minimum of the level within what the levels above left, and keeps what it reaches.
+    /// Moves to a minimum of the level in the directions that the levels above left free, and keeps
+    /// what it reaches.
     pub(super) fn minimise(&mut self, soft: Vec<Row>) -> Option<()> {
         if self.fixed.len() == self.x.len() {
-            // Nothing can move.
+            // All directions are decided.
             return self.hard.iter().all(|row| is_held(row, row.gap(&self.x))).then_some(());
         }
         let is_active = |row: &Row, far: fn(Difference) -> bool| {
@@ -57,7 +58,7 @@ impl State {
         None
     }
 
-    /// None where a sign is in doubt, and where the active set contradicts itself.
+    /// Checks an active set. None if a sign is in doubt, or if the active set contradicts itself.
     fn check(&self, active: &Active, soft: &[Row], minimum: &Minimum) -> Option<Check> {
         let (kept_forces, soft_forces) = minimum.forces.split_at(active.kept.len());
         for (i, row) in self.hard.iter().enumerate() {
@@ -99,7 +100,7 @@ impl State {
     }
 
     /// Keeps what the minimum has reached. A row with a positive multiplier is an equality at every
-    /// minimum; an inequality without one stays what it is.
+    /// minimum. An inequality without a multiplier stays an inequality.
     fn fix(&mut self, active: &Active, soft: Vec<Row>, minimum: Minimum) -> Option<()> {
         let (kept_forces, soft_forces) = minimum.forces.split_at(active.kept.len());
         let hard = std::mem::take(&mut self.hard);
@@ -119,7 +120,7 @@ impl State {
     }
 }
 
-/// Returns true if a hard row with that gap clearly holds.
+/// Returns true if a hard row with this gap clearly holds.
 fn is_held(row: &Row, gap: Difference) -> bool {
     match row.kind {
         Kind::Equality => gap.sign() == Some(Sign::Zero),

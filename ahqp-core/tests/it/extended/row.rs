@@ -1,10 +1,10 @@
-//! Rows of about unit size, and the signs of what is computed from them.
+//! Rows of approximately unit size, and the signs of numbers computed from them.
 
 use qd::Quad;
 
-/// Below this part of its terms a number is zero. Rounding is near 1e-31.
+/// A number below this part of its terms is zero. Rounding is near 1e-31.
 const ZERO: f64 = 1e-24;
-/// Above this part of its terms a number has a sign. Between the two lies doubt.
+/// A number above this part of its terms has a sign. Between the two it is in doubt.
 const CLEAR: f64 = 1e-14;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -14,7 +14,7 @@ pub(super) enum Sign {
     Positive,
 }
 
-/// A number and the sum of the magnitudes it is the difference of.
+/// A number, and the sum of the sizes of the terms that it is the difference of.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Difference {
     pub(super) value: Quad,
@@ -22,7 +22,7 @@ pub(super) struct Difference {
 }
 
 impl Difference {
-    /// None where the number is neither clearly zero nor clearly something else.
+    /// Returns the sign. None if the number is neither clearly zero nor clearly nonzero.
     pub(super) fn sign(self) -> Option<Sign> {
         let size = self.value.0.abs();
         if size <= ZERO * self.terms {
@@ -37,13 +37,13 @@ impl Difference {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
-    /// a x = b.
+    /// The equality a x = b.
     Equality,
-    /// a x ≤ b.
+    /// The inequality a x ≤ b.
     Inequality,
 }
 
-/// A row a, its largest entry between 1 and 2, and a number b. The row that was given is `weight` times
+/// A row a whose largest entry is between 1 and 2, and a number b. The given row is `weight` times
 /// as large.
 #[derive(Debug, Clone)]
 pub(super) struct Row {
@@ -54,10 +54,11 @@ pub(super) struct Row {
 }
 
 impl Row {
-    /// The row and its bound, times `sign`; none where dividing them by the weight rounds.
+    /// Creates the row and its bound, multiplied by `sign`. None if the division by the weight
+    /// rounds.
     pub(super) fn new(row: &[f64], bound: f64, sign: f64, kind: Kind) -> Option<Self> {
         let largest = row.iter().fold(0.0_f64, |largest, a| largest.max(a.abs()));
-        // A power of two, so that dividing by it is exact.
+        // Division by a power of two is exact.
         let weight = if largest > 0.0 { largest.log2().floor().exp2() } else { 1.0 };
         let is_exact = |value: f64| value / weight * weight == value;
         (is_exact(bound) && row.iter().all(|&a| is_exact(a))).then(|| Self {
@@ -68,7 +69,7 @@ impl Row {
         })
     }
 
-    /// a x − b.
+    /// Returns a x − b.
     pub(super) fn gap(&self, x: &[Quad]) -> Difference {
         let mut gap = Difference { value: Quad::from(-self.b), terms: self.b.abs() };
         for (&a, x) in self.a.iter().zip(x).filter(|(a, _)| **a != 0.0) {

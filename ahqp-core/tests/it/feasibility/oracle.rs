@@ -1,22 +1,23 @@
-//! Whether inequalities can hold together, in rational arithmetic.
+//! Feasibility of inequalities, in rational arithmetic.
 //!
-//! Shares nothing with the solver: the first phase of the simplex method (Dantzig) by least index, which cannot cycle
-//! (Bland, Mathematics of Operations Research 2, 1977). It proves what it says: by a point, or by multipliers whose sum
-//! of the rows is a contradiction (Farkas).
+//! It shares nothing with the solver. It uses the first phase of the simplex method (Dantzig) by
+//! least index, which cannot cycle (Bland, Mathematics of Operations Research 2, 1977). Its verdict
+//! is proved by a point, or by multipliers with which the sum of the rows is a contradiction
+//! (Farkas).
 
 use num_traits::{One, Signed, Zero};
 
 use crate::exact::{Exact, exact};
 
-/// The proof of what is said.
+/// Verdict with its proof.
 pub(super) enum Verdict {
-    /// All inequalities hold here.
+    /// All inequalities hold at this point.
     Point(Vec<Exact>),
-    /// Σ yᵢ aᵢ = 0 and Σ yᵢ bᵢ < 0 with y ≥ 0.
+    /// Multipliers y ≥ 0 with Σ yᵢ aᵢ = 0 and Σ yᵢ bᵢ < 0.
     Contradiction(Vec<Exact>),
 }
 
-/// Whether a x ≤ b can hold for all of these, x being free.
+/// Decides whether all a x ≤ b can hold together for some free x.
 pub(super) fn feasibility(inequalities: &[(Vec<f64>, f64)]) -> Verdict {
     let verdict = Tableau::new(inequalities).minimise();
     expect_proof(inequalities, &verdict);
@@ -45,14 +46,15 @@ fn expect_proof(inequalities: &[(Vec<f64>, f64)], verdict: &Verdict) {
     }
 }
 
-/// [A −A I artificial | b], rows with b < 0 times −1, and the reduced costs of the sum of the artificial variables.
+/// The tableau [A −A I artificial | b] and the reduced costs of the sum of the artificial
+/// variables. Rows with b < 0 are multiplied by −1.
 struct Tableau {
     rows: Vec<Vec<Exact>>,
     costs: Vec<Exact>,
-    /// The column that each row determines.
+    /// Column that each row determines.
     basis: Vec<usize>,
     variables: usize,
-    /// Columns that may enter: all but the artificial ones.
+    /// Columns that may enter: all except the artificial ones.
     columns: usize,
 }
 
@@ -69,7 +71,7 @@ impl Tableau {
                 (rows[i][j], rows[i][n + j]) = (exact(sign * a), exact(-sign * a));
             }
             (rows[i][2 * n + i], rows[i][columns]) = (exact(sign), exact(sign * b));
-            // An artificial variable never comes back: its column need not be there.
+            // An artificial variable never re-enters, so its column is not stored.
             basis.push(if *b < 0.0 { columns + i } else { 2 * n + i });
         }
         let mut costs = vec![Exact::zero(); columns + 1];
@@ -81,10 +83,10 @@ impl Tableau {
         Self { rows, costs, basis, variables: n, columns }
     }
 
-    /// Brings the sum of the artificial variables to its least.
+    /// Minimises the sum of the artificial variables.
     fn minimise(mut self) -> Verdict {
         while let Some(column) = self.costs[..self.columns].iter().position(Signed::is_negative) {
-            // The sum is not negative, so that some row is in the way.
+            // The sum is not negative, so some row blocks.
             let row = (0..self.rows.len())
                 .filter(|&i| self.rows[i][column].is_positive())
                 .min_by_key(|&i| {
@@ -94,7 +96,7 @@ impl Tableau {
             self.pivot(row, column);
         }
         let n = self.variables;
-        // The costs end with the sum, negated.
+        // The last cost is the negative sum.
         if self.costs[self.columns].is_zero() {
             let mut x = vec![Exact::zero(); n];
             for (row, &column) in self.rows.iter().zip(&self.basis) {

@@ -1,4 +1,4 @@
-//! Random sets of hard rows of small whole numbers, in which rows tie with bounds and with each other.
+//! Random sets of hard rows of small integers, in which rows tie with bounds and with each other.
 
 use ahqp_core::{Hierarchy, Level, Rows};
 
@@ -18,23 +18,23 @@ impl Random {
         usize::try_from((z ^ (z >> 31)) % count as u64).unwrap()
     }
 
-    /// A whole number from −`size` to `size`.
+    /// Returns an integer from −`size` to `size`.
     fn whole(&mut self, size: usize) -> f64 {
         self.below(2 * size + 1) as f64 - size as f64
     }
 
-    /// True in so many cases of a hundred.
+    /// Returns true with a probability of `percent`.
     fn chance(&mut self, percent: usize) -> bool {
         self.below(100) < percent
     }
 }
 
-/// How a set is put to the solver. All forms have a solution, or none.
+/// Form in which a set is given to the solver. Either all forms have a solution, or none has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Form {
     AsItIs,
     BoundsAsRows,
-    /// By one along each variable.
+    /// Shifted by one along each variable.
     Shifted,
 }
 
@@ -42,10 +42,10 @@ impl Form {
     pub(super) const ALL: [Self; 3] = [Self::AsItIs, Self::BoundsAsRows, Self::Shifted];
 }
 
-/// A row, its lower and its upper bound.
+/// A row with its lower and upper bound.
 type Row = (Vec<f64>, f64, f64);
 
-/// lower ≤ x ≤ upper, and rows.
+/// A set lower ≤ x ≤ upper with rows.
 #[derive(Debug, Clone)]
 pub(super) struct Set {
     pub(super) lower: Vec<f64>,
@@ -54,8 +54,8 @@ pub(super) struct Set {
 }
 
 impl Set {
-    /// A set that holds at a point of whole numbers, where many bounds and rows are met: copies of bounds, sums of
-    /// bounds, copies and sums of rows, and others.
+    /// Creates a set that holds at an integer point, at which many bounds and rows are met with
+    /// equality. Its rows are copies and sums of bounds and rows, and others.
     pub(super) fn feasible(random: &mut Random) -> Self {
         let most = if random.chance(20) { 10 } else { 5 };
         let n = 1 + random.below(most);
@@ -98,7 +98,7 @@ impl Set {
         Self { lower, upper, rows }
     }
 
-    /// The same, and one more row of whole numbers, which the set may contradict.
+    /// Adds one more row of integers, which the set may contradict.
     pub(super) fn with_another_bound(mut self, random: &mut Random) -> Self {
         let row: Vec<f64> = (0..self.lower.len()).map(|_| random.whole(2)).collect();
         let bound = random.whole(6);
@@ -110,13 +110,13 @@ impl Set {
         self
     }
 
-    /// The bounds as rows.
+    /// Returns the bounds as rows.
     fn bounds(&self) -> impl Iterator<Item = Row> {
         let unit = |i: usize| (0..self.lower.len()).map(|j| f64::from(u8::from(i == j))).collect();
         (0..self.lower.len()).map(move |i| (unit(i), self.lower[i], self.upper[i]))
     }
 
-    /// a x ≤ b for all finite bounds.
+    /// Returns a x ≤ b for all finite bounds.
     pub(super) fn inequalities(&self) -> Vec<(Vec<f64>, f64)> {
         let mut inequalities = Vec::new();
         for (row, lower, upper) in self.bounds().chain(self.rows.iter().cloned()) {
@@ -130,7 +130,7 @@ impl Set {
         inequalities
     }
 
-    /// The set as a problem of one level.
+    /// Returns the set as a problem of one level.
     pub(super) fn hierarchy(&self, form: Form) -> Hierarchy {
         let n = self.lower.len();
         let shift = if form == Form::Shifted { 1.0 } else { 0.0 };
@@ -151,7 +151,8 @@ impl Set {
         hierarchy
     }
 
-    /// Whether all bounds and rows hold at `x`, a solution in this form, to a part in 10⁹ of their terms.
+    /// Returns true if all bounds and rows hold at `x`, a solution in this form, within 1e-9 of
+    /// their terms.
     pub(super) fn holds(&self, form: Form, x: &[f64]) -> bool {
         let shift = if form == Form::Shifted { 1.0 } else { 0.0 };
         self.inequalities().iter().all(|(row, bound)| {

@@ -1,4 +1,4 @@
-//! Whether an answer is right.
+//! Judgement of answers.
 
 use ahqp_core::Hierarchy;
 use proptest::prelude::RngExt;
@@ -7,33 +7,33 @@ use super::random;
 use crate::exact::{double, solve_exactly};
 use crate::extended::solve_extended;
 
-/// What is said of an answer.
+/// Verdict on an answer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Verdict {
-    /// Right to 1e-6 (1 + |x|) in each variable.
+    /// The answer is right to 1e-6 (1 + |x|) in each variable.
     Right,
-    /// Off by so much, and by how much the exact optimum moves when the data move by 1e-15.
+    /// Error of the answer, and the motion of the exact optimum if the data change by 1e-15.
     Wrong { error: f64, sensitivity: f64 },
 }
 
-/// The largest difference, each relative to 1 + |b|.
+/// Returns the largest difference, each relative to 1 + |b|.
 pub(super) fn distance(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs() / (1.0 + b.abs())).fold(0.0, f64::max)
 }
 
-/// The optimum by exact arithmetic; none where there is none.
+/// Returns the optimum by exact arithmetic. None if there is none.
 pub(super) fn exact_optimum(hierarchy: &Hierarchy, guess: &[f64]) -> Option<Vec<f64>> {
     solve_exactly(hierarchy, guess).map(|exact| exact.iter().map(double).collect())
 }
 
-/// The verdict on `x`, in extended precision where that leaves no doubt.
+/// Returns the verdict on `x`, by extended precision if that leaves no doubt.
 pub(super) fn judge(hierarchy: &Hierarchy, x: &[f64]) -> Verdict {
     let optimum =
         solve_extended(hierarchy, x).or_else(|| exact_optimum(hierarchy, x)).expect("an optimum");
     judge_against(hierarchy, x, &optimum)
 }
 
-/// The verdict on `x` where the optimum is known. What is far from it is looked at exactly.
+/// Returns the verdict on `x` if the optimum is known. A point far from it is judged exactly.
 pub(super) fn judge_against(hierarchy: &Hierarchy, x: &[f64], optimum: &[f64]) -> Verdict {
     if distance(x, optimum) <= 1e-6 {
         return Verdict::Right;
@@ -49,7 +49,7 @@ pub(super) fn judge_against(hierarchy: &Hierarchy, x: &[f64], optimum: &[f64]) -
     Verdict::Wrong { error: distance(x, &exact), sensitivity }
 }
 
-/// The hierarchy with every coefficient and target off by up to 1e-15 of it.
+/// Returns the hierarchy with every coefficient and target changed by up to 1e-15 of it.
 fn perturbed(hierarchy: &Hierarchy, seed: u64) -> Hierarchy {
     let mut random = random(seed);
     let mut other = hierarchy.clone();

@@ -7,14 +7,14 @@ use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 use proptest::test_runner::TestRng;
 
-/// Random hierarchies of one shape whose rows have weights 10^U(−spread, spread), all variables
-/// bounded, the last level near a target.
+/// Random hierarchies of one shape whose rows have weights 10^U(−spread, spread). All variables are
+/// bounded, and the last level is near a target.
 pub(super) struct Shape {
     variables: usize,
     levels: Vec<usize>,
     hard: usize,
     spread: f64,
-    /// For each row of the levels, its weight.
+    /// Weight of each row of the levels.
     weights: Vec<f64>,
     coefficients: Vec<f64>,
     equality: Vec<bool>,
@@ -40,7 +40,7 @@ impl Shape {
         }
     }
 
-    /// A tick: the same rows, slightly moved, with targets that jump.
+    /// Returns a tick with the same rows, slightly changed, and targets that jump.
     pub(super) fn tick(&self, random: &mut TestRng) -> Hierarchy {
         let n = self.variables;
         let mut hierarchy = Hierarchy::new(n).unwrap();
@@ -90,7 +90,7 @@ impl Shape {
     }
 }
 
-/// Four ticks of a random shape.
+/// Returns four ticks of a random shape.
 pub(super) fn sequence(
     random: &mut TestRng,
     variables: RangeInclusive<usize>,
@@ -101,8 +101,8 @@ pub(super) fn sequence(
     (0..4).map(|_| shape.tick(random)).collect()
 }
 
-/// Four ticks of one level: a task of rows of weights 10³ and 1 above a posture of weight 10⁻⁵, which
-/// presses against bounds.
+/// Returns four ticks of one level: a task of rows of weights 10³ and 1 above a posture of weight
+/// 10⁻⁵, which presses against bounds.
 pub(super) fn task_over_posture(random: &mut TestRng) -> Vec<Hierarchy> {
     const POSTURE: f64 = 1e-5;
     let n = random.random_range(3..=10);
@@ -136,8 +136,8 @@ pub(super) fn task_over_posture(random: &mut TestRng) -> Vec<Hierarchy> {
     (0..4).map(|_| tick(random)).collect()
 }
 
-/// The hierarchy with coefficients −1, 0 and 1 and targets in halves, each row times a power of two near
-/// its weight: rows are exact combinations of others, and bounds meet in one point.
+/// Rounds coefficients to −1, 0 and 1 and targets to halves, and multiplies each row by a power of
+/// two near its weight. Rows are then exact combinations of others, and bounds meet in one point.
 pub(super) fn with_ties(mut hierarchy: Hierarchy) -> Hierarchy {
     for id in hierarchy.ids().collect::<Vec<_>>() {
         let level = hierarchy.level_mut(id).unwrap();

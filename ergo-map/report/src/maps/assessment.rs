@@ -8,23 +8,23 @@ use nalgebra::Vector3;
 
 use crate::error::Error;
 
-/// The posture that a map holds for a hand position, with its scores for an easy task (no load,
-/// good hold, nothing held for long or repeated).
+/// The posture of a map for a hand position, with its scores for an easy task. The task has no
+/// load, a good hold, and nothing that is held for long or repeated.
 #[derive(Debug, Clone)]
 pub struct Assessment {
-    /// Where the hand is wanted, in the person's frame \[m\].
+    /// Target of the hand, in the person's frame \[m\].
     pub hand: Vector3<f64>,
-    /// `e_s` of the map there.
+    /// `e_s` of the map at this position.
     pub map_score: f64,
     /// The posture.
     pub angles: JointAngles,
-    /// Where this posture puts the body of the person.
+    /// Landmarks of the person's body in this posture.
     pub landmarks: Landmarks,
-    /// REBA, whole.
+    /// The REBA score with all sub-scores.
     pub reba: Reba,
-    /// RULA, whole.
+    /// The RULA score with all sub-scores.
     pub rula: Rula,
-    /// What each part contributes to `e_s` of the posture.
+    /// Contribution of each part to `e_s` of the posture.
     pub contributions: Contributions,
 }
 

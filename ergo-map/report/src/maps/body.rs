@@ -1,4 +1,5 @@
-//! The body as parts with outlines. Thicknesses are chosen for a clear picture; they enter no score.
+//! The body as parts with outlines. The thicknesses are chosen for a clear picture, and do not
+//! affect any score.
 
 use ergo_map::{JointAngles, Person, Side, Skeleton};
 use nalgebra::Vector3;
@@ -6,7 +7,7 @@ use nalgebra::Vector3;
 use super::contour::{Field, Ring, area};
 use super::paint::View;
 
-/// A part of the body that has a sub-score, or none.
+/// A part of the body, with or without a sub-score.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Part {
     Neck,
@@ -18,7 +19,7 @@ pub(super) enum Part {
     OtherArm,
 }
 
-/// A convex piece of the body: the hull of some balls.
+/// A convex piece of the body: the hull of several balls.
 #[derive(Debug, Clone)]
 pub(super) struct Piece {
     pub(super) part: Part,
@@ -26,7 +27,7 @@ pub(super) struct Piece {
     balls: Vec<(Vector3<f64>, f64)>,
 }
 
-/// The pieces of a body in a posture.
+/// Returns the pieces of a body in a posture.
 pub(super) fn pieces(
     person: &Person,
     side: Side,
@@ -74,7 +75,8 @@ pub(super) fn pieces(
         ],
     ));
 
-    // The head turned about shows where its axis is: the eyes are then on the other side of it.
+    // Turning the head by half a turn shows its axis, since the eyes are then on the other side of
+    // it.
     let about =
         JointAngles { neck_rotation: angles.neck_rotation + std::f64::consts::PI, ..*angles };
     let behind = skeleton.landmarks(&about)?.eyes;
@@ -91,7 +93,7 @@ pub(super) fn pieces(
     pieces.push(piece(Part::LowerArm, &[(at.elbow, 0.022), (at.wrist, 0.015)]));
     pieces.push(piece(Part::Wrist, &[(at.wrist, 0.014), (at.hand, 0.019), (fingers, 0.010)]));
 
-    // The other arm hangs; the model does not score it.
+    // The other arm hangs, and the model does not score it.
     let down = |from: Vector3<f64>, by: f64| from - Vector3::z() * by;
     let elbow = down(at.other_shoulder, length(segments.upper_arm));
     let wrist = down(elbow, length(segments.forearm));
@@ -103,7 +105,7 @@ pub(super) fn pieces(
 }
 
 impl Piece {
-    /// Its outline in a view, counterclockwise.
+    /// Returns the outline in a view, counterclockwise.
     pub(super) fn outline(&self, view: &View) -> Vec<(f64, f64)> {
         const CORNERS: u32 = 36;
         let corner = |k| (f64::from(k) * std::f64::consts::TAU / f64::from(CORNERS)).sin_cos();
@@ -115,14 +117,15 @@ impl Piece {
         hull(circles.collect())
     }
 
-    /// Its middle \[m\].
+    /// Returns the centre \[m\].
     pub(super) fn middle(&self) -> Vector3<f64> {
         let sum: Vector3<f64> = self.balls.iter().map(|(centre, _)| centre).sum();
         sum / self.balls.len().max(1) as f64
     }
 }
 
-/// The outline of all pieces together, from points `step` apart \[m\], without the gaps between.
+/// Returns the outline of all pieces together, without the gaps between them, from points `step`
+/// apart \[m\].
 pub(super) fn silhouette(pieces: &[Piece], view: &View, step: f64) -> Vec<Ring> {
     let outlines: Vec<_> = pieces.iter().map(|piece| piece.outline(view)).collect();
     let depth = |u, v| {
@@ -134,7 +137,7 @@ pub(super) fn silhouette(pieces: &[Piece], view: &View, step: f64) -> Vec<Ring> 
     outlines
 }
 
-/// How deep a point lies in a convex, counterclockwise outline; negative outside.
+/// Returns the depth of a point in a convex, counterclockwise outline, negative outside.
 fn depth(outline: &[(f64, f64)], (u, v): (f64, f64)) -> f64 {
     let next = outline.iter().cycle().skip(1);
     let depths = outline.iter().zip(next).map(|(a, b)| {
@@ -144,7 +147,7 @@ fn depth(outline: &[(f64, f64)], (u, v): (f64, f64)) -> f64 {
     depths.fold(f64::INFINITY, f64::min)
 }
 
-/// The convex hull, counterclockwise (Andrew's monotone chain).
+/// Returns the convex hull, counterclockwise (Andrew's monotone chain).
 fn hull(mut points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     points.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
     let half = |points: &mut dyn Iterator<Item = (f64, f64)>| {

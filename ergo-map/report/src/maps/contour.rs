@@ -1,9 +1,9 @@
-//! Where a field over a plane is at least some level: the outlines, by marching squares.
+//! Outlines of the region in which a field over a plane reaches a level, by marching squares.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// Values on a regular grid over a plane; NaN where there is no value.
+/// Values on a regular grid over a plane. NaN stands for a missing value.
 #[derive(Debug)]
 pub(super) struct Field {
     origin: (f64, f64),
@@ -16,14 +16,15 @@ pub(super) struct Field {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Vertex {
     pub(super) at: (f64, f64),
-    /// Whether the field passes the level here; otherwise it ends here.
+    /// True if the field crosses the level here. Otherwise the field ends here.
     pub(super) crossing: bool,
 }
 
-/// A closed outline, without the first vertex repeated; the higher side lies on its left.
+/// A closed outline without a repeated vertex. The higher side is on its left.
 pub(super) type Ring = Vec<Vertex>;
 
-/// An edge between two neighbours of the grid: the lower or left one, and whether it runs upward.
+/// An edge between two neighbours of the grid: the lower or left one, and whether the edge goes
+/// upward.
 type Edge = (isize, isize, bool);
 
 impl Field {
@@ -35,7 +36,7 @@ impl Field {
         of: impl Fn(f64, f64) -> f64,
     ) -> Self {
         let count = |range: &Range<f64>| {
-            // At most some thousands for ranges of metres.
+            // There are at most some thousands for ranges of metres.
             #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
             let steps = ((range.end - range.start) / step).round().max(1.0) as usize;
             steps + 1
@@ -48,7 +49,7 @@ impl Field {
         Self { origin: (across.start, up.start), step, size, values }
     }
 
-    /// The value at a node, NaN beyond the grid.
+    /// Returns the value at a node, NaN outside the grid.
     fn value(&self, i: isize, j: isize) -> f64 {
         let index = || {
             let (i, j) = (usize::try_from(i).ok()?, usize::try_from(j).ok()?);
@@ -57,7 +58,7 @@ impl Field {
         index().and_then(|index| self.values.get(index)).copied().unwrap_or(f64::NAN)
     }
 
-    /// The outlines of the points whose value is at least `level`.
+    /// Returns the outlines of the points whose value is at least `level`.
     pub(super) fn outlines(&self, level: f64) -> Vec<Ring> {
         let mut next = BTreeMap::new();
         let reach = |count: usize| -1..isize::try_from(count).unwrap_or(isize::MAX);
@@ -81,16 +82,16 @@ impl Field {
         rings
     }
 
-    /// Links the edges of a cell through which the outline enters and leaves it.
+    /// Links the edges through which the outline enters and leaves a cell.
     fn link_cell(&self, (i, j): (isize, isize), level: f64, next: &mut BTreeMap<Edge, Edge>) {
-        // Counterclockwise, each corner with the edge to the one after it.
+        // The corners are counterclockwise, each with the edge to the next one.
         let corners = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)];
         let edges = [(i, j, false), (i + 1, j, true), (i, j + 1, false), (i, j, true)];
         let values = corners.map(|(i, j)| self.value(i, j));
         let inside = values.map(|value| value >= level);
         let leaves = |k: usize| inside[k] && !inside[(k + 1) % 4];
         let enters = |k: usize| !inside[k] && inside[(k + 1) % 4];
-        // At a saddle the middle decides whether opposite corners hang together.
+        // At a saddle the centre decides whether opposite corners are connected.
         let middle = values.iter().sum::<f64>() / 4.0;
         let together = middle >= level;
         for from in (0..4).filter(|k| leaves(*k)) {
@@ -115,7 +116,7 @@ impl Field {
     }
 }
 
-/// The ring without the vertices on straight stretches.
+/// Returns the ring without the vertices on straight stretches.
 fn straightened(ring: &Ring) -> Ring {
     let n = ring.len();
     let bends = |k: usize| {
@@ -132,19 +133,19 @@ fn straightened(ring: &Ring) -> Ring {
     ring.iter().zip(kept).filter(|(_, kept)| *kept).map(|(vertex, _)| *vertex).collect()
 }
 
-/// The area that a ring encloses; negative for a hole.
+/// Returns the area that a ring encloses, negative for a hole.
 pub(super) fn area(ring: &Ring) -> f64 {
     let next = ring.iter().cycle().skip(1);
     let parts = ring.iter().zip(next).map(|(a, b)| a.at.0 * b.at.1 - a.at.1 * b.at.0);
     0.5 * parts.sum::<f64>()
 }
 
-/// The stretches of rings along which the field passes the level.
+/// Returns the stretches of rings along which the field crosses the level.
 pub(super) fn lines(rings: &[Ring]) -> Vec<Vec<(f64, f64)>> {
     let mut lines = Vec::new();
     for ring in rings {
-        // Begin where the field ends, so that no stretch is cut in two; a ring without such a place
-        // is one stretch and closes.
+        // The start is where the field ends, so that no stretch is cut in two. A ring without such
+        // a place is one closed stretch.
         let start = ring.iter().position(|vertex| !vertex.crossing);
         let mut turned: Vec<Vertex> = ring.clone();
         match start {
@@ -158,7 +159,7 @@ pub(super) fn lines(rings: &[Ring]) -> Vec<Vec<(f64, f64)>> {
     lines
 }
 
-/// All rings as one polygon: seams that are passed there and back join them and enclose nothing.
+/// Joins all rings into one polygon. Its seams are used in both directions, and enclose nothing.
 pub(super) fn polygon(rings: &[Ring]) -> Vec<(f64, f64)> {
     let Some(anchor) = rings.first().and_then(|ring| ring.first()).map(|vertex| vertex.at) else {
         return Vec::new();
@@ -179,7 +180,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_ring_shaped_region_has_two_outlines_and_its_area() {
+    fn a_ring_shaped_region_has_two_outlines() {
         let ring = |u: f64, v: f64| -((u * u + v * v).sqrt() - 1.0).abs();
         let field = Field::sampled(&(-2.0..2.0), &(-2.0..2.0), 0.01, ring);
         let outlines = field.outlines(-0.5);
@@ -194,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn where_the_field_ends_the_outline_closes_without_a_line() {
+    fn the_outline_closes_where_the_field_ends() {
         let half = |u: f64, v: f64| if u < 0.0 { f64::NAN } else { 1.0 - u * u - v * v };
         let field = Field::sampled(&(-1.5..1.5), &(-1.5..1.5), 0.01, half);
         let outlines = field.outlines(0.0);
@@ -208,7 +209,7 @@ mod tests {
     }
 
     proptest! {
-        /// Every node is on the side of the outline where it belongs.
+        /// Every node is on the correct side of the outline.
         #[test]
         fn outlines_enclose_what_is_high(values in prop::collection::vec(0..5_u8, 36)) {
             let at = |u: f64, v: f64| {
@@ -225,7 +226,7 @@ mod tests {
         }
     }
 
-    /// How often the outline goes around a point counterclockwise.
+    /// Returns the winding number of the outline around a point, counterclockwise.
     fn winding(outline: &[(f64, f64)], (u, v): (f64, f64)) -> i32 {
         let next = outline.iter().cycle().skip(1);
         outline

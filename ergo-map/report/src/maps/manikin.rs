@@ -1,4 +1,4 @@
-//! A manikin in a posture, each part coloured by its REBA sub-score.
+//! A manikin in a posture, with each part coloured by its REBA sub-score.
 
 use ergo_map::{ActionLevel, Person, RulaActionLevel, Side};
 use nalgebra::Vector3;
@@ -13,18 +13,18 @@ use super::paint::{
 use super::side::side_name;
 use crate::error::Error;
 
-/// The highest sub-score of any part: the dark end of the colours.
+/// Highest sub-score of all parts, which has the darkest colour.
 const WORST: u8 = 6;
 const TABLE: (u32, u32) = (470, 650);
 const TITLE_HEIGHT: u32 = 46;
 const UNSCORED: RGBColor = RGBColor(222, 222, 222);
 const MASS: RGBColor = RGBColor(90, 90, 90);
 
-/// Draws a posture from the side of the working hand and from the front, with the sub-scores, how
-/// they make up REBA, and `e_s`. Gives the picture as SVG.
+/// Draws a posture from the side of the working hand and from the front. Adds the sub-scores, the
+/// way to REBA, and `e_s`. Returns the picture as SVG.
 ///
 /// # Errors
-/// [`Error::Drawing`] if it cannot be drawn.
+/// [`Error::Drawing`] if the picture cannot be drawn.
 pub fn manikin(assessment: &Assessment, person: &Person, side: Side) -> Result<String, Error> {
     let pieces = body::pieces(person, side, &assessment.angles)?;
     let views = views(assessment, person, side);
@@ -100,8 +100,8 @@ fn draw_view(
     })
 }
 
-/// The number of each part, where it does not cover that of another: a forearm that points to the
-/// viewer has its number in the other view.
+/// Draws the number of each part unless it would cover another. A forearm that points to the viewer
+/// has its number in the other view.
 fn draw_badges(chart: &mut Chart<'_, '_>, view: &View, assessment: &Assessment) -> Outcome {
     const APART: f64 = 24.0 / SCALE;
     let mut taken: Vec<(f64, f64)> = Vec::new();
@@ -122,7 +122,7 @@ fn draw_badges(chart: &mut Chart<'_, '_>, view: &View, assessment: &Assessment) 
     Ok(())
 }
 
-/// The hand's target and the centre of mass with the plumb line below.
+/// Draws the hand's target, and the centre of mass with a plumb line.
 fn draw_marks(chart: &mut Chart<'_, '_>, view: &View, assessment: &Assessment) -> Outcome {
     let mass = assessment.landmarks.centre_of_mass;
     let below = Vector3::new(mass.x, mass.y, 0.0);
@@ -143,12 +143,12 @@ fn target_mark<C: Clone>(at: &C) -> [Cross<C, i32>; 2] {
         .map(|(colour, width)| Cross::new(at.clone(), 8, colour.stroke_width(width)))
 }
 
-/// Where the number of each part stands.
+/// Returns the place of each part's number.
 fn badges(assessment: &Assessment) -> [(Part, Vector3<f64>); 6] {
     let at = &assessment.landmarks;
     let along = |a: Vector3<f64>, b: Vector3<f64>, share: f64| a + (b - a) * share;
     let across = at.shoulder - at.other_shoulder;
-    // In front of the hanging arm.
+    // The number is in front of the hanging arm.
     let spine = at.neck - at.lumbar;
     let forward = Vector3::new(spine.z, 0.0, -spine.x) * 0.1;
     [
@@ -178,7 +178,7 @@ fn colour(score: u8) -> RGBColor {
     ramp(f64::from(score.saturating_sub(1)) / f64::from(WORST - 1))
 }
 
-/// Sub-scores with their angles, the way to REBA, `e_s`, and what the marks mean.
+/// Draws the sub-scores with their angles, the way to REBA, `e_s`, and a legend of the marks.
 fn draw_table(area: &Area<'_>, assessment: &Assessment) -> Outcome {
     const X: i32 = 16;
     let mut y = 46;
@@ -232,7 +232,7 @@ fn swatch(area: &Area<'_>, score: u8, (x, y): (i32, i32)) -> Outcome {
 
 fn rows(assessment: &Assessment) -> [(Part, &'static str, String); 6] {
     let posture = assessment.angles.posture();
-    // Never "-0".
+    // Adding zero avoids "-0".
     let whole = |angle: f64| angle.to_degrees().round() + 0.0;
     let flexed = |angle: f64| {
         let (angle, word) = (whole(angle.abs()), if angle < 0.0 { "extended" } else { "flexed" });

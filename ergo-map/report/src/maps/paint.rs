@@ -1,4 +1,4 @@
-//! What the pictures have in common: fonts, colours, axes to scale.
+//! Common elements of the pictures: fonts, colours, and axes to scale.
 
 use std::fmt::Display;
 use std::ops::Range;
@@ -18,19 +18,19 @@ const FONT: &str = "sans-serif";
 pub(super) const TEXT: RGBColor = RGBColor(40, 40, 40);
 const GRID: RGBColor = RGBColor(232, 232, 232);
 
-/// Room for the numbers and the name of an axis: left of the chart, and below it.
+/// Space for the numbers and the name of an axis, to the left of the chart and below it.
 pub(super) const LABELS: (u32, u32) = (72, 50);
-/// Room for the title of a chart, and right of it.
+/// Space for the title of a chart, and to its right.
 const TITLE: u32 = 30;
 const MARGIN: u32 = 24;
-/// Pixels a metre.
+/// Pixels per metre.
 pub(super) const SCALE: f64 = 280.0;
 
 pub(super) fn failed(error: impl Display) -> Error {
     Error::Drawing { what: "picture", reason: error.to_string() }
 }
 
-/// Draws on a white canvas; gives the picture as SVG.
+/// Draws on a white canvas. Returns the picture as SVG.
 pub(super) fn canvas(size: (u32, u32), draw: impl FnOnce(&Area<'_>) -> Outcome) -> Outcome<String> {
     let mut svg = String::new();
     {
@@ -42,9 +42,9 @@ pub(super) fn canvas(size: (u32, u32), draw: impl FnOnce(&Area<'_>) -> Outcome) 
     Ok(svg)
 }
 
-/// The colour of a share from 0, good and light, to 1, bad and dark: Magma without its darkest end
-/// (Smith and van der Walt, CC0), whose lightness changes evenly and which colour-blind people can
-/// read.
+/// Returns the colour of a share from 0, good and light, to 1, bad and dark. The scale is Magma
+/// without its darkest end (Smith and van der Walt, CC0). Its lightness changes evenly, and
+/// colour-blind people can read it.
 pub(super) fn ramp(share: f64) -> RGBColor {
     const STOPS: [[f64; 3]; 8] = [
         [252.0, 253.0, 191.0],
@@ -66,10 +66,10 @@ pub(super) fn ramp(share: f64) -> RGBColor {
     RGBColor(mixed(0), mixed(1), mixed(2))
 }
 
-/// Marks: stands out from every colour of the ramp.
+/// Colour of marks, which differs from every colour of the ramp.
 pub(super) const MARK: RGBColor = RGBColor(0, 95, 200);
 
-/// Black or white, whichever can be read on a colour.
+/// Returns black or white, whichever is readable on a colour.
 pub(super) fn ink_on(colour: RGBColor) -> &'static RGBColor {
     let RGBColor(r, g, b) = colour;
     let luminance = 0.299 * f64::from(r) + 0.587 * f64::from(g) + 0.114 * f64::from(b);
@@ -88,7 +88,7 @@ pub(super) fn centred(style: &TextStyle<'static>) -> TextStyle<'static> {
     style.pos(Pos::new(HPos::Center, VPos::Center))
 }
 
-/// A text whose left end is at the height of `at`'s middle.
+/// Writes a text whose left end is at `at`, vertically centred.
 pub(super) fn write(
     area: &Area<'_>,
     text: impl Into<String>,
@@ -99,7 +99,7 @@ pub(super) fn write(
     area.draw(&Text::new(text.into(), at, style)).map_err(failed)
 }
 
-/// Two axes of space as a picture shows them: which way to the right, and which way up.
+/// Two axes of space in a picture: one to the right, and one up.
 #[derive(Debug, Clone)]
 pub(super) struct View {
     pub(super) title: String,
@@ -107,25 +107,25 @@ pub(super) struct View {
     pub(super) up: Axis,
 }
 
-/// An axis of the person's frame with the stretch that is shown of it.
+/// An axis of the person's frame with its visible range.
 #[derive(Debug, Clone)]
 pub(super) struct Axis {
-    /// 0 x, 1 y, 2 z.
+    /// Index of the axis: 0 x, 1 y, 2 z.
     pub(super) index: usize,
-    /// -1 if it runs against the picture.
+    /// Sign of the axis: -1 if it points against the picture's direction.
     pub(super) sign: f64,
-    /// The stretch \[m\] in the direction of the picture.
+    /// Visible range \[m\] in the direction of the picture.
     pub(super) range: Range<f64>,
 }
 
 impl Axis {
-    /// The stretch from `low` to `high` of an axis.
+    /// Creates an axis with the range from `low` to `high`.
     pub(super) fn new(index: usize, sign: f64, low: f64, high: f64) -> Self {
         let range = if sign > 0.0 { low..high } else { -high..-low };
         Self { index, sign, range }
     }
 
-    /// Where a point is along the axis, in the direction of the picture.
+    /// Returns the coordinate of a point along the axis, in the direction of the picture.
     pub(super) fn of(&self, point: &nalgebra::Vector3<f64>) -> f64 {
         point.get(self.index).map_or(f64::NAN, |value| self.sign * value)
     }
@@ -134,7 +134,7 @@ impl Axis {
         ["x, forward (m)", "y, left (m)", "z, up (m)"].get(self.index).copied().unwrap_or("")
     }
 
-    /// Its length in the picture.
+    /// Returns the length in the picture.
     pub(super) fn pixels(&self) -> u32 {
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         let pixels = (SCALE * (self.range.end - self.range.start)).round().max(1.0) as u32;
@@ -143,17 +143,17 @@ impl Axis {
 }
 
 impl View {
-    /// Where a point is in the picture.
+    /// Returns the position of a point in the picture.
     pub(super) fn of(&self, point: &nalgebra::Vector3<f64>) -> (f64, f64) {
         (self.right.of(point), self.up.of(point))
     }
 
-    /// Size of the chart with its labels and its title.
+    /// Returns the size of the chart with its labels and its title.
     pub(super) fn size(&self) -> (u32, u32) {
         (LABELS.0 + self.right.pixels() + MARGIN, TITLE + self.up.pixels() + LABELS.1)
     }
 
-    /// An empty chart to scale with its upper left corner, labels included, at a place.
+    /// Creates an empty chart to scale. `at` is its upper left corner, including labels.
     pub(super) fn chart<'a>(
         &self,
         root: &Area<'a>,
@@ -171,7 +171,7 @@ impl View {
             .y_label_area_size(LABELS.0 - 6)
             .build_cartesian_2d(self.right.range.clone(), self.up.range.clone())
             .map_err(failed)?;
-        // Never "-0.0".
+        // Adding zero avoids "-0.0".
         let number = |axis: &Axis, value: f64| {
             format!("{:.1}", (axis.sign * value * 10.0).round() / 10.0 + 0.0)
         };

@@ -1,4 +1,4 @@
-//! What is known about a map and its quadratic, as text and as JSON.
+//! Report on a map and its quadratic, as text and as JSON.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -12,9 +12,9 @@ use super::side::side_name;
 use super::study::MapStudy;
 use crate::error::Error;
 
-/// The report of a map: plain numbers, lengths in metres, positions in the person's frame.
+/// The report on a map. Numbers are plain, lengths in metres, and positions in the person's frame.
 ///
-/// `Display` gives it as text, [`MapReport::json`] as JSON.
+/// `Display` formats it as text, [`MapReport::json`] as JSON.
 #[derive(Debug, Clone, Serialize)]
 pub struct MapReport {
     stature_m: f64,
@@ -110,7 +110,7 @@ struct ValidationFigures {
 }
 
 impl MapReport {
-    /// Reports on a map; with how it agrees with recordings, if it was compared with any.
+    /// Creates the report on a map, with its agreement with recordings if it was compared with any.
     pub fn new(study: &MapStudy, validation: Option<&Validation>) -> Self {
         let (quadratic, fit) = (&study.quadratic, &study.fit);
         Self {
@@ -160,10 +160,10 @@ impl MapReport {
         }
     }
 
-    /// Gives the report as JSON.
+    /// Returns the report as JSON.
     ///
     /// # Errors
-    /// [`Error::Write`].
+    /// [`Error::Write`] if the report cannot be converted.
     pub fn json(&self) -> Result<String, Error> {
         serde_json::to_string_pretty(self)
             .map_err(|error| Error::Write { what: "report", source: error.into() })

@@ -2,7 +2,7 @@
 
 use ergo_map::Side;
 
-/// The name of a side as reports and pictures show it.
+/// Returns the name of a side in reports and pictures.
 pub(super) fn side_name(side: Side) -> &'static str {
     match side {
         Side::Left => "left",

@@ -14,23 +14,25 @@ use super::side::side_name;
 use super::study::MapStudy;
 use crate::error::Error;
 
-/// Distance between the points at which a slice is drawn \[m\].
+/// Distance between the points of a slice \[m\].
 const STEP: f64 = 0.012;
 /// Difference of score between two colours.
 const BAND: f64 = 0.1;
-/// Scores whose contours are drawn of the quadratic.
+/// Scores of the quadratic's contours.
 const CONTOURS: [f64; 8] = [0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0];
 
 const BODY: RGBColor = RGBColor(90, 90, 90);
 const TITLE_HEIGHT: u32 = 46;
 const BAR_HEIGHT: i32 = 22;
 
-/// Draws three slices through the optimum: sagittal (x-z), frontal (y-z) and horizontal (x-y). Each
-/// shows `e_s` as a heat map, the quadratic's contours within the region of the fit, the acceptable
-/// region, the optimum, and the person standing upright. Gives the picture as SVG.
+/// Draws three slices through the optimum: sagittal (x-z), frontal (y-z) and horizontal (x-y).
+/// Returns the picture as SVG.
+///
+/// Each slice shows `e_s` as a heat map, and the quadratic's contours within the region of the fit.
+/// It also shows the acceptable region, the optimum, and the person standing upright.
 ///
 /// # Errors
-/// [`Error::Drawing`] if it cannot be drawn.
+/// [`Error::Drawing`] if the picture cannot be drawn.
 pub fn slices(study: &MapStudy) -> Result<String, Error> {
     let [sagittal, frontal, horizontal] = views(study);
     let (left, right) = (sagittal.size(), frontal.size());
@@ -52,7 +54,7 @@ pub fn slices(study: &MapStudy) -> Result<String, Error> {
     })
 }
 
-/// The slices, all around the nodes of the map.
+/// Returns the slices, each large enough for all nodes of the map.
 fn views(study: &MapStudy) -> [View; 3] {
     let mut bounds = [(0.0_f64, 0.0_f64); 3];
     for node in study.map.nodes() {
@@ -82,7 +84,7 @@ fn views(study: &MapStudy) -> [View; 3] {
     ]
 }
 
-/// The end of the colour scale: the map's highest score, rounded up.
+/// Returns the end of the colour scale: the map's highest score, rounded up.
 fn highest(study: &MapStudy) -> f64 {
     let highest = study.map.nodes().map(|node| node.score).fold(0.5, f64::max);
     (2.0 * highest).ceil() / 2.0
@@ -134,18 +136,18 @@ fn draw_slice(root: &Area<'_>, at: (u32, u32), study: &MapStudy, view: &View, to
     })
 }
 
-/// The colours from good to bad, each with the lowest score that it stands for.
+/// Iterates over the colours from good to bad, each with the lowest score of its band.
 fn bands(top: f64) -> impl Iterator<Item = (f64, RGBColor)> {
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     let count = (top / BAND).round() as u32;
     (0..count).map(move |k| {
-        // A score of zero belongs to the first in spite of rounding.
+        // A score of zero belongs to the first band in spite of rounding.
         let level = if k == 0 { -1.0 } else { BAND * f64::from(k) };
         (level, ramp((f64::from(k) + 0.5) / f64::from(count)))
     })
 }
 
-/// The person standing upright, as a silhouette.
+/// Draws the person standing upright, as a silhouette.
 fn draw_body(chart: &mut Chart<'_, '_>, study: &MapStudy, view: &View) -> Outcome {
     let upright = body::pieces(&study.person, study.map.side(), &JointAngles::default())?;
     let silhouette = body::silhouette(&upright, view, STEP);
@@ -171,7 +173,7 @@ fn draw_fit_region(chart: &mut Chart<'_, '_>, study: &MapStudy, view: &View) -> 
     Ok(())
 }
 
-/// A contour with a light rim, so that it can be seen on every colour.
+/// Draws a contour with a light rim, so that it is visible on every colour.
 fn draw_contour(chart: &mut Chart<'_, '_>, lines: &[Vec<(f64, f64)>]) -> Outcome {
     for line in lines {
         for style in [WHITE.mix(0.6).stroke_width(3), BLACK.stroke_width(1)] {
@@ -181,13 +183,13 @@ fn draw_contour(chart: &mut Chart<'_, '_>, lines: &[Vec<(f64, f64)>]) -> Outcome
     Ok(())
 }
 
-/// The score of a contour, at the highest point of its longest stretch.
+/// Writes the score of a contour at the highest point of its longest stretch.
 fn label_contour(chart: &Chart<'_, '_>, level: f64, lines: &[Vec<(f64, f64)>]) -> Outcome {
     let length = |line: &Vec<(f64, f64)>| -> f64 {
         line.windows(2).map(|pair| (pair[1].0 - pair[0].0).hypot(pair[1].1 - pair[0].1)).sum()
     };
     let longest = lines.iter().max_by(|a, b| length(a).total_cmp(&length(b)));
-    // Too short a stretch would vanish behind its number.
+    // A stretch that is too short would disappear behind its number.
     let longest = longest.into_iter().filter(|line| length(line) > 0.1);
     let Some(at) = longest.flatten().copied().max_by(|a, b| a.1.total_cmp(&b.1)) else {
         return Ok(());
@@ -205,7 +207,7 @@ fn optimum_mark<C: Clone>(at: &C) -> [Circle<C, i32>; 3] {
         .map(|(radius, colour)| Circle::new(at.clone(), radius, colour.filled()))
 }
 
-/// The colours' scale, what the lines mean, and the figures that matter most.
+/// Draws the colour scale, the legend of the lines, and the most important figures.
 fn draw_legend(area: &Area<'_>, study: &MapStudy, top: f64) -> Outcome {
     #[allow(clippy::cast_possible_wrap)]
     let (x, width) = (LABELS.0 as i32, bar_width(area));

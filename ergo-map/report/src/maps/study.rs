@@ -1,4 +1,4 @@
-//! A map, the quadratic that stands for it, and its optimum: what report and pictures show.
+//! A map, its quadratic approximation, and its optimum, as shown in report and pictures.
 
 use ergo_map::{
     Conditions, ErgonomicsMap, ErgonomicsQuadratic, FitOptions, FitReport, MapNode, Person, Region,
@@ -8,11 +8,11 @@ use ergo_map::{
 use super::assessment::Assessment;
 use crate::error::Error;
 
-/// Highest `e_s` of a hand position that counts as acceptable, unless told otherwise. On maps of
-/// average proportions, every node of the work zone with at most this much has REBA 1 or 2.
+/// Default of the highest `e_s` of a hand position that counts as acceptable. On maps of average
+/// proportions, every node of the work zone with at most this score has REBA 1 or 2.
 pub const ACCEPTABLE: f64 = 0.5;
 
-/// A map with everything that its report and its pictures show.
+/// A map with all data of its report and its pictures.
 ///
 /// ```
 /// use ergo_map::{ErgonomicsMap, MapOptions, Person};
@@ -30,18 +30,18 @@ pub const ACCEPTABLE: f64 = 0.5;
 pub struct MapStudy {
     /// The map.
     pub map: ErgonomicsMap,
-    /// Whose it is.
+    /// The person of the map.
     pub person: Person,
     /// The convex quadratic over the work zone.
     pub quadratic: ErgonomicsQuadratic,
-    /// How good it is. Without a regret if its optimum lies outside the map's domain.
+    /// Quality of the quadratic. It has no regret if the optimum lies outside the map's domain.
     pub fit: FitReport,
-    /// The quadratic's optimum; if that lies outside the map's domain, the node where the quadratic
-    /// is lowest.
+    /// The quadratic's optimum. If that lies outside the map's domain, the node with the lowest
+    /// value of the quadratic.
     pub optimum: Assessment,
     /// The node of the fit's region with the lowest score.
     pub best: MapNode,
-    /// Which hand positions are acceptable.
+    /// The acceptable hand positions.
     pub acceptable: Acceptable,
 }
 
@@ -50,9 +50,9 @@ pub struct MapStudy {
 pub struct Acceptable {
     /// The threshold of `e_s`.
     pub score: f64,
-    /// How many of the nodes in the fit's region are acceptable, from 0 to 1.
+    /// Share of the nodes in the fit's region that are acceptable, from 0 to 1.
     pub share: f64,
-    /// The highest REBA among them, if there are any.
+    /// Highest REBA among the acceptable nodes, if there are any.
     pub highest_reba: Option<u8>,
 }
 
@@ -60,8 +60,8 @@ impl MapStudy {
     /// Fits the quadratic of a map over the person's work zone.
     ///
     /// # Errors
-    /// [`Error::Map`] where the map knows too little of the work zone,
-    /// [`Error::Acceptable`] for a threshold outside ]0, 4.25].
+    /// [`Error::Map`] if the map knows too little of the work zone. [`Error::Acceptable`] if the
+    /// threshold is outside ]0, 4.25].
     pub fn new(map: ErgonomicsMap, person: Person, acceptable: f64) -> Result<Self, Error> {
         if !(acceptable > 0.0 && acceptable <= 4.25) {
             return Err(Error::Acceptable(acceptable));
@@ -85,7 +85,7 @@ impl MapStudy {
     }
 }
 
-/// The map's own fit, or that of its bare nodes where the regret cannot be told.
+/// Returns the map's own fit, or that of its bare nodes if the regret cannot be computed.
 fn fit(map: &ErgonomicsMap) -> Result<(ErgonomicsQuadratic, FitReport), ergo_map::Error> {
     let zone = Region::work_zone(map.stature(), map.side());
     let options = FitOptions { region: Some(zone), ..FitOptions::default() };

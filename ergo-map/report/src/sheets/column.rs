@@ -1,11 +1,11 @@
-//! Columns: their names, what their cells hold, and where that goes on the sheet.
+//! Columns: their names, the kind of their cells, and their place on the sheet.
 
 use std::fmt;
 
-/// What the cells of a column hold.
+/// Kind of the cells of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Cell {
-    /// An angle in degrees, from -180 to 180; it goes on the sheet in radians.
+    /// An angle in degrees, from -180 to 180, which is converted to radians.
     Angle,
     /// A mass in kilograms, from 0 to 1000.
     Load,
@@ -15,24 +15,24 @@ pub enum Cell {
     Choice(&'static [&'static str]),
     /// A rating from 0 to 20.
     Rating,
-    /// How often one of six scales was chosen over another: a whole number from 0 to 5.
+    /// The number of times that one of six scales was chosen over another: an integer from 0 to 5.
     Tally,
-    /// A name: any text but none.
+    /// A nonempty name.
     Name,
 }
 
 /// A column of a table of sheets `S`.
 pub struct Column<S> {
-    /// Its name.
+    /// Name of the column.
     pub name: &'static str,
-    /// What its cells hold.
+    /// Kind of its cells.
     pub cell: Cell,
-    /// Whether a table must have it. What a missing column would hold is 0.
+    /// True if a table must have the column. A missing column counts as 0.
     pub needed: bool,
     set: Set<S>,
 }
 
-/// TRUE and FALSE, as spreadsheets in English, German, French, Italian and Spanish write them.
+/// TRUE and FALSE as written by spreadsheets in English, German, French, Italian and Spanish.
 const TRUTHS: [(&str, f64); 10] = [
     ("true", 1.0),
     ("wahr", 1.0),
@@ -46,46 +46,46 @@ const TRUTHS: [(&str, f64); 10] = [
     ("", 0.0),
 ];
 
-/// How the numbers of a table are written.
+/// Format of the numbers of a table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Numbers {
-    /// Whether a comma may stand before the decimals, as in a table whose cells other marks separate.
+    /// True if a comma may precede the decimals, as in a table with another cell separator.
     pub(super) decimal_comma: bool,
-    /// The end of the scales of ratings.
+    /// End of the scales of ratings.
     pub(super) ratings_end: f64,
 }
 
-/// The end of the scales of ratings on a sheet.
+/// End of the scales of ratings on a sheet.
 pub(super) const RATINGS_END: f64 = 20.0;
 
-/// How a cell goes on the sheet.
+/// Setter of a cell's value on the sheet.
 enum Set<S> {
     Number(fn(&mut S, f64)),
     Text(fn(&mut S, &str)),
 }
 
 impl<S> Column<S> {
-    /// A column that every table has.
+    /// Creates a column that every table must have.
     pub(crate) const fn needed(name: &'static str, cell: Cell, set: fn(&mut S, f64)) -> Self {
         Self { name, cell, needed: true, set: Set::Number(set) }
     }
 
-    /// A column that a table may leave out.
+    /// Creates a column that a table may leave out.
     pub(crate) const fn optional(name: &'static str, cell: Cell, set: fn(&mut S, f64)) -> Self {
         Self { name, cell, needed: false, set: Set::Number(set) }
     }
 
-    /// A column of names.
+    /// Creates a column of names.
     pub(crate) const fn name(name: &'static str, needed: bool, set: fn(&mut S, &str)) -> Self {
         Self { name, cell: Cell::Name, needed, set: Set::Text(set) }
     }
 
-    /// A box to tick.
+    /// Creates a column of tick boxes.
     pub(crate) const fn flag(name: &'static str, set: fn(&mut S, f64)) -> Self {
         Self::optional(name, Cell::Flag, set)
     }
 
-    /// Puts a cell on the sheet; the error says what it should hold.
+    /// Sets a cell on the sheet. The error is the kind of value that the cell should have.
     pub(super) fn fill(&self, sheet: &mut S, cell: &str, numbers: Numbers) -> Result<(), Cell> {
         match self.set {
             Set::Number(set) => set(sheet, self.cell.value(cell, numbers).ok_or(self.cell)?),
@@ -108,7 +108,8 @@ impl<S> fmt::Debug for Column<S> {
 }
 
 impl Cell {
-    /// The number that a cell holds, angles in radians and ratings from 0 to 20; `None` if it cannot be there.
+    /// Returns the number of a cell, angles in radians and ratings from 0 to 20. `None` if the cell
+    /// is invalid.
     fn value(self, cell: &str, numbers: Numbers) -> Option<f64> {
         let number = match cell.split_once(',') {
             Some((whole, decimals)) if numbers.decimal_comma => {

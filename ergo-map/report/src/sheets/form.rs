@@ -1,29 +1,30 @@
-//! How a spreadsheet has written a table.
+//! Format in which a spreadsheet has written a table.
 
 use std::io::{BufRead, Read, Result};
 
 use super::lines::LONGEST_ROW;
 
-/// What separates cells, and whether the file says so itself.
+/// The cell separator, and whether the file declares it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Form {
     pub(super) delimiter: u8,
-    /// Whether its first line is one such as `sep=;`.
+    /// True if the first line declares the separator, such as `sep=;`.
     pub(super) declared: bool,
 }
 
-/// What UTF-8 texts may begin with.
+/// Optional beginning of UTF-8 texts.
 const BYTE_ORDER_MARK: [u8; 3] = [0xef, 0xbb, 0xbf];
-/// Marks that separate cells; the first is taken where none is.
+/// Possible cell separators. The first one is the default.
 const DELIMITERS: [u8; 3] = *b",;\t";
 
 impl Form {
-    /// Excel separates by semicolons where a comma stands before decimals.
+    /// Excel separates cells by semicolons if commas precede decimals.
     pub(super) fn has_decimal_comma(self) -> bool {
         self.delimiter == b';'
     }
 
-    /// Reads up to the first line that is not blank, and gives what has been read of the table itself.
+    /// Reads up to the first line that is not blank. Returns the part of the table that has been
+    /// read.
     pub(super) fn read(text: &mut impl BufRead) -> Result<(Self, Vec<u8>)> {
         let mut begun = Vec::new();
         loop {
@@ -45,17 +46,17 @@ impl Form {
     }
 }
 
-/// The mark that a line such as `sep=;` declares.
+/// Returns the separator that a line such as `sep=;` declares.
 fn declared(line: &[u8]) -> Option<u8> {
     let line = line.strip_prefix(b"\"").and_then(|line| line.strip_suffix(b"\"")).unwrap_or(line);
     let (name, mark) = line.split_at_checked(4)?;
-    // What is trimmed off a line's end is a tab.
+    // Only a tab is trimmed off the end of a line.
     let mark = if mark.is_empty() { b"\t" } else { mark };
     let known = DELIMITERS.into_iter().find(|delimiter| mark == [*delimiter])?;
     name.eq_ignore_ascii_case(b"sep=").then_some(known)
 }
 
-/// The mark that occurs most often in a line outside quotation marks.
+/// Returns the separator that occurs most often in a line outside quotation marks.
 fn separating(line: &[u8]) -> u8 {
     let mut counts = [0_usize; DELIMITERS.len()];
     let mut quoted = false;
@@ -66,6 +67,6 @@ fn separating(line: &[u8]) -> u8 {
         }
     }
     let marks = DELIMITERS.into_iter().zip(counts);
-    // The first of those that occur equally often.
+    // The first one wins if several occur equally often.
     marks.rev().max_by_key(|(_, count)| *count).map_or(b',', |(mark, _)| mark)
 }

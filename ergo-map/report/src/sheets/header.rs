@@ -1,4 +1,4 @@
-//! The first line of a table: which columns there are.
+//! The first line of a table, which names the columns.
 
 use std::fmt;
 
@@ -6,16 +6,16 @@ use super::column::Column;
 use super::sheet::{Elsewhere, Sheet};
 use crate::error::Error;
 
-/// No table has more columns.
+/// Largest number of columns of a table.
 const MOST_COLUMNS: usize = 1000;
-/// Names that differ by so many letters, or fewer, are taken for a slip of the pen.
+/// Names that differ by at most this many letters count as a spelling mistake.
 const SLIP: usize = 2;
-/// No more characters of a name or a cell are shown in a message.
+/// Largest number of characters of a name or a cell in a message.
 const LONGEST_SHOWN: usize = 60;
-/// What columns are called that the table may hold beside the sheets'.
+/// The column of each name in the header. None for a column that the sheet does not have.
 pub(super) type Matched<S> = Vec<Option<&'static Column<S>>>;
 
-/// What becomes of columns that the sheet does not have.
+/// Treatment of columns that the sheet does not have.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Unknown {
     /// They are passed through unchanged.
@@ -25,10 +25,10 @@ pub enum Unknown {
     Refuse,
 }
 
-/// The column of each name in the header; none for a column that is passed through.
+/// Returns the column of each name in the header. None for a column that is passed through.
 ///
-/// A name that is nearly one of the sheet's is refused whatever is wanted of unknown ones: the
-/// scores would silently leave it out.
+/// A name close to one of the sheet's is always refused, since the scores would silently leave it
+/// out.
 pub(super) fn matched<S: Sheet>(
     line: usize,
     names: &[String],
@@ -64,7 +64,7 @@ pub(super) fn matched<S: Sheet>(
     }
 }
 
-/// Says what is wrong with a column that the sheet does not have, if anything is.
+/// Returns an error for a column that the sheet does not have, if it is not allowed.
 fn refuse<S: Sheet>(line: usize, number: usize, name: &str, unknown: Unknown) -> Result<(), Error> {
     if name.contains([';', '\t']) {
         let problem = "separate the cells by commas, by semicolons or by tabs throughout";
@@ -108,12 +108,12 @@ fn refuse<S: Sheet>(line: usize, number: usize, name: &str, unknown: Unknown) ->
     }
 }
 
-/// A name as the sheet's columns are written: small letters, with underscores between words.
+/// Returns a name in the form of the sheet's columns: lower case, with underscores between words.
 fn plain(name: &str) -> String {
     name.trim().to_lowercase().replace([' ', '-', '.'], "_")
 }
 
-/// A text that may be long: its beginning is enough in a message.
+/// A text that is shortened to its beginning in messages.
 pub(super) struct Shown<'a>(pub(super) &'a str);
 
 impl fmt::Debug for Shown<'_> {

@@ -2,39 +2,39 @@
 
 use std::io::{BufRead, Error, Read, Result};
 
-/// Hands out at most one line at a time, so that whoever reads knows in which one they are.
+/// Returns at most one line at a time, so that the reader knows the current line.
 ///
-/// (The `csv` crate counts lines too, but names the line before for files with Windows line ends
-/// and for rows after blank lines.)
+/// (The `csv` crate counts lines too, but names the wrong line for files with Windows line ends and
+/// for rows after blank lines.)
 #[derive(Debug)]
 pub(super) struct Lines<R> {
     inner: R,
     line: usize,
     inside: bool,
-    /// Bytes handed out since the last row was whole.
+    /// Bytes returned since the last complete row.
     row: usize,
 }
 
-/// No row is longer (bytes).
+/// Length of the longest row (bytes).
 pub(super) const LONGEST_ROW: usize = 1 << 20;
 
 impl<R: BufRead> Lines<R> {
-    /// Hands out the lines after the first `before`, which have been read.
+    /// Creates a reader that returns the lines after the first `before`, which have been read.
     pub(super) fn new(inner: R, before: usize) -> Self {
         Self { inner, line: before, inside: false, row: 0 }
     }
 
-    /// The line from which text was handed out last; the first is 1.
+    /// Returns the line of the last text, counted from 1.
     pub(super) fn line(&self) -> usize {
         self.line
     }
 
-    /// What comes next belongs to another row.
+    /// Starts a new row.
     pub(super) fn begin_row(&mut self) {
         self.row = 0;
     }
 
-    /// Returns true if the row is longer than any that is read.
+    /// Returns true if the row is longer than allowed.
     pub(super) fn too_long(&self) -> bool {
         self.row > LONGEST_ROW
     }

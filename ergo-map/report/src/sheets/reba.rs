@@ -1,4 +1,4 @@
-//! The table's columns for REBA.
+//! Columns of the table for REBA.
 
 use ergo_map::{ContinuousReba, Coupling, Error, LegSupport, Mode, Worksheet};
 
@@ -8,7 +8,7 @@ use super::sheet::{Elsewhere, Sheet};
 const COUPLINGS: [Coupling; 4] =
     [Coupling::Good, Coupling::Fair, Coupling::Poor, Coupling::Unacceptable];
 
-/// A box that only RULA's sheet has by itself.
+/// Creates a box that only RULA's sheet has as a separate box.
 const fn of_rula(name: &'static str, here: Option<&'static str>) -> Elsewhere {
     Elsewhere { name, sheet: "RULA", here }
 }
@@ -39,7 +39,7 @@ impl Sheet for Worksheet {
                 s.conditions.support = LegSupport::Unilateral;
             }
         }),
-        // A seat carries, whatever the legs do.
+        // A seat supports the body, whatever the legs do.
         Column::flag("sitting", |s, x| {
             if x > 0.0 {
                 s.conditions.support = LegSupport::Sitting;

@@ -1,5 +1,4 @@
-//! The table's columns for RULA: those of REBA, so that one table serves both, and those that only
-//! RULA asks.
+//! Columns of the table for RULA: those of REBA, so that one table serves both, and RULA's own.
 
 use ergo_map::{Error, LoadPattern, RulaWorksheet};
 
@@ -25,7 +24,7 @@ impl Sheet for RulaWorksheet {
                 s.load_pattern = LoadPattern::Shock;
             }
         }),
-        // Two boxes of the sheet where REBA has one.
+        // RULA's sheet has two boxes where REBA's has one.
         Column::flag("trunk_twist", |s, x| s.trunk_twisted |= x > 0.0),
         Column::flag("trunk_side", |s, x| s.trunk_bent = x > 0.0),
         Column::flag("neck_twist", |s, x| s.neck_twisted |= x > 0.0),
@@ -35,13 +34,13 @@ impl Sheet for RulaWorksheet {
         Column::flag("wrist_dev", |s, x| s.wrist_deviated |= x > 0.0),
         Column::flag("wrist_twist", |s, x| s.wrist_twisted = x > 0.0),
         Column::flag("legs_unsupported", |s, x| s.legs_unsupported |= x > 0.0),
-        // REBA's columns: a box that stands for two ticks the first.
+        // A column of REBA that stands for two boxes sets the first one.
         Column::flag("trunk_twist_or_side", |s, x| s.trunk_twisted |= x > 0.0),
         Column::flag("neck_twist_or_side", |s, x| s.neck_twisted |= x > 0.0),
         Column::flag("arm_abducted_or_rotated", |s, x| s.arm_abducted |= x > 0.0),
         Column::flag("wrist_dev_or_twist", |s, x| s.wrist_deviated |= x > 0.0),
         Column::flag("unilateral", |s, x| s.legs_unsupported |= x > 0.0),
-        // Not asked by RULA.
+        // RULA's sheet does not ask for these.
         Column::optional("knee_flex_deg", Cell::Angle, |_, _| ()),
         Column::optional(
             "coupling",
@@ -90,7 +89,8 @@ impl Sheet for RulaWorksheet {
     }
 }
 
-/// Held or repeated: for the muscles, and for the load unless it comes with shock.
+/// Sets muscle use, and a static load unless the load has shock, for a posture that is held or
+/// repeated.
 fn held(sheet: &mut RulaWorksheet, ticked: f64) {
     if ticked > 0.0 {
         sheet.muscle_use = true;

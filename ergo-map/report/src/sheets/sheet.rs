@@ -1,33 +1,33 @@
-//! What makes a sheet.
+//! Interface of sheets.
 
 use super::column::Column;
 
-/// A sheet that assessors fill in: the columns it is read from and the scores it gives.
+/// A sheet that assessors complete: its input columns and its scores.
 pub trait Sheet: Default + 'static {
-    /// What a sheet as a whole may be refused for.
+    /// Reason for which a whole sheet is refused.
     type Error: std::error::Error + Send + Sync + 'static;
 
-    /// What the table may hold.
+    /// Columns that the table may have.
     const COLUMNS: &'static [Column<Self>];
-    /// Columns of other sheets, which this one does not have under these names.
+    /// Columns of other sheets, whose names this sheet does not have.
     const ELSEWHERE: &'static [Elsewhere] = &[];
-    /// The names of the scores, in the order in which [`Sheet::scores`] gives them.
+    /// Names of the scores, in the order of [`Sheet::scores`].
     const SCORES: &'static [&'static str];
 
-    /// The scores as they are written.
+    /// Returns the scores as text.
     ///
     /// # Errors
-    /// What the sheet itself refuses.
+    /// The reason for which the sheet is refused.
     fn scores(&self) -> Result<Vec<String>, Self::Error>;
 }
 
-/// A column of another sheet: passed through, it would silently not be scored.
+/// A column of another sheet. If it were passed through, it would silently not be scored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Elsewhere {
-    /// Its name there.
+    /// Name of the column.
     pub name: &'static str,
-    /// Which sheet has it.
+    /// Name of the other sheet.
     pub sheet: &'static str,
-    /// What the same is called on this sheet, if it is asked for.
+    /// Name of the equivalent column on this sheet, if there is one.
     pub here: Option<&'static str>,
 }

@@ -12,12 +12,12 @@ use crate::error::Error;
 
 /// A table of sheets as spreadsheets write it, whose header has been read.
 ///
-/// Commas separate cells, or semicolons or tabs; the header tells, or a line `sep=;` before it. With
-/// semicolons a comma may stand before decimals, and does so in the scores. Rows without any content
-/// are left out.
+/// Cells are separated by commas, semicolons or tabs. The header determines the separator, or a
+/// line `sep=;` before it. If it is a semicolon, a comma may precede decimals, and does so in the
+/// scores. Empty rows are skipped.
 ///
-/// The first line names the columns of [`Sheet::COLUMNS`], in any order; other columns are passed
-/// through, unless that is not wanted. The scored table has the columns of [`Sheet::SCORES`] behind
+/// The first line names the columns of [`Sheet::COLUMNS`], in any order. Other columns are passed
+/// through, unless that is refused. The scored table has the columns of [`Sheet::SCORES`] after
 /// them.
 ///
 /// ```
@@ -46,14 +46,14 @@ pub struct SheetTable<S: 'static, R: BufRead> {
     columns: Matched<S>,
 }
 
-/// The header, which has been read to see how the table is written, and what follows.
+/// The header, which has been read to determine the format, and the rest.
 type Text<R> = Chain<Cursor<Vec<u8>>, R>;
 
 impl<S: Sheet, R: BufRead> SheetTable<S, R> {
     /// Reads the header.
     ///
     /// # Errors
-    /// [`Error`] with line and column for the first fault.
+    /// [`Error`] with line and column of the first fault.
     pub fn new(mut table: R, unknown: Unknown) -> Result<Self, Error> {
         let unread = |source| Error::Read { line: 1, source };
         let (form, begun) = Form::read(&mut table).map_err(unread)?;
@@ -76,27 +76,27 @@ impl<S: Sheet, R: BufRead> SheetTable<S, R> {
         Ok(Self { rows, form, numbers, names, columns })
     }
 
-    /// The same, with ratings from 0 to 100, which go on the sheets as 0 to 20.
+    /// Reads ratings from 0 to 100, which become 0 to 20 on the sheets.
     #[must_use]
     pub fn with_ratings_to_hundred(mut self) -> Self {
         self.numbers.ratings_end = 100.0;
         self
     }
 
-    /// The names of the columns that are passed through.
+    /// Names of the columns that are passed through.
     pub fn unknown(&self) -> impl Iterator<Item = &str> {
         let pairs = self.names.iter().zip(&self.columns);
         pairs.filter(|(_, column)| column.is_none()).map(|(name, _)| name.trim())
     }
 
-    /// Writes the same table with the scores of each row behind it, row by row. `each` is given
-    /// every sheet that has been scored, and may end there. Rows before a fault have been written
-    /// when the error is returned.
+    /// Writes the same table with the scores appended to each row, row by row.
     ///
-    /// Returns whether all rows are scored, or `each` has ended it.
+    /// `each` is called with every scored sheet, and may stop the process. If there is a fault, the
+    /// rows before it have been written. Returns whether all rows are scored, or `each` has stopped
+    /// it.
     ///
     /// # Errors
-    /// [`Error`] with line and column for the first fault.
+    /// [`Error`] with line and column of the first fault.
     pub fn score(
         &mut self,
         mut output: impl Write,
@@ -109,7 +109,7 @@ impl<S: Sheet, R: BufRead> SheetTable<S, R> {
         let mut builder = csv::WriterBuilder::new();
         let mut scored = builder.delimiter(self.form.delimiter).from_writer(output);
         let outcome = self.append_scores(&mut scored, each);
-        // What was right before a fault is worth having.
+        // Rows before a fault are valid and are kept.
         scored.flush().map_err(unwritten)?;
         outcome
     }
@@ -141,7 +141,7 @@ impl<S: Sheet, R: BufRead> SheetTable<S, R> {
         Ok(ControlFlow::Continue(()))
     }
 
-    /// The sheet of a row.
+    /// Returns the sheet of a row.
     fn sheet(&self, line: usize, row: &csv::StringRecord) -> Result<S, Error> {
         let expected = self.columns.len();
         if row.len() != expected {
@@ -170,7 +170,7 @@ impl<S: Sheet, R: BufRead> SheetTable<S, R> {
     }
 }
 
-/// The next row that is not blank: spreadsheets end tables with rows of empty cells.
+/// Reads the next row that is not blank, since spreadsheets end tables with rows of empty cells.
 fn read(
     rows: &mut csv::Reader<Lines<impl BufRead>>,
     row: &mut csv::StringRecord,

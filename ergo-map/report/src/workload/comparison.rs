@@ -1,4 +1,4 @@
-//! Two conditions compared, subject by subject.
+//! Comparison of two conditions, subject by subject.
 
 use serde::Serialize;
 
@@ -7,24 +7,25 @@ use super::quartiles::Quartiles;
 use super::questionnaire::Scale;
 use super::signed_rank::SignedRank;
 
-/// One scale, or one score, under two conditions.
+/// One scale or score under two conditions.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Tested {
-    /// The scale or the score.
+    /// Name of the scale or score.
     pub name: &'static str,
-    /// The median of what each subject rated more under the second condition.
+    /// Median of each subject's increase from the first to the second condition.
     pub median_difference: f64,
-    /// Subjects whose ratings differ.
+    /// Number of subjects whose ratings differ.
     pub differing: usize,
-    /// Sum of the ranks of the subjects who rated more under the second condition.
+    /// Sum of the ranks of the subjects with a higher rating under the second condition.
     pub positive_ranks: f64,
-    /// Sum of the ranks of the subjects who rated less.
+    /// Sum of the ranks of the subjects with a lower rating.
     pub negative_ranks: f64,
     /// Two-sided probability of the exact signed-rank test.
     pub p: f64,
-    /// The same corrected for the six scales that are tested (Holm 1979); none for whole scores.
+    /// Probability corrected for six tested scales (Holm 1979). None for whole scores.
     pub p_holm: Option<f64>,
-    /// Rank-biserial correlation: -1 if all rated less under the second condition, 1 if more.
+    /// Rank-biserial correlation: -1 if all ratings are lower under the second condition, 1 if all
+    /// are higher.
     pub effect: f64,
 }
 
@@ -35,12 +36,12 @@ pub struct Comparison {
     pub first: String,
     /// The second one.
     pub second: String,
-    /// The six scales, raw TLX and, with weights, weighted TLX.
+    /// The six scales, raw TLX and, if there are weights, weighted TLX.
     pub tested: Vec<Tested>,
 }
 
 impl Comparison {
-    /// Compares conditions whose subjects are the same and stand in the same order.
+    /// Compares conditions with the same subjects in the same order.
     pub(super) fn of(first: &Condition, second: &Condition) -> Self {
         let scales = Scale::ALL.into_iter().enumerate();
         let scales = scales
@@ -74,8 +75,8 @@ fn test(name: &'static str, before: &[f64], after: &[f64]) -> Tested {
     }
 }
 
-/// Probabilities corrected for being several (Holm 1979), in the given order: the smallest of k
-/// counts k times, the next k - 1 times, and none less than one before it.
+/// Corrects probabilities for multiple tests (Holm 1979), and returns them in the given order. The
+/// smallest of k is multiplied by k, the next by k - 1, and none is less than the one before.
 fn holm(probabilities: &[f64]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..probabilities.len()).collect();
     order.sort_by(|&one, &other| probabilities[one].total_cmp(&probabilities[other]));

@@ -1,22 +1,22 @@
-//! The answers of the subjects under one condition.
+//! Answers of the subjects under one condition.
 
 use std::collections::HashMap;
 
 use super::questionnaire::{Questionnaire, Scale};
 use crate::error::Error;
 
-/// The answers under one condition.
+/// Answers under one condition.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Condition {
-    /// Its name; empty where the table does not name any.
+    /// Name of the condition, empty if the table has none.
     pub name: String,
-    /// The subjects, in the same order in each condition.
+    /// Subjects, in the same order in each condition.
     pub subjects: Vec<String>,
-    /// Each subject's ratings by [`Scale::ALL`]; a perfect performance is 0.
+    /// Ratings of each subject in the order of [`Scale::ALL`]. A perfect performance is 0.
     pub ratings: Vec<[f64; 6]>,
-    /// Each subject's raw TLX.
+    /// Raw TLX of each subject.
     pub raw: Vec<f64>,
-    /// Each subject's weighted TLX, where the questionnaires have weights.
+    /// Weighted TLX of each subject, if the questionnaires have weights.
     pub weighted: Option<Vec<f64>>,
 }
 
@@ -66,17 +66,17 @@ impl Condition {
         Ok(condition)
     }
 
-    /// Its name, or what stands for it where the table does not name any.
+    /// Returns the name, or a replacement if the table has none.
     pub fn title(&self) -> &str {
         if self.name.is_empty() { "all questionnaires" } else { &self.name }
     }
 
-    /// Each subject's rating on one of [`Scale::ALL`].
+    /// Returns each subject's rating on one of [`Scale::ALL`].
     pub fn scale(&self, index: usize) -> Vec<f64> {
         self.ratings.iter().map(|ratings| ratings[index]).collect()
     }
 
-    /// Names and values of the scales and scores.
+    /// Iterates over the names and values of the scales and scores.
     pub(super) fn columns(&self) -> impl Iterator<Item = (&'static str, Vec<f64>)> {
         let scales = Scale::ALL.into_iter().enumerate();
         let scores = [("raw_tlx", Some(&self.raw)), ("weighted_tlx", self.weighted.as_ref())];
@@ -86,7 +86,7 @@ impl Condition {
     }
 }
 
-/// Error for a subject without weights where others have them.
+/// Creates the error for a subject without weights if others have them.
 pub(super) fn unweighted(subject: &str, condition: &str) -> Error {
     Error::Study(format!(
         "subject {subject:?} has no weights for the condition {condition:?} but others have; \

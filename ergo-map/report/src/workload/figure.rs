@@ -1,4 +1,4 @@
-//! The box plot of the paper's figure on NASA-TLX: six scales, a box for each condition.
+//! Box plot of the paper's figure on NASA-TLX: six scales with a box for each condition.
 
 use std::fmt::Display;
 
@@ -20,11 +20,11 @@ const LEGEND_HEIGHT: u32 = 44;
 const FONT: &str = "sans-serif";
 const TEXT: RGBColor = RGBColor(40, 40, 40);
 const GRID: RGBColor = RGBColor(228, 228, 228);
-/// The boxes of a scale fill this much of its place.
+/// Share of a scale's space that its boxes fill.
 const FILLED: f64 = 0.76;
-/// Whiskers end at the farthest rating within so many box lengths (Tukey 1977).
+/// Largest length of whiskers, in box lengths (Tukey 1977).
 const WHISKER: f64 = 1.5;
-/// Colours that colour-blind people can tell apart (Okabe & Ito 2008).
+/// Colours that colour-blind people can distinguish (Okabe & Ito 2008).
 const COLOURS: [RGBColor; 8] = [
     RGBColor(0, 114, 178),
     RGBColor(230, 159, 0),
@@ -40,7 +40,7 @@ const COLOURS: [RGBColor; 8] = [
 /// lengths, and crosses beyond.
 ///
 /// # Errors
-/// [`Error::Drawing`] if it cannot be drawn.
+/// [`Error::Drawing`] if the figure cannot be drawn.
 pub fn figure(study: &WorkloadStudy) -> Result<String, Error> {
     let mut svg = String::new();
     {
@@ -91,7 +91,7 @@ fn draw_boxes(area: &Area<'_>, study: &WorkloadStudy) -> Result<(), Error> {
     Ok(())
 }
 
-/// The letters of the scale at a place of the axis.
+/// Returns the abbreviation of the scale at a place of the axis.
 fn scale_at(place: f64) -> String {
     let near = Scale::ALL.into_iter().enumerate();
     let near = near.filter(|(index, _)| (*index as f64 - place).abs() < 1e-6);

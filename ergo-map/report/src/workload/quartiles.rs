@@ -1,8 +1,8 @@
-//! What a box of a box plot shows.
+//! Values of a box in a box plot.
 
 use serde::Serialize;
 
-/// Median and quartiles of some numbers, interpolated linearly between the ordered ones (Hyndman &
+/// Median and quartiles of numbers, interpolated linearly between the ordered numbers (Hyndman &
 /// Fan's definition 7, the default of NumPy and R).
 ///
 /// ```
@@ -22,7 +22,7 @@ pub struct Quartiles {
 }
 
 impl Quartiles {
-    /// Finds them among these numbers; NaN if there is none.
+    /// Computes the quartiles. They are NaN if there is no number.
     pub fn of(numbers: &[f64]) -> Self {
         let mut ordered = numbers.to_vec();
         ordered.sort_by(f64::total_cmp);
@@ -30,13 +30,13 @@ impl Quartiles {
         Self { lower, median, upper }
     }
 
-    /// How far the box reaches.
+    /// Returns the interquartile range.
     pub fn range(&self) -> f64 {
         self.upper - self.lower
     }
 }
 
-/// The number below which this share of the ordered ones lies.
+/// Returns the number below which this share of the ordered numbers lies.
 fn between(ordered: &[f64], share: f64) -> f64 {
     let Some(last) = ordered.len().checked_sub(1) else { return f64::NAN };
     let place = share * last as f64;

@@ -1,32 +1,32 @@
-//! One filled-in NASA-TLX questionnaire (Hart & Staveland 1988).
+//! One completed NASA-TLX questionnaire (Hart & Staveland 1988).
 
 use crate::error::Error;
 use crate::sheets::{Cell, Column, Sheet};
 
-/// Choices between two of six scales.
+/// Number of choices between two of six scales.
 const CHOICES: f64 = 15.0;
-/// The end of a scale.
+/// End of a scale.
 const HIGHEST: f64 = 20.0;
 
 /// The six scales, in the order of the paper's figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
-    /// How hurried the pace was.
+    /// Pace of the work.
     TemporalDemand,
-    /// How much thinking it took.
+    /// Amount of thinking.
     MentalDemand,
-    /// How hard the subject had to work.
+    /// Effort of the subject.
     Effort,
-    /// How much bodily work it took.
+    /// Amount of physical activity.
     PhysicalDemand,
-    /// How well it went: 0 is perfect, 20 is failure.
+    /// Performance: 0 is perfect, 20 is failure.
     Performance,
-    /// How annoyed the subject was.
+    /// Annoyance of the subject.
     Frustration,
 }
 
 impl Scale {
-    /// All, in the order of the paper's figure.
+    /// All scales, in the order of the paper's figure.
     pub const ALL: [Self; 6] = [
         Self::TemporalDemand,
         Self::MentalDemand,
@@ -36,7 +36,7 @@ impl Scale {
         Self::Frustration,
     ];
 
-    /// The name of its column.
+    /// Returns the name of the scale's column.
     pub fn name(self) -> &'static str {
         match self {
             Self::TemporalDemand => "temporal_demand",
@@ -48,7 +48,7 @@ impl Scale {
         }
     }
 
-    /// The two letters of the paper's figure.
+    /// Returns the two letters in the paper's figure.
     pub fn abbreviation(self) -> &'static str {
         match self {
             Self::TemporalDemand => "TD",
@@ -61,13 +61,13 @@ impl Scale {
     }
 }
 
-/// A questionnaire as it is read from a row of a table: ratings from 0 to 20 and, where the subject
-/// compared the scales, how often each was chosen.
+/// A questionnaire read from a row of a table. It contains ratings from 0 to 20. If the subject
+/// compared the scales, it also contains how often each was chosen.
 ///
-/// The table says how performance was rated: in the column `performance` 0 is perfect and 20 is
-/// failure, as on NASA's sheet; in `performance_inverted` 20 is perfect, and the rating is turned
-/// over when it is read. [`crate::sheets::SheetTable::with_ratings_to_hundred`] reads ratings from 0 to
-/// 100.
+/// The table determines how performance is rated. In the column `performance` 0 is perfect and 20
+/// is failure, as on NASA's sheet. In `performance_inverted` 20 is perfect, and the rating is
+/// inverted when it is read. [`crate::sheets::SheetTable::with_ratings_to_hundred`] reads ratings
+/// from 0 to 100.
 ///
 /// ```
 /// use std::ops::ControlFlow;
@@ -92,28 +92,29 @@ impl Scale {
 pub struct Questionnaire {
     subject: String,
     condition: String,
-    /// By [`Scale::ALL`].
+    /// Ratings in the order of [`Scale::ALL`].
     ratings: [Option<f64>; 6],
     inverted_performance: Option<f64>,
-    /// By [`Scale::ALL`].
+    /// Weights in the order of [`Scale::ALL`].
     weights: [Option<f64>; 6],
 }
 
 impl Questionnaire {
-    /// Who answered.
+    /// The subject who answered.
     pub fn subject(&self) -> &str {
         &self.subject
     }
 
-    /// Under which condition; empty where the table has no such column.
+    /// The condition, empty if the table has no such column.
     pub fn condition(&self) -> &str {
         &self.condition
     }
 
-    /// The ratings by [`Scale::ALL`], from 0 to 20; a perfect performance is 0.
+    /// Returns the ratings in the order of [`Scale::ALL`], from 0 to 20. A perfect performance is
+    /// 0.
     ///
     /// # Errors
-    /// [`Error`] where performance is rated not at all or twice.
+    /// [`Error`] if performance is not rated, or rated twice.
     pub fn ratings(&self) -> Result<[f64; 6], Error> {
         let performance = match (self.ratings[4], self.inverted_performance) {
             (Some(rating), None) => rating,
@@ -130,25 +131,26 @@ impl Questionnaire {
                 return Err(Error::Questionnaire(both.into()));
             }
         };
-        // A table without one of the others is refused.
+        // A table without one of the other ratings is refused.
         let mut ratings = self.ratings.map(Option::unwrap_or_default);
         ratings[4] = performance;
         Ok(ratings)
     }
 
-    /// Raw TLX: the mean of the ratings.
+    /// Returns raw TLX, the mean of the ratings.
     ///
     /// # Errors
-    /// As for [`Questionnaire::ratings`].
+    /// Those of [`Questionnaire::ratings`].
     pub fn raw(&self) -> Result<f64, Error> {
         Ok(self.ratings()?.iter().sum::<f64>() / 6.0)
     }
 
-    /// Weighted TLX: the ratings weighed by how often each scale was chosen in fifteen choices
-    /// between two; `None` without weights.
+    /// Returns weighted TLX: the ratings weighted by the number of times that each scale was chosen
+    /// in fifteen choices between two. `None` if there are no weights.
     ///
     /// # Errors
-    /// As for [`Questionnaire::ratings`], and weights that are incomplete or do not add up to 15.
+    /// Those of [`Questionnaire::ratings`], and an error if weights are incomplete or do not sum to
+    /// 15.
     pub fn weighted(&self) -> Result<Option<f64>, Error> {
         let found = self.weights.iter().flatten().count();
         if found == 0 {

@@ -1,13 +1,12 @@
 //! The exact signed-rank test of Wilcoxon (1945).
 
-/// Differences that are nearer to each other than this are equal: ratings end at 20, and rounding
-/// is far below.
+/// Differences closer than this are equal. Ratings end at 20, and rounding is much smaller.
 const EQUAL: f64 = 1e-9;
 
-/// What the signed ranks of paired differences say about whether one of the two is larger.
+/// The signed-rank test of paired differences, which tests whether one of the two is larger.
 ///
-/// Pairs that do not differ are left out. Equal differences share the mean of their ranks, and the
-/// probability counts all signs of the ranks that there are, so it is exact with ties too.
+/// Pairs without a difference are left out. Equal differences share the mean of their ranks. The
+/// probability counts all signs of the actual ranks, so it is exact with ties too.
 ///
 /// ```
 /// use ergo_report::workload::SignedRank;
@@ -24,10 +23,10 @@ pub struct SignedRank {
     pub positive: f64,
     /// Sum of the ranks of negative differences.
     pub negative: f64,
-    /// Pairs that differ.
+    /// Number of pairs with a difference.
     pub pairs: usize,
-    /// Probability of ranks that are at least as one-sided if both are alike: twice the smaller
-    /// tail, at most 1.
+    /// Probability of ranks that are at least as one-sided if both conditions are equal: twice the
+    /// smaller tail, at most 1.
     pub p: f64,
 }
 
@@ -49,28 +48,28 @@ impl SignedRank {
         Self { positive: positive as f64 / 2.0, negative: negative as f64 / 2.0, pairs, p }
     }
 
-    /// The rank-biserial correlation (Kerby 2014), from -1 (all differences negative) to 1 (all
-    /// positive); 0 if no pair differs.
+    /// Returns the rank-biserial correlation (Kerby 2014), from -1 (all differences negative) to 1
+    /// (all positive). It is 0 if no pair differs.
     pub fn effect(&self) -> f64 {
         let sum = self.positive + self.negative;
         if sum > 0.0 { (self.positive - self.negative) / sum } else { 0.0 }
     }
 }
 
-/// Twice the rank of each of these differences, which come by size: whole numbers also where equal
-/// ones share a mean rank.
+/// Returns twice the rank of each difference, in the order of size. These are integers even if
+/// equal differences share a mean rank.
 fn doubled_ranks(ordered: &[f64]) -> Vec<usize> {
     let mut ranks = Vec::with_capacity(ordered.len());
     for equal in ordered.chunk_by(|one, other| (one.abs() - other.abs()).abs() <= EQUAL) {
         let (before, count) = (ranks.len(), equal.len());
-        // The first is before + 1, the last is before + count.
+        // The ranks are from before + 1 to before + count.
         ranks.resize(before + count, 2 * before + count + 1);
     }
     ranks
 }
 
-/// The probability that the ranks with one sign add up to at most this, if each sign is a toss of a
-/// coin. The distribution is symmetric: it is that of either sign.
+/// Returns the probability that the ranks of one sign sum to at most this, if each sign is equally
+/// likely. The distribution is symmetric, so it is the same for both signs.
 fn at_most(ranks: &[usize], sum: usize) -> f64 {
     let total: usize = ranks.iter().sum();
     let mut probability = vec![0.0; total + 1];

@@ -1,4 +1,4 @@
-//! The questionnaires of a study: by condition, and compared.
+//! Questionnaires of a study, grouped by condition and compared.
 
 use std::{collections::HashSet, fmt};
 
@@ -10,18 +10,19 @@ use super::quartiles::Quartiles;
 use super::questionnaire::Questionnaire;
 use crate::error::Error;
 
-/// The exact distribution of ranks takes the cube of this.
+/// Largest number of subjects. The exact distribution of ranks costs the cube of this number.
 const MOST_SUBJECTS: usize = 500;
-/// Every two are compared.
+/// Largest number of conditions. All pairs are compared.
 const MOST_CONDITIONS: usize = 8;
 
-/// A study: conditions under which the same subjects worked, each answered by a questionnaire.
+/// A study of conditions with the same subjects. Each subject answers a questionnaire under each
+/// condition.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WorkloadStudy {
     conditions: Vec<Condition>,
 }
 
-/// The summary of one scale or score under one condition.
+/// Summary of one scale or score under one condition.
 #[derive(Serialize)]
 struct Summary {
     name: &'static str,
@@ -44,12 +45,13 @@ struct StudySummary<'a> {
 }
 
 impl WorkloadStudy {
-    /// Puts questionnaires together by condition, conditions and subjects in the order in which
-    /// they first appear.
+    /// Groups questionnaires by condition. Conditions and subjects are in the order of their first
+    /// appearance.
     ///
     /// # Errors
-    /// [`Error`] for no questionnaire, one without a score, too many subjects or conditions,
-    /// and a subject who answers twice, not under each condition, or alone without weights.
+    /// [`Error`] if there is no questionnaire, one has no score, or there are too many subjects or
+    /// conditions. [`Error`] also if a subject answers twice, is missing under a condition, or
+    /// alone has no weights.
     pub fn new(questionnaires: &[Questionnaire]) -> Result<Self, Error> {
         if questionnaires.is_empty() {
             return Err(Error::Study("the table has no questionnaire; give one a row".into()));
@@ -75,8 +77,8 @@ impl WorkloadStudy {
         Ok(study)
     }
 
-    /// Whole conditions may not differ in whether they are weighed: a weighted score that is there
-    /// under one of them only compares nothing.
+    /// Checks that all conditions have weights, or none. A weighted score under only one of them
+    /// cannot be compared.
     fn check_weights(&self) -> Result<(), Error> {
         let weighed = self.conditions.iter().any(|condition| condition.weighted.is_some());
         let without = self.conditions.iter().find(|condition| condition.weighted.is_none());
@@ -94,7 +96,7 @@ impl WorkloadStudy {
         &self.conditions
     }
 
-    /// Every two conditions compared.
+    /// Returns the comparisons of all pairs of conditions.
     pub fn comparisons(&self) -> Vec<Comparison> {
         let pairs = self.conditions.iter().enumerate().flat_map(|(index, first)| {
             self.conditions.iter().skip(index + 1).map(move |second| (first, second))
@@ -128,7 +130,7 @@ impl Serialize for WorkloadStudy {
     }
 }
 
-/// The study as tables: the answers under each condition, and what the tests say.
+/// Formats the study as tables: the answers under each condition, and the results of the tests.
 impl fmt::Display for WorkloadStudy {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for condition in &self.conditions {
@@ -182,7 +184,7 @@ impl fmt::Display for WorkloadStudy {
     }
 }
 
-/// Each text once, in the order in which they come.
+/// Returns each text once, in the order of first appearance.
 fn in_order<'a>(texts: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
     let mut seen = HashSet::new();
     texts.filter(|text| seen.insert(*text)).collect()

@@ -17,7 +17,7 @@ random = np.random.default_rng(7)
 def tested(before, after):
     difference = after - before
     difference = difference[difference != 0]
-    if difference.size < 2:  # SciPy refuses these.
+    if difference.size < 2:  # SciPy rejects these.
         return {"p": 1.0, "effect": float(np.sign(difference).sum())}
     exact = PermutationMethod(n_resamples=2 ** (difference.size + 1))
     result = wilcoxon(difference, method=exact)

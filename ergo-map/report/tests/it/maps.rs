@@ -11,7 +11,7 @@ fn coarse_map() -> ErgonomicsMap {
     ErgonomicsMap::build(&Person::average(), &options, None).unwrap()
 }
 
-/// A picture's width and height.
+/// Returns a picture's width and height.
 fn size(svg: &str) -> (f64, f64) {
     let number = |name: &str| {
         let (_, rest) = svg.split_once(&format!(" {name}=\"")).unwrap();
@@ -20,7 +20,7 @@ fn size(svg: &str) -> (f64, f64) {
     (number("width"), number("height"))
 }
 
-/// Every pair of coordinates of lines and areas.
+/// Returns all pairs of coordinates of lines and areas.
 fn points(svg: &str) -> Vec<(f64, f64)> {
     let lists = svg.split(" points=\"").skip(1).map(|rest| rest.split('"').next().unwrap());
     let pairs = lists.flat_map(str::split_whitespace).map(|pair| pair.split_once(',').unwrap());
@@ -42,7 +42,7 @@ fn assert_is_picture(svg: &str, texts: &[&str]) {
 }
 
 #[test]
-fn studies_refuse_what_makes_no_sense() {
+fn studies_refuse_invalid_input() {
     let map = coarse_map();
     for threshold in [0.0, -1.0, 5.0, f64::NAN, f64::INFINITY] {
         let study = MapStudy::new(map.clone(), Person::average(), threshold);
@@ -53,7 +53,7 @@ fn studies_refuse_what_makes_no_sense() {
 }
 
 #[test]
-fn what_the_book_says_of_the_work_zone_holds() {
+fn the_books_statements_on_the_work_zone_hold() {
     for side in [Side::Left, Side::Right] {
         let person = Person::average();
         let zone = Region::work_zone(person.stature(), side);
@@ -83,7 +83,8 @@ fn the_acceptable_region_grows_with_its_threshold() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(6))]
 
-    /// Pictures of any person hold everything within their frame, wherever the hand is.
+    /// The pictures of every person have all their content within their frame, wherever the hand
+    /// is.
     #[test]
     fn everyone_can_be_drawn(stature in 1.2..2.2_f64, left in any::<bool>(), at in any::<prop::sample::Index>()) {
         let side = if left { Side::Left } else { Side::Right };

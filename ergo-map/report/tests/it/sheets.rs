@@ -23,14 +23,14 @@ fn score<S: Sheet>(table: &[u8], output: &mut Vec<u8>) -> Result<(), Error> {
     Ok(())
 }
 
-/// The cells of each row by the names of their columns.
+/// Returns the cells of each row by the names of their columns.
 fn rows(table: &str) -> Vec<HashMap<&str, &str>> {
     let mut lines = table.lines();
     let names: Vec<&str> = lines.next().unwrap().split(',').collect();
     lines.map(|line| names.iter().copied().zip(line.split(',')).collect()).collect()
 }
 
-/// A row's cells as numbers.
+/// Returns a row's cells as numbers.
 fn numbers(row: &HashMap<&str, &str>, names: &[&str]) -> Vec<f64> {
     names.iter().map(|name| row[name].parse().unwrap()).collect()
 }
@@ -64,7 +64,7 @@ fn the_worked_cases_give_their_scores() {
     assert_eq!((rows[4]["reba"], rows[4]["action_level"]), ("1", "0"));
 }
 
-/// What ticking a box, or another cell, changes from a middling sheet: column, cell, changed scores.
+/// Effect of ticking a box, or of another cell, on an average sheet: column, cell, changed scores.
 type Change = (&'static str, &'static str, &'static [(&'static str, f64)]);
 
 fn assert_changes<S: Sheet>(changes: &[Change]) {
@@ -126,7 +126,7 @@ fn every_box_changes_what_it_should() {
 }
 
 #[test]
-fn activity_is_added_and_the_continuous_scores_are_those_of_the_crate() {
+fn activity_and_continuous_scores_match_the_crate() {
     let table = format!(
         "{ANGLES},static,repeated,rapid_or_unstable,shoulder_raised,arm_supported,trunk_twist_or_side
 25,12,0,33,70,4,1,1,1,1,0,1
@@ -157,7 +157,7 @@ fn activity_is_added_and_the_continuous_scores_are_those_of_the_crate() {
 }
 
 #[test]
-fn rula_has_its_own_columns_and_takes_those_of_reba() {
+fn rula_accepts_its_own_and_rebas_columns() {
     let header =
         "trunk_flex_deg,neck_flex_deg,upper_arm_flex_deg,lower_arm_flex_deg,wrist_flex_deg";
     let own = format!(
@@ -171,7 +171,7 @@ fn rula_has_its_own_columns_and_takes_those_of_reba() {
     let parts =
         ["s_upper_arm", "s_lower_arm", "s_wrist", "s_wrist_twist", "s_neck", "s_trunk", "s_legs"];
     assert_eq!(numbers(&own[0], &parts), [3.0, 2.0, 2.0, 2.0, 3.0, 5.0, 2.0]);
-    // Tables A and B, each with muscle use 1 and a static load of 5 kg 2.
+    // Tables A and B each add muscle use 1 and a static load of 5 kg 2.
     let totals = ["table_a", "score_a", "table_b", "score_b", "rula", "action_level"];
     assert_eq!(numbers(&own[0], &totals), [4.0, 7.0, 7.0, 10.0, 7.0, 4.0]);
     assert_eq!(numbers(&own[1], &totals), [1.0, 1.0, 1.0, 1.0, 1.0, 1.0]);
@@ -185,12 +185,12 @@ fn rula_has_its_own_columns_and_takes_those_of_reba() {
     let output = scored::<RulaWorksheet>(&shared).unwrap();
     let shared = rows(&output);
     assert_eq!(numbers(&shared[0], &parts), [2.0, 1.0, 2.0, 1.0, 2.0, 2.0, 2.0]);
-    // Muscle use 1, and a repeated load of 2 kg 2.
+    // Muscle use adds 1, and a repeated load of 2 kg adds 2.
     assert_eq!(numbers(&shared[0], &["table_a", "score_a"]), [3.0, 6.0]);
 }
 
 #[test]
-fn spreadsheets_habits_do_not_matter() {
+fn the_dialect_of_a_spreadsheet_is_irrelevant() {
     let plain = format!("{ANGLES},coupling,shock\n10,20,30,40,50,-5.5,1,0\n");
     let expected = scored::<Worksheet>(&plain).unwrap();
     let last = |text: &str| {
@@ -211,10 +211,10 @@ fn spreadsheets_habits_do_not_matter() {
     assert!(header.starts_with(ANGLES) && header.lines().count() == 1);
 }
 
-/// Excel, where a comma stands before decimals: semicolons, TRUE in its languages, rows of empty cells, and
-/// the line that says what separates cells.
+/// The tables are as Excel writes them with decimal commas: semicolons, TRUE in its languages, rows
+/// of empty cells, and the line that declares the separator.
 #[test]
-fn tables_as_excel_writes_them_are_scored_and_written_alike() {
+fn excel_tables_are_scored_like_plain_ones() {
     let plain = format!("{ANGLES},coupling,shock\n10.5,20,30,40,50,-5.5,1,1\n");
     let plain = scored::<Worksheet>(&plain).unwrap();
     let excel = format!("{ANGLES},coupling,shock").replace(',', ";");
@@ -242,18 +242,18 @@ fn tables_as_excel_writes_them_are_scored_and_written_alike() {
         "{tabs}"
     );
     assert!(commas.lines().nth(1).unwrap().contains(",-5.5,1,1,1,2,1,2,2,1,"), "{commas}");
-    // Without semicolons a comma separates cells.
+    // A comma separates cells if there are no semicolons.
     let comma = format!("{ANGLES}\n10,5,20,30,40,50,-5\n");
     assert!(matches!(scored::<Worksheet>(&comma), Err(Error::Table { line: Some(2), .. })));
 }
 
 #[test]
-fn what_the_sheets_can_say_the_columns_can() {
+fn every_condition_of_a_sheet_has_a_column() {
     let reba = |columns: &str, cells: &str| {
         let table = format!("{ANGLES}{columns}\n{cells}\n");
         numbers(&rows(&scored::<Worksheet>(&table).unwrap())[0], &["s_legs", "s_upper_arm", "reba"])
     };
-    // At a bench, with the knees at a right angle.
+    // The person sits at a bench with a right knee angle.
     assert_eq!(reba("", "10,15,90,30,80,10"), [3.0, 2.0, 3.0]);
     assert_eq!(reba(",sitting", "10,15,90,30,80,10,1"), [1.0, 2.0, 1.0]);
     assert_eq!(reba(",sitting,unilateral", "10,15,90,30,80,10,1,1")[0], 1.0);
@@ -263,7 +263,7 @@ fn what_the_sheets_can_say_the_columns_can() {
 }
 
 #[test]
-fn what_is_wrong_is_named_with_line_and_column() {
+fn faults_are_named_with_line_and_column() {
     let rows =
         |rows: &str| format!("{ANGLES},load_kg,coupling,shock\n0,0,0,0,80,0,0,0,0\n{rows}\n");
     let cases = [
@@ -338,7 +338,7 @@ fn rows_before_a_fault_are_written() {
 }
 
 #[test]
-fn whoever_is_given_the_sheets_may_end() {
+fn the_callback_may_stop_the_scoring() {
     let table = format!("{ANGLES}\n0,0,0,0,80,0\n1,2,3,4,5,x\n");
     let mut table =
         SheetTable::<Worksheet, _>::new(table.as_bytes(), Unknown::PassThrough).unwrap();
@@ -369,7 +369,7 @@ fn names_that_are_nearly_right_are_refused_always() {
     }
 }
 
-/// Cells that a column may hold.
+/// Generates cells that a column may contain.
 fn cell(kind: Cell) -> BoxedStrategy<String> {
     match kind {
         Cell::Angle => (-180.0..180.0).prop_map(|x: f64| x.to_string()).boxed(),
@@ -381,8 +381,8 @@ fn cell(kind: Cell) -> BoxedStrategy<String> {
     }
 }
 
-/// A table of one row with every column: names with cells, and the same in another order without
-/// the boxes that are not ticked.
+/// Generates a table of one row with every column, as names with cells. The second table has
+/// another order, and leaves out the boxes that are not ticked.
 fn table<S: Sheet>() -> impl Strategy<Value = [Vec<(String, String)>; 2]> {
     let named = |column: &Column<S>| (Just(column.name.to_owned()), cell(column.cell)).boxed();
     let columns: Vec<_> = S::COLUMNS.iter().map(named).collect();
@@ -402,7 +402,7 @@ fn text(columns: &[(String, String)]) -> String {
     format!("{}\n{}\n", join(|column| &column.0), join(|column| &column.1))
 }
 
-/// The scores of a table of one row, by name.
+/// Returns the scores of a table of one row, by name.
 fn scores<S: Sheet>(columns: &[(String, String)]) -> Vec<String> {
     let output = scored::<S>(&text(columns)).unwrap();
     assert!(output.lines().nth(1).unwrap().starts_with(text(columns).lines().nth(1).unwrap()));
@@ -412,7 +412,7 @@ fn scores<S: Sheet>(columns: &[(String, String)]) -> Vec<String> {
 
 proptest! {
     #[test]
-    fn neither_the_order_of_columns_nor_boxes_left_out_matter(
+    fn column_order_and_missing_boxes_are_irrelevant(
         [all, few] in table::<Worksheet>(), [rula_all, rula_few] in table::<RulaWorksheet>(),
     ) {
         prop_assert_eq!(scores::<Worksheet>(&all), scores::<Worksheet>(&few));

@@ -14,7 +14,7 @@ const RATINGS: &str =
 const WEIGHTS: &str = "weight_temporal_demand,weight_mental_demand,weight_effort,\
                        weight_physical_demand,weight_performance,weight_frustration";
 
-/// A study as NumPy, SciPy and statsmodels see it (`tests/data/tlx.py`).
+/// A study with the results of NumPy, SciPy and statsmodels (`tests/data/tlx.py`).
 #[derive(Deserialize)]
 struct Golden {
     before: Vec<Vec<f64>>,
@@ -100,14 +100,14 @@ fn scores_and_tests_are_those_of_scipy() {
 }
 
 proptest! {
-    /// All 2^n signs counted one by one.
+    /// Compares with a count of all 2^n signs.
     #[test]
     fn the_probability_counts_all_signs(
         differences in prop::collection::vec((-6..=6_i32).prop_map(|x| f64::from(x) / 2.0), 0..10),
     ) {
         let test = SignedRank::of(&differences);
         let sizes: Vec<f64> = differences.iter().map(|x| x.abs()).filter(|x| *x > 0.0).collect();
-        // A mean rank: those below count whole, equal ones half.
+        // The mean rank counts smaller values fully, and equal ones half.
         let rank = |size: f64| {
             let below = sizes.iter().filter(|other| **other < size).count() as f64;
             let equal = sizes.iter().filter(|other| **other == size).count() as f64;
@@ -197,7 +197,7 @@ fn tables_with_faults_are_refused_with_the_place() {
     refused("", "the table is empty");
 }
 
-/// A box from the lower to the upper quartile in each of six places, at the height of the ratings.
+/// Each of six places has boxes from the lower to the upper quartile, at the height of the ratings.
 #[test]
 fn the_figure_shows_each_condition() {
     let one = WorkloadStudy::new(&questionnaires(PAIR)).unwrap();

@@ -1,4 +1,4 @@
-//! A map from bytes, each field checked before it is used.
+//! Reading of maps from bytes. Each field is checked before it is used.
 
 use nalgebra::Vector3;
 
@@ -15,21 +15,21 @@ use crate::side::Side;
 /// Largest value of `e_s`.
 const WORST: f64 = 4.25;
 
-/// The length of the file that starts with these bytes, by what its header says.
+/// Returns the length of the file according to the header in its first bytes.
 pub(super) fn announced(start: &[u8]) -> Result<usize> {
     let header = Header::read(&mut Reader { rest: start, all: start.len() })?;
     Ok(header.length)
 }
 
 impl ErgonomicsMap {
-    /// The map from the bytes of a map file, of this version or the one before.
+    /// Creates the map from the bytes of a map file, of this version or the one before.
     ///
     /// # Errors
-    /// [`Error::MapFile`] with what is wrong.
+    /// [`Error::MapFile`] with the fault.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
         let mut reader = Reader { rest: bytes, all: bytes.len() };
         let header = Header::read(&mut reader)?;
-        // Before anything is allocated: the file must be as long as it says.
+        // The file must have the announced length before anything is allocated.
         if header.length != bytes.len() {
             return Err(length(header.length, bytes.len()));
         }
@@ -56,9 +56,9 @@ impl ErgonomicsMap {
     }
 }
 
-/// What stands before the nodes, as it stands there.
+/// The fields before the nodes, unconverted.
 struct Header {
-    /// Of the whole file (bytes).
+    /// Length of the whole file (bytes).
     length: usize,
     flags: [u8; 4],
     half_width: f64,
@@ -145,12 +145,12 @@ impl Header {
     }
 }
 
-/// The next numbers; NaN, which no field takes, where there are too few.
+/// Returns the next numbers. Missing ones are NaN, which no field accepts.
 fn array<const N: usize>(numbers: &mut impl Iterator<Item = f64>) -> [f64; N] {
     core::array::from_fn(|_| numbers.next().unwrap_or(f64::NAN))
 }
 
-/// What is left to read.
+/// The bytes that are still to be read.
 struct Reader<'a> {
     rest: &'a [u8],
     all: usize,

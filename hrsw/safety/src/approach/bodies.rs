@@ -10,36 +10,38 @@ use hrsw::Capsule;
 /// A body of the robot, placed in the world.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RobotBody {
-    /// Its shape in the world \[m\].
+    /// Shape in the world frame \[m\].
     pub capsule: Capsule,
-    /// How many of the joints, from the first, move it.
+    /// Number of joints, counted from the first, that move the body.
     pub joints: usize,
 }
 
 /// A part of the person's body, placed in the world.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PersonBody {
-    /// Its shape in the world \[m\].
+    /// Shape in the world frame \[m\].
     pub capsule: Capsule,
-    /// Its own velocity, where it is measured.
+    /// Velocity of the part. None if it is not measured.
     pub velocity: Option<MeasuredVelocity>,
-    /// How fast it may come nearer where its velocity is not measured \[m/s\]:
-    /// [`SeparationSettings::human_speed`](crate::SeparationSettings::human_speed) or, for hands and arms, [`SeparationSettings::arm_speed`](crate::SeparationSettings::arm_speed).
+    /// Largest speed towards the robot if the velocity is not measured \[m/s\]. This is
+    /// [`SeparationSettings::human_speed`](crate::SeparationSettings::human_speed) or, for hands
+    /// and arms, [`SeparationSettings::arm_speed`](crate::SeparationSettings::arm_speed).
     pub assumed_speed: f64,
-    /// How long ago it was seen there, as far as the reaction time covers that, and the shape does not: it has
-    /// moved on since \[s\]. A robot that may come no nearer goes away from where it is now, and one that may
-    /// touch it is slow towards there.
+    /// Time since the part was seen at this place, as far as the reaction time covers it \[s\]. The
+    /// shape does not account for this motion. A robot that must not approach retreats from the
+    /// place where the part is now. A robot that may touch the part is slow towards that place.
     pub age: f64,
-    /// How much of the shape's radius stands for not knowing where the part is \[m\], beyond
-    /// [`SeparationSettings::human_uncertainty`](crate::SeparationSettings::human_uncertainty): which direction leads away from it is the less certain.
+    /// Part of the shape's radius that accounts for the unknown place of the part \[m\], beyond
+    /// [`SeparationSettings::human_uncertainty`](crate::SeparationSettings::human_uncertainty). The
+    /// larger it is, the less certain is the direction that leads away from the part.
     pub uncertainty: f64,
-    /// For a part that the robot may touch now: whatever the distance, the two may come nearer to each
-    /// other as fast as their contact allows. None where only the distance counts.
+    /// Limits of a contact if the robot may touch the part now. The two may then approach each
+    /// other as fast as the contact allows, at any distance. None if only the distance counts.
     pub contact: Option<Contact>,
 }
 
 impl PersonBody {
-    /// How far the part has moved since it was seen, and how far it may be from there \[m\].
+    /// Returns how far the part has moved since it was seen, and the uncertainty of that \[m\].
     pub(super) fn since_seen(&self) -> (Vector3<f64>, f64) {
         match &self.velocity {
             Some(velocity) => (velocity.mean * self.age, velocity.uncertainty * self.age),
@@ -47,25 +49,28 @@ impl PersonBody {
         }
     }
 
-    /// v_h of a part that comes nearer at a measured speed; receding counts as standing \[m/s\].
+    /// Returns v_h for a part that approaches at a measured speed \[m/s\]. Receding counts as
+    /// standing.
     pub(super) fn human_speed(&self, measured: Option<f64>) -> f64 {
         measured.map_or(self.assumed_speed, |speed| speed.max(0.0))
     }
 
-    /// How far a part that may be touched has gone since it was seen, if it went on as measured \[m\]; none for
-    /// others, and of somebody who may as well stand.
+    /// Returns the displacement since a part that may be touched was seen, by its measured velocity
+    /// \[m\]. None for parts that may not be touched, and for parts that may be at rest.
     pub(super) fn gone_if_touched(&self) -> Option<Vector3<f64>> {
         let velocity = self.contact?.velocity.or(self.velocity)?;
         let moves = velocity.mean.norm() > velocity.uncertainty;
         moves.then(|| velocity.mean * self.age)
     }
 
-    /// How fast the part comes nearer along a unit normal that points away from it, where that is known.
+    /// Returns the speed of the part along a unit normal that points away from it. None if it is
+    /// not measured.
     pub(super) fn speed_towards(&self, normal: &Vector3<f64>) -> Option<SpeedTowards> {
         self.velocity.map(|velocity| velocity.towards(normal))
     }
 
-    /// How fast the part moves at most, where that is known \[m/s\]: the sum of the parts is no less than the norm.
+    /// Returns an upper bound of the speed of the part \[m/s\]: the 1-norm of the velocity and the
+    /// uncertainty. None if the velocity is not measured.
     pub(super) fn fastest(&self) -> Option<f64> {
         self.velocity.map(|velocity| velocity.mean.abs().sum() + velocity.uncertainty)
     }

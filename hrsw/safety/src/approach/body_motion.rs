@@ -1,4 +1,4 @@
-//! How a body of the robot moves.
+//! Motion of a body of the robot.
 
 use nalgebra::{Vector3, Vector6};
 
@@ -6,24 +6,25 @@ use super::joint_changes::JointChanges;
 use crate::approach::bodies::RobotBody;
 use crate::approach::joint_motion::JointMotion;
 
-/// How a body moves at the last commanded velocity: the twist of the point o as if fixed to it.
+/// Motion of a body at the last commanded velocity, as the twist of the point o as if fixed to the
+/// body.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct BodyMotion {
     joints: usize,
     pub(super) twist: Vector6<f64>,
-    /// The part of it that is the base's.
+    /// The base's share of the twist.
     pub(super) base: Vector6<f64>,
-    /// The speed of none of its points is larger \[m/s\].
+    /// Upper bound of the speed of every point of the body \[m/s\].
     pub(super) fastest: f64,
-    /// By no more than this it may come nearer faster within this tick \[m/s\].
+    /// Upper bound of the increase of the speed of approach within this tick \[m/s\].
     pub(super) change: f64,
-    /// Whether that is as little as can be told, which takes longer.
+    /// True if `change` is the tightest known bound, which takes longer to compute.
     is_exact: bool,
 }
 
 impl BodyMotion {
-    /// Of a body of a robot of which the first joints are the base's; `before` is another one's in the same
-    /// tick.
+    /// Computes the motion of a body. The first `base_joints` joints are the base's. `before` is
+    /// the motion of another body in the same tick.
     pub(super) fn new(
         motion: &JointMotion<'_>,
         body: &RobotBody,
@@ -46,7 +47,7 @@ impl BodyMotion {
         Self { joints: body.joints, twist, base, fastest, change, is_exact: false }
     }
 
-    /// Lowers the change to what each joint may do to this body.
+    /// Tightens the change to the sum of what each joint can do to this body.
     pub(super) fn tell_change(&mut self, motion: &JointMotion<'_>, body: &RobotBody) {
         let Some(change) = motion.change.filter(|_| !self.is_exact) else { return };
         let (arm, reach) = (body.capsule.middle() - motion.origin, body.capsule.reach());
@@ -58,12 +59,12 @@ impl BodyMotion {
         self.is_exact = true;
     }
 
-    /// How fast a point of the body moves along the force of a `wrench` about o \[m/s\].
+    /// Returns the speed of a point of the body along the force of a `wrench` about o \[m/s\].
     pub(super) fn along(&self, wrench: &Vector6<f64>) -> f64 {
         self.twist.dot(wrench)
     }
 
-    /// The part of that which is the base's.
+    /// Returns the base's share of [`along`](Self::along).
     pub(super) fn base_along(&self, wrench: &Vector6<f64>) -> f64 {
         self.base.dot(wrench)
     }

@@ -1,11 +1,11 @@
-//! A point that may get a row.
+//! Points that may get a row.
 
 use nalgebra::Vector3;
 
 use crate::approach::joint_motion::JointMotion;
 
-/// Which point a candidate is: the indices of both bodies, and the end of the first one's capsule, none for the
-/// nearest point.
+/// Identity of a candidate: the indices of both bodies, and the end of the first body's capsule.
+/// The end is none for the nearest point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct PointId {
     pub(super) robot: usize,
@@ -13,28 +13,29 @@ pub(super) struct PointId {
     pub(super) end: Option<usize>,
 }
 
-/// A point of a body of the robot that comes nearer to another body: the nearest one, or an end of its capsule.
+/// A point of a body of the robot that approaches another body: the nearest point, or an end of its
+/// capsule.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Candidate {
     pub(super) id: PointId,
-    /// From the other body to this one, of length 1.
+    /// Unit vector from the other body to this one.
     pub(super) normal: Vector3<f64>,
-    /// On the axis of the robot's capsule, moved by the first of its joints.
+    /// Point on the axis of the robot's capsule, moved by the first `joints` joints.
     pub(super) point: Vector3<f64>,
     pub(super) joints: usize,
-    /// The same of the other, for one of the robot's.
+    /// Point and number of joints of the other body, if that is the robot's as well.
     pub(super) opposite: Option<(Vector3<f64>, usize)>,
-    /// How much farther apart the two are than a robot at rest should be \[m\].
+    /// Distance minus the protective distance of a robot at rest \[m\].
     pub(super) room: f64,
-    /// How fast it may come nearer \[m/s\].
+    /// Largest allowed speed of approach \[m/s\].
     pub(super) limit: f64,
-    /// How much faster it may come nearer than at the last commanded velocity \[m/s\].
+    /// `limit` minus the speed of approach at the last commanded velocity \[m/s\].
     pub(super) headroom: f64,
     pub(super) contact: bool,
 }
 
 impl Candidate {
-    /// How fast the two come nearer, for each joint.
+    /// Subtracts the gradient of the distance with respect to the joints from the row.
     pub(super) fn write(&self, motion: &JointMotion<'_>, row: &mut [f64]) {
         let mut add = |joints: usize, point: &Vector3<f64>, normal: &Vector3<f64>| {
             let moment = (point - motion.origin).cross(normal);

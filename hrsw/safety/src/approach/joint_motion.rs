@@ -1,42 +1,42 @@
-//! How the robot moves.
+//! Motion of the robot's joints.
 
 use nalgebra::{DMatrix, Matrix6xX, Vector3, Vector6};
 
 use crate::error::{Error, check_size, check_slice};
 
-/// How the robot moves with its joints now.
+/// Motion of the robot's joints in this tick.
 #[derive(Debug, Clone, Copy)]
 pub struct JointMotion<'a> {
-    /// The geometric Jacobian, 6 × n, linear then angular, in world axes, of a point fixed to
-    /// the last link. That of a point p on a link moved by the first k joints follows from its
-    /// first k columns, v + ω × (p − o).
+    /// Geometric Jacobian of a point fixed to the last link, 6 × n, linear then angular, in world
+    /// axes. The Jacobian of a point p on a link moved by the first k joints follows from its first
+    /// k columns, v + ω × (p − o).
     pub jacobian: &'a Matrix6xX<f64>,
-    /// o, the point that the Jacobian is of \[m\].
+    /// Reference point o of the Jacobian \[m\].
     pub origin: Vector3<f64>,
-    /// q̇ commanded last, n.
+    /// Joint velocities q̇ commanded last, n.
     pub velocity: &'a [f64],
-    /// A q̇ that all other constraints admit, n: usually the one nearest to rest within the
-    /// limits. Every row is relaxed to admit it, so that hard rows never make the problem
+    /// Joint velocities that all other constraints admit, n: usually those nearest to rest within
+    /// the limits. Every row is relaxed to admit them, so that hard rows never make the problem
     /// infeasible. None for rows that are minimised in a level of their own.
     pub braking: Option<&'a [f64]>,
-    /// By how much each joint's velocity may change in this tick at most, n: pairs that cannot use up their
-    /// headroom by that get no row, and most of their distances need not be computed. None where it is
+    /// Largest change of each joint's velocity within this tick, n. Pairs that cannot use up their
+    /// headroom by it get no row, and most of their distances need not be computed. None if it is
     /// not known.
     pub change: Option<&'a [f64]>,
-    /// M⁻¹, the inverse of the joint-space inertia, n × n, with which the robot gives way in a contact.
-    /// None for a robot that does not give way at all, the worst case.
+    /// Inverse M⁻¹ of the joint-space inertia, n × n, with which the robot gives way in a contact.
+    /// None for a robot that does not give way, the worst case.
     pub inverse_inertia: Option<&'a DMatrix<f64>>,
 }
 
 impl JointMotion<'_> {
-    /// The columns of the Jacobian of the first `joints`: linear and angular parts.
+    /// Returns the linear and angular parts of the first `joints` columns of the Jacobian.
     pub(crate) fn columns(&self, joints: usize) -> impl Iterator<Item = [Vector3<f64>; 2]> {
         let columns = self.jacobian.as_slice().as_chunks::<6>().0;
         let part = |&[x, y, z, a, b, c]: &[f64; 6]| [Vector3::new(x, y, z), Vector3::new(a, b, c)];
         columns.iter().take(joints).map(part)
     }
 
-    /// The twist of the point o as if fixed to a body that the first `joints` move, at a `velocity` of all.
+    /// Returns the twist of the point o as if fixed to a body that the first `joints` joints move.
     pub(super) fn twist(&self, velocity: &[f64], joints: usize) -> Vector6<f64> {
         let [mut linear, mut angular] = [Vector3::zeros(); 2];
         for ([of_linear, of_angular], &velocity) in self.columns(joints).zip(velocity) {

@@ -1,23 +1,25 @@
-//! What a supervisor has to know.
+//! The pair of bodies that is given to a supervisor.
 
-/// The pair that is nearest to its protective distance, or deepest within, of those that may not
-/// touch.
+/// The pair of bodies with the least room to its protective distance. Only pairs that may not touch
+/// count.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Nearest {
     /// Index of the robot's body.
     pub robot: usize,
-    /// Index of the person's body, or of the robot's other.
+    /// Index of the person's body, or of the robot's second body.
     pub other: usize,
-    /// Between the surfaces \[m\].
+    /// Distance between the surfaces \[m\].
     pub distance: f64,
-    /// S_p at the last commanded velocity and the person's as measured \[m\].
+    /// Protective distance S_p at the last commanded velocity and the person's measured velocity
+    /// \[m\].
     pub required: f64,
-    /// How fast the robot comes nearer at the last commanded velocity \[m/s\].
+    /// Speed at which the robot approaches at the last commanded velocity \[m/s\].
     pub approach: f64,
 }
 
 impl Nearest {
-    /// The distance above the protective one \[m\]; negative where it is undercut.
+    /// Returns the distance minus the protective distance \[m\]. Negative if the protective
+    /// distance is violated.
     pub fn room(&self) -> f64 {
         self.distance - self.required
     }

@@ -1,24 +1,24 @@
-//! How two bodies of the robot move towards each other.
+//! Relative motion of two bodies of the robot.
 
 use nalgebra::Vector3;
 
 use crate::approach::bodies::RobotBody;
 use crate::approach::joint_motion::JointMotion;
 
-/// How fast two bodies of one robot come nearer to each other at most \[m/s\].
+/// Upper bounds of the speed at which two bodies of one robot approach each other \[m/s\].
 ///
-/// Joints that carry both move them as one, and bring them no nearer: only those count that move the one and not
-/// the other.
+/// Joints that carry both bodies move them as one. Only joints that move one body and not the other
+/// count.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct OwnMotion {
-    /// At the last commanded velocity.
+    /// Speed at the last commanded velocity.
     pub(super) fastest: f64,
-    /// By how much faster within this tick.
+    /// Largest increase of the speed within this tick.
     pub(super) change: f64,
 }
 
 impl OwnMotion {
-    /// Of a pair.
+    /// Bounds the motion of one pair.
     pub(super) fn of_pair(motion: &JointMotion<'_>, first: &RobotBody, second: &RobotBody) -> Self {
         let shared = first.joints.min(second.joints);
         let moved = if first.joints > shared { first } else { second };
@@ -39,7 +39,8 @@ impl OwnMotion {
         Self { fastest: speed(twist), change }
     }
 
-    /// Of any pair: the point farthest from o, with all joints that do not carry all bodies one way.
+    /// Bounds the motion of every pair: that of the point farthest from o, with the effects of all
+    /// joints added that do not carry all bodies.
     pub(super) fn of_all(motion: &JointMotion<'_>, robot: &[RobotBody]) -> Self {
         let shared = robot.iter().map(|body| body.joints).min().unwrap_or_default();
         let moved = || robot.iter().filter(|body| body.joints > shared);

@@ -1,4 +1,4 @@
-//! Rows for pairs of the robot's own bodies.
+//! Constraint rows for pairs of the robot's own bodies.
 
 use ahqp_core::Rows;
 
@@ -12,11 +12,11 @@ use crate::distance::proximity;
 use crate::error::Error;
 
 impl ApproachRows {
-    /// Writes the rows for pairs of the robot's own bodies, by their indices, as
-    /// [`write`](Self::write). Allocates nothing.
+    /// Writes the rows for pairs of the robot's own bodies, given by their indices. Otherwise works
+    /// like [`write`](Self::write). Allocates nothing.
     ///
     /// # Errors
-    /// As [`write`](Self::write); [`Error::Size`] for an index that is not of a body.
+    /// Those of [`write`](Self::write), and [`Error::Size`] if an index is not that of a body.
     pub fn write_own(
         &mut self,
         motion: &JointMotion<'_>,

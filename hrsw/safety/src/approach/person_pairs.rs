@@ -12,7 +12,7 @@ use crate::distance::{Proximity, proximity};
 use crate::separation::SeparationSettings;
 use hrsw::Capsule;
 
-/// An end of a capsule that is no farther from the nearest point than this is that point \[m\].
+/// An end of a capsule within this of the nearest point counts as that point \[m\].
 const SAME_POINT: f64 = 1e-6;
 
 /// A body of the robot and a part of the person, by their indices.
@@ -21,13 +21,13 @@ pub(super) struct Pair<'a> {
     pub(super) robot: (usize, &'a RobotBody),
     pub(super) other: (usize, &'a PersonBody),
     pub(super) near: Proximity,
-    /// From where on points of the robot are of no interest \[m\].
+    /// Distance beyond which points of the robot do not matter \[m\].
     pub(super) farthest: f64,
 }
 
 impl ApproachRows {
-    /// Takes a pair in sight: what the supervisor has to know of it, and the points of the robot's capsule that
-    /// may get a row, the nearest one and the ends.
+    /// Evaluates a pair in sight. Keeps what the supervisor needs to know, and considers the points
+    /// of the robot's capsule that may get a row: the nearest point and both ends.
     pub(super) fn weigh(
         &mut self,
         motion: &JointMotion<'_>,
@@ -55,7 +55,8 @@ impl ApproachRows {
         self.weigh_point(motion, moves, (id, body, part), (&body.capsule, near));
         for (end, point) in body.capsule.ends().into_iter().enumerate() {
             let along = point - near.on_first;
-            // The part is beyond the plane through its nearest point across the normal.
+            // The whole part lies beyond the plane through its nearest point that is normal to the
+            // normal.
             let in_sight = near.distance + near.normal.dot(&along) <= farthest;
             if in_sight && along.norm_squared() > SAME_POINT * SAME_POINT {
                 let at_end = body.capsule.at(point);
@@ -66,8 +67,8 @@ impl ApproachRows {
         }
     }
 
-    /// Takes a point on the axis of a capsule of the robot: where it is nearest to the part, of the capsule or of
-    /// its end.
+    /// Considers a point on the axis of a capsule of the robot. It is the nearest point of the
+    /// capsule or of one of its ends.
     fn weigh_point(
         &mut self,
         motion: &JointMotion<'_>,
@@ -77,12 +78,12 @@ impl ApproachRows {
     ) {
         let Some(mut candidate) = self.candidate(motion, moves, bodies, &seen) else { return };
         let (_, _, part) = bodies;
-        // Of a part that may be touched and is too near only the direction counts: it is the one to where the
-        // part has gone since it was seen, if it surely moves.
+        // If a part may be touched and is too near, only the direction counts. If the part surely
+        // moves, this is the direction to where it has gone since it was seen.
         if let Some(gone) = part.gone_if_touched().filter(|_| candidate.room < 0.0) {
             let apart = (seen.on_first - seen.on_second).norm();
-            // Moved by so much, the least vector between two convex sets turns by no more than twice that over
-            // its length.
+            // A displacement of this length turns the shortest vector between two convex sets by at
+            // most twice the displacement over the length of the vector.
             let turned = (2.0 * gone.norm() / apart).min(2.0) * moves.fastest;
             if candidate.headroom <= moves.change + turned {
                 let near = proximity(capsule, &part.capsule.moved(&gone));
@@ -94,7 +95,8 @@ impl ApproachRows {
         self.consider(candidate, moves.change);
     }
 
-    /// What a point may do where it is so near to the part; none if it is too far away to matter.
+    /// Returns the candidate row of a point so near to the part. None if the point is too far away
+    /// to matter.
     fn candidate(
         &mut self,
         motion: &JointMotion<'_>,
@@ -106,22 +108,22 @@ impl ApproachRows {
         let approach = -moves.along(&wrench);
         let speed = part.speed_towards(&near.normal);
         let assumed = part.human_speed(speed.map(|speed| speed.worst));
-        // The same as in sight, but for how fast the two truly come nearer to each other.
+        // Uses the actual speed of approach, which is tighter than the distance of sight.
         if near.distance > self.reach(approach.max(0.0), moves.change).sight(assumed) {
             return None;
         }
         moves.tell_change(motion, body);
         let settings = self.braking(moves, approach, &wrench);
         let mut limit = settings.approach_limit(near.distance, assumed);
-        // Where the distance alone permits all that may come in this tick, what a contact permits does not
-        // matter.
+        // The contact does not matter if the distance alone allows every speed that this tick can
+        // reach.
         if let Some(contact) = part.contact.filter(|_| limit - approach <= moves.change) {
             let known = contact.velocity.map(|velocity| velocity.towards(&near.normal));
             let speed = known.or(speed);
             let (measured, worst) =
                 speed.map_or((assumed, assumed), |speed| (speed.measured, speed.worst));
             limit = limit.max(contact.approach_limit(f64::INFINITY, measured, worst));
-            // No more is needed where so much is permitted even for a robot that does not give way.
+            // The mass is not needed if even a robot that does not give way may be as fast.
             if limit - approach <= moves.change {
                 self.needs_inertia = true;
                 let (jacobian, inverse) = (motion.jacobian, motion.inverse_inertia);
@@ -142,7 +144,7 @@ impl ApproachRows {
         })
     }
 
-    /// The settings with the deceleration of those joints that bring a pair nearer.
+    /// Returns the settings with the deceleration of the joints that bring the pair closer.
     fn braking(
         &self,
         moves: &BodyMotion,

@@ -1,24 +1,24 @@
-//! Which row a point has.
+//! Assignment of points to rows.
 
 use super::candidate::{Candidate, PointId};
 
-/// The rows of a block. A point keeps its row as long as it has one, so that a solver that begins with the rows
-/// that were active last begins with the same points.
+/// Assignment of points to the rows of a block. A point keeps its row as long as it has one. A
+/// solver that starts from the last active set then starts with the same points.
 #[derive(Debug, Clone)]
 pub(super) struct Places {
-    /// The points that have rows, by row, now or in the tick before.
+    /// Point of each row, now or in the tick before.
     points: Vec<Option<PointId>>,
-    /// By row, the candidate that has it.
+    /// Index of each row's candidate.
     candidates: Vec<Option<usize>>,
 }
 
 impl Places {
-    /// For a block of so many rows.
+    /// Creates the assignment for a block of this many rows.
     pub(super) fn new(rows: usize) -> Self {
         Self { points: vec![None; rows], candidates: vec![None; rows] }
     }
 
-    /// Gives each of the candidates, of which there are no more than rows, a row.
+    /// Assigns a row to each candidate. There are no more candidates than rows.
     pub(super) fn assign(&mut self, candidates: &[Candidate]) {
         self.candidates.fill(None);
         let mut new = 0;
@@ -53,7 +53,7 @@ impl Places {
         }
     }
 
-    /// By row, the index of the candidate that has it.
+    /// Iterates over the rows, with the index of each row's candidate.
     pub(super) fn candidates(&self) -> impl Iterator<Item = Option<usize>> {
         self.candidates.iter().copied()
     }

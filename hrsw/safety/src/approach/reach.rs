@@ -1,17 +1,17 @@
-//! How far pairs matter.
+//! Distance up to which pairs matter.
 
-/// The distance beyond which a pair needs no row: it then has more headroom than all that are kept, or than can
-/// be used up.
+/// Terms of the distance beyond which a pair needs no row. A pair beyond it has more headroom than
+/// all pairs that are kept, or than can be used up within a tick.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Reach {
-    /// From a person who stands \[m\].
+    /// Distance to a person who stands still \[m\].
     pub(super) standing: f64,
-    /// In which a person comes nearer \[s\].
+    /// Time in which a moving person comes closer \[s\].
     pub(super) time: f64,
 }
 
 impl Reach {
-    /// From a person of this speed towards the robot \[m\].
+    /// Returns the distance for a person with this speed towards the robot \[m\].
     pub(super) fn sight(&self, human_speed: f64) -> f64 {
         self.standing + human_speed * self.time
     }

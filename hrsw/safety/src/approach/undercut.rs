@@ -1,4 +1,4 @@
-//! Pairs in which the robot may come no nearer, wherever the person is that they may be.
+//! Pairs in which the robot must not approach any possible position of the person.
 
 use nalgebra::{Vector3, Vector6};
 
@@ -8,29 +8,29 @@ use crate::distance::{Proximity, proximity};
 use crate::separation::SeparationSettings;
 use hrsw::Capsule;
 
-/// Pairs that are remembered; of more the robot brakes.
+/// Number of pairs that are remembered. If there are more, the robot brakes.
 const ROOM: usize = 256;
 
-/// The pairs of a tick that may not touch and are nearer than a robot at rest should be.
+/// Pairs of a tick that may not touch and violate the protective distance of a robot at rest.
 #[derive(Debug, Clone)]
 pub(super) struct Undercut {
     pairs: Vec<Pair>,
-    /// Whether there are more of them than are remembered.
+    /// True if there are more pairs than can be remembered.
     overflows: bool,
-    /// Whether the person of a pair may be so near that no direction is surely away.
+    /// True if the person of a pair may be so near that no direction surely leads away.
     too_near: bool,
 }
 
-/// A body of the robot and a part of the person, where that has moved to since it was seen.
+/// A body of the robot, and a part of the person at the place where it has moved since it was seen.
 #[derive(Debug, Clone, Copy)]
 struct Pair {
     robot: usize,
     joints: usize,
-    /// The ends of the robot's segment, as far as one of its points can be the nearest.
+    /// Ends of the robot's segment, cut to the points that can be the nearest ones.
     ends: [Vector3<f64>; 2],
-    /// From the person to the robot, of length 1.
+    /// Unit vector from the person to the robot.
     normal: Vector3<f64>,
-    /// The sine of the angle by which the direction to the person may be off, at most 1.
+    /// Sine of the largest error of the direction to the person, at most 1.
     sine: f64,
 }
 
@@ -45,8 +45,10 @@ impl Undercut {
         self.too_near = false;
     }
 
-    /// Takes a pair that may not touch, at its `distance` as seen \[m\]; `may_approach` says that it is not
-    /// nearer than a robot at rest should be, so that it only counts where the part may be about to touch.
+    /// Takes a pair that may not touch. `distance` is the distance as seen \[m\].
+    ///
+    /// If `may_approach` is true, the distance satisfies the protective distance of a robot at
+    /// rest. The pair then counts only if the part may be about to touch the robot.
     pub(super) fn take(
         &mut self,
         (robot, body): (usize, &RobotBody),
@@ -58,7 +60,7 @@ impl Undercut {
         let (moved, spread) = part.since_seen();
         let error = settings.human_uncertainty + spread;
         let too_near = error + settings.intrusion + settings.robot_uncertainty;
-        // By moving, the part has come nearer by no more than it has moved.
+        // The part has come closer by no more than it has moved.
         if may_approach && distance > too_near + moved.norm() {
             return;
         }
@@ -72,7 +74,7 @@ impl Undercut {
             return;
         }
         let apart = (near.on_first - near.on_second).norm();
-        // The distance counts this as part of the shape.
+        // The distance already accounts for this, as a part of the shape.
         let error = error + part.uncertainty;
         self.pairs.push(Pair {
             robot,
@@ -83,7 +85,7 @@ impl Undercut {
         });
     }
 
-    /// Returns true if nobody is nearer than a robot at rest should be.
+    /// Returns true if no pair violates the protective distance of a robot at rest.
     pub(super) fn is_empty(&self) -> bool {
         self.pairs.is_empty()
     }
@@ -96,14 +98,14 @@ impl Undercut {
         self.too_near
     }
 
-    /// Returns true if no pair comes nearer at `velocity`, n, by more than `rounding` \[m/s\].
+    /// Returns true if no pair approaches faster than `rounding` at `velocity`, n \[m/s\].
     pub(super) fn is_left_by(
         &self,
         motion: &JointMotion<'_>,
         velocity: &[f64],
         rounding: f64,
     ) -> bool {
-        // Pairs of one body follow each other.
+        // Pairs of the same body follow each other.
         let (mut last, mut twist) = (None, Vector6::zeros());
         self.pairs.iter().all(|pair| {
             if last != Some(pair.robot) {
@@ -115,8 +117,8 @@ impl Undercut {
 }
 
 impl Pair {
-    /// How fast an end comes nearer to the person at most, whichever direction they are in of those that they
-    /// may be in \[m/s\].
+    /// Returns the largest speed at which an end approaches the person, over all possible
+    /// directions to the person \[m/s\].
     fn worst_approach(&self, twist: &Vector6<f64>, origin: &Vector3<f64>) -> f64 {
         let (linear, angular) = (twist.fixed_rows::<3>(0), twist.fixed_rows::<3>(3));
         let cosine = (1.0 - self.sine * self.sine).sqrt();
@@ -125,7 +127,7 @@ impl Pair {
             let approach = -velocity.dot(&self.normal);
             let across = (velocity + self.normal * approach).norm();
             let speed = approach.hypot(across);
-            // The cone of directions holds that of the velocity, or it does not.
+            // The cone of possible directions contains the direction of the velocity, or does not.
             if approach > cosine * speed || self.sine >= 1.0 {
                 speed
             } else {
@@ -136,13 +138,14 @@ impl Pair {
     }
 }
 
-/// The ends of the segment that holds all points of a capsule's that are the nearest for some place of the
-/// other, up to `error` \[m\] from where it is.
+/// Returns the ends of the segment of the capsule's points that can be nearest to the other
+/// capsule. The other capsule may be displaced by up to `error` \[m\].
 ///
-/// The vector z between the nearest points is the least of the difference of two convex sets, and moves by no
-/// more than these do. So after a displacement by e the nearest point is no farther than ‖z‖ + ‖e‖ from the
-/// displaced other, and than ‖z‖ + 2‖e‖ from the other; and a point x of the segment is at least
-/// ‖z‖ + n·(x − p) from it, with the nearest point p and the normal n.
+/// The vector z between the nearest points is the shortest one in the difference of two convex
+/// sets. It moves by no more than these sets do. After a displacement e the nearest point is
+/// therefore no farther than ‖z‖ + ‖e‖ from the displaced capsule. From the capsule as given it is
+/// no farther than ‖z‖ + 2‖e‖. A point x of the segment is at least ‖z‖ + n·(x − p) away, where p
+/// is the nearest point and n the normal.
 fn nearest_ends(capsule: &Capsule, near: &Proximity, error: f64) -> [Vector3<f64>; 2] {
     [capsule.start(), capsule.end()].map(|end| {
         let along = end - near.on_first;

@@ -1,4 +1,4 @@
-//! The limits of contacts in files of settings.
+//! Contact limits in settings files.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -6,37 +6,37 @@ use serde::{Deserialize, Serialize};
 use super::{BodyRegion, ContactKind, ContactLimits, RegionLimits};
 use crate::error::Error;
 
-/// The limits of contacts as a table, a table a region.
+/// Contact limits as a table with one table for each region.
 #[derive(Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct ContactLimitsTable {
-    /// With which area the robot touches at least \[m²\].
+    /// Smallest contact area of the robot \[m²\].
     area: f64,
-    /// How long contacts last.
+    /// Duration of contacts.
     kind: ContactKind,
-    /// Of the skull with the forehead.
+    /// The skull with the forehead.
     skull: RegionLimits,
-    /// Of the face.
+    /// The face.
     face: RegionLimits,
-    /// Of the neck.
+    /// The neck.
     neck: RegionLimits,
-    /// Of the back and the shoulders.
+    /// The back and the shoulders.
     back: RegionLimits,
-    /// Of the chest.
+    /// The chest.
     chest: RegionLimits,
-    /// Of the abdomen.
+    /// The abdomen.
     abdomen: RegionLimits,
-    /// Of the pelvis.
+    /// The pelvis.
     pelvis: RegionLimits,
-    /// Of the upper arm with the elbow.
+    /// The upper arm with the elbow.
     upper_arm: RegionLimits,
-    /// Of the forearm with the wrist.
+    /// The forearm with the wrist.
     forearm: RegionLimits,
-    /// Of the hand with the fingers.
+    /// The hand with the fingers.
     hand: RegionLimits,
-    /// Of the thigh with the knee.
+    /// The thigh with the knee.
     thigh: RegionLimits,
-    /// Of the lower leg.
+    /// The lower leg.
     lower_leg: RegionLimits,
 }
 

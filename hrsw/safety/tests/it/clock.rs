@@ -9,7 +9,7 @@ fn clock() -> LoopClock {
     LoopClock::new(PERIOD, ClockSettings::default()).unwrap()
 }
 
-/// Times as they come from clocks that are right, set, stopped or no clocks.
+/// Generates times of clocks that are right, set, stopped or not finite.
 fn time() -> impl Strategy<Value = f64> {
     prop_oneof![
         0.0..10.0_f64,
@@ -22,9 +22,9 @@ fn time() -> impl Strategy<Value = f64> {
 }
 
 proptest! {
-    /// Whatever ticks and frames say.
+    /// Holds for arbitrary times of ticks and frames.
     #[test]
-    fn what_is_taken_is_new_and_of_the_present(
+    fn accepted_frames_are_newer_and_not_future(
         events in prop::collection::vec((any::<bool>(), time()), 1..60),
     ) {
         let settings = ClockSettings::default();
@@ -52,7 +52,7 @@ proptest! {
         }
     }
 
-    /// Ticks in time are no fault, from any origin up to seconds since 1970.
+    /// Holds for any origin up to seconds since 1970.
     #[test]
     fn ticks_within_the_tolerance_are_in_time(
         origin in prop_oneof![Just(0.0), -1e6..1e6_f64, Just(1.76e9)],
@@ -80,7 +80,7 @@ fn each_wrong_tick_has_its_name() {
         (0.6e-3, None),
         (1e-3, None),
         (1.4e-3, None),
-        // A single one that is late is no fault.
+        // A single late tick is no fault.
         (1.6e-3, None),
         (0.09, None),
         (0.101, None),
@@ -97,9 +97,9 @@ fn each_wrong_tick_has_its_name() {
 }
 
 proptest! {
-    /// Whatever the lateness of ticks, each comes at its own time on the grid, the late one after it.
+    /// Each tick comes at its own time on the grid, however late the others are.
     #[test]
-    fn who_keeps_to_the_grid_is_never_early(
+    fn ticks_on_the_grid_are_never_early(
         origin in prop_oneof![Just(0.0), -1e6..1e6_f64, Just(1.76e9)],
         late in prop::collection::vec(prop_oneof![4 => 0.0..0.1_f64, 1 => 0.0..100.0_f64], 1..300),
     ) {
@@ -108,7 +108,7 @@ proptest! {
         let _ = clock.tick(origin);
         let mut due = 1.0;
         for late in late {
-            // In periods.
+            // In units of the period.
             let now = due + late;
             let fault = clock.tick(origin + now * PERIOD).fault;
             prop_assert!(matches!(fault, None | Some(Fault::LateTick)), "{fault:?}");
@@ -116,7 +116,7 @@ proptest! {
         }
     }
 
-    /// A clock that is too fast is found out, however ticks are late between.
+    /// A clock that is too fast is noticed, even with late ticks in between.
     #[test]
     fn ticks_that_come_too_often_are_early(
         share in 0.05..0.45_f64, late in prop::collection::vec(0.0..5.0_f64, 20),
@@ -132,14 +132,14 @@ proptest! {
                 early += u32::from(clock.tick(now).fault == Some(Fault::EarlyTick));
             }
         }
-        // At most two in a run make up for the late one.
+        // A late tick is made up for by at most two early ones in a row.
         prop_assert!(early >= 20 * 18, "{early}");
     }
 }
 
 /// The loop is slower than its period.
 #[test]
-fn a_loop_most_of_whose_ticks_are_late_is_late() {
+fn mostly_late_ticks_are_a_fault() {
     for (takes, of, is_late) in [(2, 1, true), (20, 1, true), (5, 3, false), (5, 10, false)] {
         let mut clock = clock();
         let (mut now, mut late) = (0.0, 0);
@@ -149,18 +149,19 @@ fn a_loop_most_of_whose_ticks_are_late_is_late() {
             late += u32::from(fault.is_some());
             now += if tick % of == 0 { f64::from(takes) } else { 1.0 } * PERIOD;
         }
-        // After some eighteen ticks, for as long as it lasts.
+        // The fault appears after about eighteen ticks, and lasts as long as the ticks are late.
         assert_eq!(late, if is_late { 282 } else { 0 }, "{takes} periods, one in {of}");
-        // And it is over soon.
+        // The fault ends soon.
         let over =
             (0..20).filter(|tick| clock.tick(now + f64::from(*tick) * PERIOD).fault.is_some());
         assert!(over.count() <= 15);
     }
 }
 
-/// Frames that arrive while a loop stands are from the past by then, and those of the future still are none.
+/// Frames that arrive while a loop stands still are from the past. Frames from the future are still
+/// refused.
 #[test]
-fn frames_are_judged_by_the_present_where_it_is_told() {
+fn frames_are_judged_by_the_present_time() {
     let mut clock = clock();
     clock.tick(100.0);
     assert_eq!(clock.frame(100.04), Err(FrameFault::Future));
@@ -170,7 +171,7 @@ fn frames_are_judged_by_the_present_where_it_is_told() {
     let tick = clock.tick(100.06);
     assert_eq!((tick.fault, tick.forgets), (None, false));
     assert!((clock.age().seconds() - 0.02).abs() < 1e-9);
-    // It holds until the tick, and no number is none.
+    // The present is kept until the tick. NaN clears it.
     clock.set_present(f64::NAN);
     assert_eq!(clock.frame(100.08), Err(FrameFault::Future));
 }
@@ -192,13 +193,13 @@ fn each_wrong_frame_has_its_name() {
     ] {
         assert_eq!(clock.frame(stamp), Err(fault), "{stamp}");
     }
-    // Until the next tick.
+    // The frame is valid until the next tick.
     clock.frame(100.001).unwrap();
 }
 
-/// A frame that a later tick shows to be of the future does not stand against those after it.
+/// A frame that a later tick shows to be from the future does not block the frames after it.
 #[test]
-fn a_clock_that_is_set_back_forgets_what_it_had() {
+fn a_clock_set_back_forgets_future_frames() {
     let mut clock = clock();
     clock.tick(100.0);
     clock.frame(99.9).unwrap();

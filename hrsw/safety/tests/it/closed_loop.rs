@@ -109,7 +109,7 @@ fn point(size: f64) -> impl Strategy<Value = Vector3<f64>> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(40))]
 
-    /// People who stand: whatever the goal, the protective distance is kept in every tick.
+    /// People stand still. The protective distance is kept in every tick, whatever the goal.
     #[test]
     fn the_protective_distance_to_standing_people_is_kept(
         people in prop::collection::vec(point(2.0), 1..4),
@@ -145,8 +145,8 @@ proptest! {
         }
     }
 
-    /// People who jump in front of the moving robot: always feasible, always within the
-    /// acceleration limits (checked in each step), and never nearer by the robot's will.
+    /// People jump in front of the moving robot. The problem stays feasible, and the acceleration
+    /// limits hold (checked in each step). The robot never approaches by its own motion.
     #[test]
     fn jumps_never_make_the_problem_infeasible(
         jumps in prop::collection::vec((point(1.0), point(2.0), point(2.5), 1..300_usize), 1..12),

@@ -3,7 +3,7 @@
 use hrsw_safety::{BodyRegion, ContactKind, ContactLimit, ContactLimits, Error, RegionLimits};
 use proptest::prelude::*;
 
-/// The largest force between two free masses that meet at `speed`, step by step.
+/// Returns the largest force between two free masses that meet at `speed`, simulated step by step.
 fn simulated_force(limit: &ContactLimit, robot_mass: f64, speed: f64) -> f64 {
     let reduced = limit.mass * robot_mass / (limit.mass + robot_mass);
     let step = 1e-4 * (reduced / limit.stiffness).sqrt();
@@ -27,7 +27,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(32))]
 
     #[test]
-    fn at_the_speed_allowed_the_force_is_the_largest_allowed(
+    fn the_allowed_speed_reaches_the_largest_force(
         force in 50.0..300.0_f64, stiffness in 1e4..1.5e5_f64, mass in 0.5..75.0_f64,
         robot in 0.5..300.0_f64,
     ) {
@@ -38,10 +38,10 @@ proptest! {
     }
 }
 
-/// F / √(k μ) by hand for transient contacts, with twice the quasi-static forces: a Panda of 12 kg alone, and
-/// with a base of 169 kg behind it.
+/// Compares with F / √(k μ) computed by hand for transient contacts, with twice the quasi-static
+/// forces. The robots are a Panda of 12 kg alone and one with a base of 169 kg behind it.
 #[test]
-fn speeds_of_a_panda_are_those_computed_by_hand() {
+fn contact_speeds_match_a_computation_by_hand() {
     let limits = ContactLimits::default().with_kind(ContactKind::Transient);
     for (region, robot, speed) in [
         (BodyRegion::Chest, 12.0, 0.58),
@@ -58,7 +58,7 @@ fn speeds_of_a_panda_are_those_computed_by_hand() {
 }
 
 #[test]
-fn no_contact_is_planned_with_the_head_or_without_force() {
+fn no_contact_with_the_head_is_planned() {
     let limits = ContactLimits::default();
     for region in BodyRegion::ALL {
         assert_eq!(limits.of(region).is_none(), region.is_of_the_head(), "{region:?}");
@@ -66,13 +66,13 @@ fn no_contact_is_planned_with_the_head_or_without_force() {
     let soft = RegionLimits { force: 0.0, pressure: 1e6, stiffness: 1e4, mass: 10.0 };
     let limits = limits.with(BodyRegion::Abdomen, soft).unwrap();
     assert!(limits.of(BodyRegion::Abdomen).is_none());
-    // A sharp robot is limited by pressure: 200 N/cm² on 0.1 cm².
+    // The pressure limits a robot with a sharp edge: 200 N/cm² on 0.1 cm².
     let sharp = limits.with_area(1e-5).unwrap().of(BodyRegion::Hand).unwrap();
     assert!((sharp.force - 20.0).abs() < 1e-9);
 }
 
 #[test]
-fn limits_that_are_none_are_named() {
+fn invalid_contact_limits_are_named() {
     let sound = RegionLimits { force: 100.0, pressure: 1e6, stiffness: 1e4, mass: 10.0 };
     for wrong in [
         RegionLimits { force: -1.0, ..sound },

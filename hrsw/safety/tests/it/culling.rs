@@ -1,4 +1,4 @@
-//! Pairs without a row are those that need none, tick after tick.
+//! Only pairs that need no row get none, tick after tick.
 
 use ahqp_core::{AugmentedState, Rows};
 use hrsw_safety::{
@@ -24,7 +24,7 @@ fn moved(capsule: &Capsule, by: &Vector3<f64>) -> Capsule {
     Capsule::new(capsule.start() + by, capsule.end() + by, capsule.radius()).unwrap()
 }
 
-/// The rows that bound something, each with the speed that it allows.
+/// Returns the rows that bound something, each with the speed that it allows.
 fn bounding(rows: &Rows) -> Vec<(Vec<f64>, f64)> {
     let bounding = rows.iter().filter(|(_, _, upper)| *upper < f64::INFINITY);
     bounding.map(|(row, _, upper)| (row[..JOINTS].to_vec(), upper)).collect()
@@ -37,10 +37,10 @@ fn along(row: &[f64], velocity: &[f64]) -> f64 {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// A person who moves, and a robot whose velocity changes, over many ticks: whatever velocity the
-    /// joints may take next, the rows that are left bound it as all rows together do.
+    /// A person moves and the robot's velocity changes over many ticks. The rows that are kept
+    /// bound every next velocity as all rows together do.
     #[test]
-    fn rows_that_are_left_out_could_not_have_been_reached(
+    fn rows_left_out_could_not_be_reached(
         robot in capsules(5, 1.5), person in capsules(4, 1.5),
         jacobian in prop::collection::vec(-1.0..1.0_f64, 6 * JOINTS),
         steps in prop::collection::vec(
@@ -100,10 +100,11 @@ proptest! {
         }
     }
 
-    /// The same with parts that may be touched: neither contacts that permit all that may come, nor the robot's
-    /// mass where it is not asked for, change what bounds the next velocity.
+    /// Some parts may be touched. Two things are left out: contacts that allow every reachable
+    /// speed, and the robot's mass where it is not needed. The next velocity is bounded as without
+    /// leaving them out.
     #[test]
-    fn contacts_that_are_left_out_could_not_have_been_reached(
+    fn contacts_left_out_could_not_be_reached(
         robot in capsules(4, 0.8), person in capsules(4, 0.8),
         jacobian in prop::collection::vec(-1.0..1.0_f64, 6 * JOINTS),
         steps in prop::collection::vec(
@@ -169,7 +170,7 @@ proptest! {
             prop_assert_eq!(unweighed.write(&motion, &bodies, &parts, &mut without).unwrap(), nearest);
             prop_assert_eq!(unweighed.needs_inertia(), culled.needs_inertia());
             if !culled.needs_inertia() {
-                // Which row a point has depends on the ticks before.
+                // The row of a point depends on the ticks before.
                 let without = bounding(&without);
                 prop_assert_eq!(without.len(), kept.len());
                 prop_assert!(without.iter().all(|row| kept.contains(row)));
@@ -177,9 +178,9 @@ proptest! {
         }
     }
 
-    /// The same for the robot's own bodies, which some joints carry together.
+    /// Some joints move several of the robot's own bodies together.
     #[test]
-    fn own_pairs_that_are_left_out_could_not_have_been_reached(
+    fn own_pairs_left_out_could_not_be_reached(
         robot in capsules(5, 0.6), joints in prop::collection::vec(0..=JOINTS, 5),
         jacobian in prop::collection::vec(-1.0..1.0_f64, 6 * JOINTS),
         steps in prop::collection::vec((vector(0.01), prop::array::uniform4(-0.6..0.6_f64)), 1..30),
@@ -223,9 +224,10 @@ proptest! {
         }
     }
 
-    /// The base brakes worse than the arm: stopping takes no less way and time than each alone takes.
+    /// The base brakes more slowly than the arm. Stopping takes no less distance and time than for
+    /// each part alone.
     #[test]
-    fn stopping_by_parts_takes_no_less_than_each_part(
+    fn stopping_takes_no_less_than_each_part(
         base in 0.0..1.5_f64, arm in 0.0..1.5_f64, human in 0.0..1.6_f64,
         of_base in 0.2..1.0_f64, of_arm in 1.0..5.0_f64,
     ) {
@@ -245,7 +247,7 @@ proptest! {
     }
 }
 
-/// The velocity of a body that turns about a far axis is that of its points, not of the axis.
+/// A body turns about a distant axis. Its points move, and the axis does not.
 #[test]
 fn a_turning_joint_keeps_what_it_can_reach() {
     let state = AugmentedState { joints: 1, task: 6, slack: 6 };
@@ -268,7 +270,7 @@ fn a_turning_joint_keeps_what_it_can_reach() {
         origin: Vector3::zeros(),
         velocity: &[0.0],
         braking: None,
-        // At two metres 0.6 m/s within a tick, which is more than is allowed.
+        // At two metres this is 0.6 m/s within a tick, more than is allowed.
         change: Some(&[0.3]),
         inverse_inertia: None,
     };

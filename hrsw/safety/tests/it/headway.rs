@@ -5,7 +5,8 @@ use proptest::prelude::*;
 
 const PERIOD: f64 = 1e-3;
 
-/// Terms of S_p, how far away the robot works, and at what speeds the person goes away, for how many ticks each.
+/// Generates terms of S_p, the clearance, and the speeds of the person with the number of ticks for
+/// each.
 fn walks() -> impl Strategy<Value = (SeparationSettings, f64, Vec<(f64, u32)>)> {
     let terms = (0.05..0.4, 0.3..3.0, 0.0..0.2, 0.0..0.1, prop::option::of(0.3..2.0)).prop_map(
         |(reaction_time, deceleration, intrusion, human_uncertainty, base)| SeparationSettings {
@@ -18,11 +19,11 @@ fn walks() -> impl Strategy<Value = (SeparationSettings, f64, Vec<(f64, u32)>)> 
         },
     );
     let walk = prop::collection::vec((-1.0..1.6, 1..3000_u32), 1..6);
-    // Where the robot works it may be at rest.
+    // The robot may be at rest at its place of work.
     (terms, 0.31..0.6, walk)
 }
 
-/// S_p of who stands, but for the terms of places \[m\].
+/// Returns S_p for a person who stands still, without the margins \[m\].
 fn stopping(terms: &SeparationSettings, speed: f64) -> f64 {
     let deceleration = terms.base.map_or(terms.deceleration, |base| base.deceleration);
     speed * terms.reaction_time + speed * speed / (2.0 * deceleration)
@@ -33,9 +34,10 @@ fn margin(terms: &SeparationSettings) -> f64 {
 }
 
 proptest! {
-    /// Whenever the person stands still, a robot that has kept the headway so far comes to rest before them.
+    /// Whenever the person stands still, a robot that kept the headway so far stops in front of
+    /// them.
     #[test]
-    fn who_keeps_the_headway_stops_in_time((terms, clearance, walk) in walks()) {
+    fn a_robot_with_the_headway_stops_in_time((terms, clearance, walk) in walks()) {
         let mut headway = Headway::new(terms, clearance).unwrap();
         for (speed, ticks) in walk {
             for _ in 0..ticks {
@@ -46,14 +48,15 @@ proptest! {
                 prop_assert!(follows > -1e-9, "it goes back at {follows} m/s");
                 let rest = clearance + before - stopping(&terms, follows) - margin(&terms);
                 prop_assert!(rest > -1e-9, "it comes too near by {rest} m");
-                // Where the camera shows them, T_r late, it is allowed to move as fast, too.
+                // The robot may also move as fast at the place that the camera shows T_r late.
                 let seen = rest - speed.max(0.0) * terms.reaction_time;
                 prop_assert!(seen > -1e-9 || follows < 1e-9, "it seems too near by {seen} m");
             }
         }
     }
 
-    /// Behind who goes on at one speed, and is seen T_r late, it is what S_p asks for beyond the clearance.
+    /// The person walks on at one speed and is seen T_r late. The headway becomes what S_p demands
+    /// beyond the clearance.
     #[test]
     fn it_settles_at_the_protective_distance((terms, clearance, walk) in walks(), period in 1e-3..0.5) {
         let mut headway = Headway::new(terms, clearance).unwrap();
@@ -71,7 +74,7 @@ proptest! {
 }
 
 #[test]
-fn what_is_no_motion_changes_nothing() {
+fn invalid_motions_change_nothing() {
     let terms = SeparationSettings::default();
     let mut headway = Headway::new(terms, 0.2).unwrap();
     headway.advance(1.0, 0.5).unwrap();

@@ -1,4 +1,4 @@
-//! Who is nearer than they should be, and which rows points have.
+//! People inside the protective distance, and the assignment of rows to points.
 
 use ahqp_core::{AugmentedState, integrate_pose};
 use hrsw_safety::{
@@ -10,7 +10,7 @@ use proptest::prelude::*;
 
 use crate::support::{capsule, vector};
 
-/// The joints of a robot that flies: its velocities are the twist.
+/// Number of joints of a robot that flies. Its velocities are the twist.
 const JOINTS: usize = 6;
 const STATE: AugmentedState = AugmentedState { joints: JOINTS, task: 6, slack: 6 };
 
@@ -18,7 +18,7 @@ fn moved(capsule: &Capsule, by: &Vector3<f64>) -> Capsule {
     Capsule::new(capsule.start() + by, capsule.end() + by, capsule.radius()).unwrap()
 }
 
-/// After `time` of the twist, linear at the world's origin.
+/// Returns the capsule after `time` of the twist, which is linear at the world's origin.
 fn carried(capsule: &Capsule, twist: &[f64], time: f64) -> Capsule {
     let twist = Vector6::from_column_slice(twist);
     capsule.placed(&integrate_pose(&Isometry3::identity(), &twist, time))
@@ -35,7 +35,7 @@ fn flying<'a>(jacobian: &'a Matrix6xX<f64>, velocity: &'a [f64]) -> JointMotion<
     }
 }
 
-/// How fast the robot's capsule comes nearer to one that is held still \[m/s\].
+/// Returns the speed at which the robot's capsule approaches one that is held still \[m/s\].
 fn approach(robot: &Capsule, twist: &[f64], person: &Capsule) -> f64 {
     let step = 1e-6;
     let at = |time| proximity(&carried(robot, twist, time), person).distance;
@@ -43,7 +43,8 @@ fn approach(robot: &Capsule, twist: &[f64], person: &Capsule) -> f64 {
 }
 
 proptest! {
-    /// Rows bound the nearest point and both ends, of a capsule that turns about its nearest point too.
+    /// Rows bound the nearest point and both ends of a capsule, even if it turns about its nearest
+    /// point.
     #[test]
     fn both_ends_of_a_capsule_keep_their_distance(
         robot in capsule(0.8), person in capsule(1.5), twist in prop::array::uniform6(-1.5..1.5_f64),
@@ -53,7 +54,7 @@ proptest! {
         let near = proximity(&robot, &person);
         prop_assume!((near.on_first - near.on_second).norm() > 1e-2);
         let jacobian = Matrix6xX::identity(JOINTS);
-        // A turn about the nearest point, which comes no nearer by it.
+        // A turn about the nearest point does not change the distance.
         let mut twist = twist;
         if turns {
             let angular = Vector3::new(twist[3], twist[4], twist[5]);
@@ -67,7 +68,7 @@ proptest! {
         let mut separation = ApproachRows::new(STATE, settings, 3).unwrap();
         let mut rows = separation.rows();
         separation.write(&motion, &[body], &[part], &mut rows).unwrap();
-        // As fast as the rows let it.
+        // The robot is as fast as the rows allow.
         let slowed = rows.iter().map(|(row, _, upper)| {
             let speed: f64 = row.iter().zip(&twist).map(|(a, b)| a * b).sum();
             if speed > upper { upper / speed } else { 1.0 }
@@ -83,9 +84,9 @@ proptest! {
         }
     }
 
-    /// Velocities are drawn to braking just so far that each pair is as slow as it may be, or as with braking.
+    /// Velocities move towards braking until each pair is as slow as its limit, or as with braking.
     #[test]
-    fn velocities_are_drawn_to_braking_no_farther_than_needed(
+    fn braking_share_is_no_larger_than_needed(
         robot in capsule(0.8), people in prop::array::uniform2(capsule(1.5)),
         twist in prop::array::uniform6(-1.5..1.5_f64), braking in prop::array::uniform6(-0.2..0.2_f64),
     ) {
@@ -111,7 +112,7 @@ proptest! {
                 .fold(f64::NEG_INFINITY, f64::max)
         };
         prop_assert!(most_too_fast(share) <= 1e-6);
-        // Somebody who is too near asks for all of it.
+        // A person who is too near demands all of the way.
         let is_too_near = people.iter().any(|part| {
             let distance = proximity(&robot, &part.capsule).distance;
             distance < SeparationSettings::default().protective_distance(0.0, 0.0)
@@ -121,8 +122,8 @@ proptest! {
         }
     }
 
-    /// A robot that is nearer than it may be comes no nearer wherever the person is: they have moved on since
-    /// they were seen, at a speed known only so well, and were seen only so exactly.
+    /// A robot inside the protective distance approaches no possible position of the person. The
+    /// person has moved since they were seen, their speed is uncertain, and so was their position.
     #[test]
     fn the_robot_leaves_wherever_the_person_is(
         robot in capsule(0.5), person in capsule(0.5), away in 0.2..0.5_f64,
@@ -133,7 +134,7 @@ proptest! {
         let settings = SeparationSettings::default();
         let near = proximity(&robot, &person);
         prop_assume!((near.on_first - near.on_second).norm() > 1e-3);
-        // The person stands so far before the robot, but for what is not known of their place.
+        // The person stands this far from the robot, apart from the uncertainty of their place.
         let person = moved(&person, &(near.normal * (near.distance - away - uncertainty)));
         let shape = Capsule::new(*person.start(), *person.end(), person.radius() + uncertainty).unwrap();
         let velocity = walking.map(|(mean, uncertainty)| MeasuredVelocity { mean, uncertainty });
@@ -164,9 +165,10 @@ proptest! {
     }
 }
 
-/// Somebody walks to the robot's side: it leaves where they were seen, and comes nearer to where they are.
+/// A person walks to the robot's side. The robot leaves the place where they were seen, and
+/// approaches their actual place.
 #[test]
-fn a_direction_away_from_where_the_person_was_is_none_away_from_where_they_are() {
+fn leaving_an_old_position_is_not_enough() {
     let settings = SeparationSettings::default();
     let robot = RobotBody { capsule: Capsule::sphere(Vector3::zeros(), 0.05).unwrap(), joints: 6 };
     let walking = MeasuredVelocity { mean: Vector3::new(0.0, 1.5, 0.0), uncertainty: 0.0 };
@@ -194,7 +196,7 @@ fn a_direction_away_from_where_the_person_was_is_none_away_from_where_they_are()
     assert!(keeps(0.15, [0.1, -0.1, 0.0, 0.0, 0.0, 0.0], 0.1));
 }
 
-/// A solver begins with the rows that were active: they are those of the same points in the next tick.
+/// A solver starts with the last active rows. They belong to the same points in the next tick.
 #[test]
 fn a_point_keeps_its_row() {
     let robot = RobotBody { capsule: Capsule::sphere(Vector3::zeros(), 0.1).unwrap(), joints: 6 };

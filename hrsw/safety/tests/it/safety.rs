@@ -15,13 +15,13 @@ use proptest::prelude::*;
 
 const JOINTS: usize = 4;
 
-/// The capsule after `time` of the twist, linear at `origin`.
+/// Returns the capsule after `time` of the twist, which is linear at `origin`.
 fn carried(capsule: &Capsule, twist: &Vector6<f64>, origin: &Vector3<f64>, time: f64) -> Capsule {
     let at = Isometry3::translation(origin.x, origin.y, origin.z);
     capsule.placed(&at.inverse()).placed(&integrate_pose(&at, twist, time))
 }
 
-/// Of the capsules, and of their segments.
+/// Returns the distances of the capsules and of their segments.
 fn parry_distances(a: &Capsule, b: &Capsule) -> (f64, f64) {
     let shape = |c: &Capsule| {
         let point = |v: &Vector3<f64>| Vector::new(v.x, v.y, v.z);
@@ -94,7 +94,7 @@ fn contact() -> impl Strategy<Value = Contact> {
     )
 }
 
-/// The inverse of an inertia: A Aᵀ and a little.
+/// Generates the inverse of an inertia A Aᵀ plus a small multiple of the identity.
 fn inverse_inertia() -> impl Strategy<Value = DMatrix<f64>> {
     prop::collection::vec(-1.0..1.0_f64, JOINTS * JOINTS).prop_map(|entries| {
         let root = DMatrix::from_vec(JOINTS, JOINTS, entries);
@@ -130,7 +130,7 @@ proptest! {
     #[test]
     fn distances_are_those_of_parry(a in capsule(1.0), b in capsule(1.0)) {
         let near = proximity(&a, &b);
-        // parry's query of capsules iterates to five digits; that of segments is exact.
+        // parry's query of capsules iterates to five digits. Its query of segments is exact.
         let (capsules, segments) = parry_distances(&a, &b);
         prop_assert!((near.distance.max(0.0) - capsules).abs() < 1e-4);
         prop_assert!((near.distance + a.radius() + b.radius() - segments).abs() < 1e-9);
@@ -139,7 +139,7 @@ proptest! {
         prop_assert!((near.normal.norm() - 1.0).abs() < 1e-12);
     }
 
-    /// Parallel, touching, crossing and pointlike segments too.
+    /// Holds for parallel, touching, crossing and pointlike segments too.
     #[test]
     fn no_points_of_the_segments_are_nearer(
         a in prop::array::uniform3(-2..3_i32), u in prop::array::uniform3(-2..3_i32),
@@ -192,8 +192,8 @@ proptest! {
         prop_assert!(settings.approach_limit(distance, human + 0.1) <= limit);
     }
 
-    /// The person keeps coming, the robot keeps its speed for the reaction time and then
-    /// brakes: what is left when it stands is the margin.
+    /// The person keeps approaching. The robot keeps its speed for the reaction time and then
+    /// brakes. When it stands, the margin remains.
     #[test]
     fn the_protective_distance_is_what_the_motion_takes(
         settings in settings(), human in 0.0..2.0_f64, robot in 0.0..2.0_f64,
@@ -214,8 +214,9 @@ proptest! {
         prop_assert!((gap - margin).abs() < 1e-3, "{gap} {margin}");
     }
 
-    /// Each row is how fast the nearest point of the robot's capsule, or one of its ends, comes nearer, by finite
-    /// differences of the distance: to where a part is by now, if it may be touched, is too near, and surely moves.
+    /// Each row is the rate of approach of the nearest point of the robot's capsule or of one of
+    /// its ends. It is compared with finite differences of the distance. If a part may be touched,
+    /// is too near and surely moves, the distance to its current place counts.
     #[test]
     fn rows_are_the_rate_of_approach(
         jacobian in jacobian(), q in joints(), origin in vector(0.5),
@@ -272,14 +273,14 @@ proptest! {
                 let mut limit = settings.approach_limit(distance, human);
                 if let Some(Contact { limit: contact, fastest, velocity }) = part.contact {
                     prop_assert!(velocity.is_none());
-                    // Joint by joint: how the robot gives way to a push along the normal.
+                    // Computes joint by joint how the robot gives way to a push along the normal.
                     let unit = |j: usize| std::array::from_fn::<_, JOINTS, _>(|i| f64::from(u8::from(i == j)));
                     let row = DVector::from_fn(JOINTS, |j, _| rate(&unit(j)));
                     let lightness = inverse.as_ref().map_or(0.0, |m| row.dot(&(m * &row)));
                     let reduced = 1.0 / (1.0 / contact.mass + lightness);
                     let allowed = contact.force / (contact.stiffness * reduced).sqrt();
                     let (measured, worst) = (measured.unwrap_or(human), worst.unwrap_or(human));
-                    // A part that leaves counts as far as it surely does.
+                    // A part that recedes counts by the speed at which it surely recedes.
                     let comes = if measured > 0.0 { measured } else { worst.min(0.0) };
                     limit = limit.max((allowed - worst).min(fastest - comes));
                 }
@@ -301,7 +302,7 @@ proptest! {
             prop_assert!(row.iter().all(|&a| a == 0.0));
             prop_assert!(lower == f64::NEG_INFINITY && upper == f64::INFINITY);
         }
-        // Parts that may touch are never the nearest.
+        // Parts that may be touched are never reported as nearest.
         prop_assert_eq!(nearest.is_none(), person.iter().all(|part| part.contact.is_some()));
         if let Some(nearest) = nearest {
             let part = &person[nearest.other];
@@ -359,7 +360,7 @@ proptest! {
         let mut rows = SpeedCap::rows(state());
         SpeedCap::write(&motion, &Vector3::zeros(), cap, &mut rows).unwrap();
         for (row, lower, upper) in rows.iter() {
-            // Rest and braking are no corners of what is admitted.
+            // Rest and braking lie in the interior of what is admitted.
             let within = lower + 0.9e-6..=upper - 0.9e-6;
             prop_assert!(within.contains(&0.0) && within.contains(&along(row, &braking)));
         }
@@ -404,7 +405,7 @@ proptest! {
         SpeedCap::write(&motion, &Vector3::zeros(), cap, &mut rows).unwrap();
         let linear: Matrix3x6<f64> = Matrix3x6::from_fn(|i, j| if i == j { 1.0 } else { 0.0 });
         let speed = (linear * &jacobian * nalgebra::Vector4::from(q)).norm();
-        // The fastest motion along q that the rows admit.
+        // Fastest motion along q that the rows admit.
         let most = rows
             .iter()
             .map(|(row, _, upper)| upper / along(row, &q).abs())
@@ -416,7 +417,7 @@ proptest! {
     }
 }
 
-/// The defaults by hand: v_h = 1.6 m/s, T_r = 0.15 s, a = 2 m/s², margins of 0.16 m.
+/// Compares with the defaults by hand: v_h = 1.6 m/s, T_r = 0.15 s, a = 2 m/s², margins of 0.16 m.
 #[test]
 fn the_terms_of_the_protective_distance_by_hand() {
     let settings = SeparationSettings::default();

@@ -1,4 +1,5 @@
-//! The supervisor: down at once, up by rule, and always with its reason.
+//! The supervisor enters stricter states at once, recovers by one state at a time, and always has a
+//! cause.
 
 use hrsw_safety::{
     Age, Cause, Fault, FrameFault, Nearest, Observation, SafetyState, Supervisor,
@@ -22,7 +23,7 @@ fn supervisor() -> Supervisor {
 
 proptest! {
     #[test]
-    fn the_supervisor_goes_down_at_once_and_up_by_rule(
+    fn the_supervisor_stops_at_once_and_recovers_stepwise(
         steps in prop::collection::vec(
             (prop::option::of(-0.5..2.0_f64), 0.0..1.2_f64,
              prop::option::weighted(0.1, prop::sample::select(&Fault::ALL[..])), 1..900_usize),
@@ -58,7 +59,7 @@ proptest! {
                 if supervisor.state() < before.state() {
                     prop_assert!(!supervisor.waits_for_acknowledgement());
                     prop_assert!(!supervisor.stops_at_once());
-                    // One step at a time.
+                    // Recovery is one state at a time.
                     prop_assert_eq!(supervisor.state() as u8 + 1, before.state() as u8);
                     if supervisor.state() == SafetyState::Normal {
                         prop_assert!(clear >= settings.dwell - 1e-9);
@@ -77,9 +78,9 @@ proptest! {
         prop_assert_eq!(supervisor.speed_scale(), 1.0);
     }
 
-    /// Whatever is seen meanwhile, a fault that waits is neither forgotten nor recovered from.
+    /// A fault that waits is neither forgotten nor recovered from, whatever is seen meanwhile.
     #[test]
-    fn a_fault_that_waits_is_kept_until_somebody_sees_to_it(
+    fn a_waiting_fault_is_kept_until_acknowledgement(
         fault in prop::sample::select(&Fault::ALL[..]).prop_filter("waits", |fault| fault.waits()),
         seen_later in prop::collection::vec(
             (prop::option::of(-0.5..2.0_f64), 0.0..1.2_f64), 1..3000),
@@ -112,9 +113,9 @@ fn the_supervisor_says_why() {
     assert_eq!(supervisor.unacknowledged(), Some(Fault::BadData));
 }
 
-/// Towards somebody who is too close it stops as fast as it can, away from them it may leave.
+/// The robot stops as fast as it can if it approaches a person who is too close. It may leave them.
 #[test]
-fn the_robot_retreats_from_who_is_too_close() {
+fn the_robot_retreats_from_a_close_person() {
     let mut supervisor = supervisor();
     let coming = Nearest { approach: 0.3, ..pair(-0.2) };
     for _ in 0..100 {
@@ -139,7 +140,7 @@ fn the_robot_retreats_from_who_is_too_close() {
     assert_eq!(supervisor.state(), SafetyState::Retreat);
 }
 
-/// What has never been seen is older than everything.
+/// Something that was never seen is older than everything.
 #[test]
 fn before_the_first_frame_the_robot_stands() {
     let mut supervisor = supervisor();
@@ -149,16 +150,16 @@ fn before_the_first_frame_the_robot_stands() {
 }
 
 #[test]
-fn an_age_is_never_negative_and_always_a_number() {
+fn an_age_is_not_negative_and_not_nan() {
     for wrong in [-1e9, -1e-300, f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         let error = Age::new(wrong).unwrap_err();
         assert!(error.to_string().contains("age"), "{error}");
     }
 }
 
-/// Now and then is as bad as always, if it is more often than the dwell time.
+/// A fault that returns within the dwell time counts as lasting.
 #[test]
-fn a_fault_that_comes_back_within_the_dwell_time_keeps_its_state() {
+fn a_fault_returning_within_the_dwell_time_lasts() {
     for fault in Fault::ALL {
         let mut supervisor = supervisor();
         for tick in 0..5000 {
@@ -171,7 +172,7 @@ fn a_fault_that_comes_back_within_the_dwell_time_keeps_its_state() {
     }
 }
 
-/// Also without a dwell time a fault holds for the tick in which it was reported.
+/// A fault holds for the tick in which it was reported, even without a dwell time.
 #[test]
 fn a_fault_outlives_its_tick() {
     let settings = SupervisorSettings { dwell: 0.0, ..SupervisorSettings::default() };
@@ -184,7 +185,7 @@ fn a_fault_outlives_its_tick() {
 }
 
 #[test]
-fn the_first_fault_that_waits_is_the_one_to_see_to() {
+fn the_first_waiting_fault_is_reported() {
     let mut supervisor = supervisor();
     supervisor.report(Fault::LateTick);
     supervisor.report(Fault::FollowingError);

@@ -1,4 +1,4 @@
-//! A capsule in files of settings.
+//! Capsules in settings files.
 
 use nalgebra::Vector3;
 use schemars::JsonSchema;
@@ -11,9 +11,9 @@ use crate::error::Error;
 #[derive(Clone, Copy, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(super) struct CapsuleTable {
-    /// Where its segment begins \[m\].
+    /// Start of its segment \[m\].
     start: [f64; 3],
-    /// Where its segment ends \[m\].
+    /// End of its segment \[m\].
     end: [f64; 3],
     /// Its radius \[m\].
     radius: f64,

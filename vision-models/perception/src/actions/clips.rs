@@ -10,36 +10,38 @@ use crate::{
     watch::Watch,
 };
 
-/// A folder of frames of a known class.
+/// A folder of frames with a known class.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LabelledClip {
-    /// Its name: the path within the data set's folder.
+    /// Name: the path within the data set's folder.
     pub name: String,
-    /// The folder with its frames.
+    /// The folder with the frames.
     pub folder: PathBuf,
-    /// The index of its class.
+    /// Index of the class.
     pub label: usize,
 }
 
-/// Classes and clips of a data set.
+/// The classes and clips of a data set.
 #[derive(Clone, Debug)]
 pub struct ClipSet {
-    /// The names of the classes, HRI30's as the paper writes them.
+    /// Names of the classes. HRI30's are written as in the paper.
     pub classes: Vec<String>,
-    /// The clips, by class and name.
+    /// The clips, sorted by class and name.
     pub clips: Vec<LabelledClip>,
 }
 
-/// HRI30's class as the paper writes it, whatever the copy; any other name as it is.
+/// Returns HRI30's class as written in the paper, whatever the copy. Any other name is returned
+/// unchanged.
 pub fn class_name(label: &str) -> String {
     Action::from_label(label).map_or_else(|_| label.to_owned(), |action| action.name().to_owned())
 }
 
 impl ClipSet {
-    /// FOLDER/CLASS/CLIP/frames.
+    /// Reads FOLDER/CLASS/CLIP/frames.
     ///
     /// # Errors
-    /// Names the folder that cannot be read, or has too few classes, no clips or a class twice.
+    /// Names the folder if it cannot be read, has too few classes or no clips, or has a class
+    /// twice.
     pub fn of_folders(folder: &Path, watch: &mut Watch<'_>) -> Result<Self, Error> {
         let folders = list_classes(folder, watch)?;
         let classes: Vec<String> = folders.iter().map(|class| class_name(class)).collect();
@@ -69,11 +71,11 @@ impl ClipSet {
         Ok(Self { classes, clips })
     }
 
-    /// FOLDER/CLIP/frames for the clips of a list: a line each, its name and its class, with a comma between, as in
-    /// HRI30's `train_set_labels.csv`. The clip's extension is left out.
+    /// Reads FOLDER/CLIP/frames for the clips of a list. Each line has a clip's name and its class,
+    /// separated by a comma, as in HRI30's `train_set_labels.csv`. The clip's extension is ignored.
     ///
     /// # Errors
-    /// With the line or the clip that is wrong.
+    /// Names the line or the clip that is wrong.
     pub fn of_list(folder: &Path, list: &Path, names: &ClassNames) -> Result<Self, Error> {
         let labelled = names.read_clips(list).map_err(Error::content(list))?;
         let classes = names.names().iter().map(|name| class_name(name)).collect();
@@ -95,10 +97,10 @@ impl ClipSet {
     }
 }
 
-/// The frames of a clip, at least `least`.
+/// Returns the frames of a clip, at least `least`.
 ///
 /// # Errors
-/// Names the folder, if it has fewer.
+/// Names the folder if it has fewer.
 pub fn frames_of(
     folder: &Path,
     least: usize,

@@ -1,23 +1,23 @@
-//! Clips by class, of frames whose truth is known.
+//! Cuts clips of each class from frames whose truth is known.
 
 use std::path::PathBuf;
 
 use crate::{frames::truth::TrueFilm, learning::cutting::Sample};
 
-/// Which clips are cut.
+/// Settings for cutting clips.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ClipCut {
-    /// Frames of a clip.
+    /// Number of frames of a clip.
     pub length: usize,
-    /// Frames from the beginning of a clip to that of the next.
+    /// Number of frames from the beginning of a clip to that of the next.
     pub every: usize,
-    /// For how many frames at its end the person has been doing what a clip is of.
+    /// Number of frames at the end of a clip in which its action must not change.
     pub settled: usize,
 }
 
 impl ClipCut {
-    /// The clips of a film. A clip is of the action of its last frame, as a recogniser that looks back from the newest
-    /// frame is to say it. No clip goes over frames that the camera lost.
+    /// Returns the clips of a film. A clip has the action of its last frame, since a recogniser
+    /// sees the frames up to the newest one. No clip contains a gap of lost frames.
     pub fn clips_of(self, film: &TrueFilm) -> Vec<Sample> {
         let Self { length, every, settled } = self;
         let mut clips = Vec::new();

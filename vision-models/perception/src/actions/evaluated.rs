@@ -1,4 +1,4 @@
-//! How well a recogniser does, from the scores of clips.
+//! Quality of a recogniser, from the scores of clips.
 
 use std::{io::Write, path::Path};
 
@@ -17,46 +17,46 @@ use crate::{
     },
 };
 
-/// What all shards of an evaluation share.
+/// The settings that all shards of an evaluation share.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EvaluationJob {
-    /// The names of the classes.
+    /// Names of the classes.
     pub classes: Vec<String>,
-    /// What the network sees.
+    /// The network's input.
     pub window: Window,
     /// The network's weights.
     pub weights: WeightsIdentity,
-    /// Windows along each clip.
+    /// Number of windows along each clip.
     pub windows: usize,
-    /// The parts of the frames.
+    /// The crops of the frames.
     pub crops: String,
-    /// Which clips of the folder.
+    /// The selected clips of the folder.
     pub clips: String,
 }
 
-/// A clip, its class and what the recogniser makes of it.
+/// A clip with its class and the recogniser's scores.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ScoredClip {
-    /// The clip's name.
+    /// Name of the clip.
     pub name: String,
-    /// The index of its class.
+    /// Index of the class.
     pub label: usize,
-    /// The probability of each class.
+    /// Probability of each class.
     pub scores: Vec<f32>,
 }
 
-/// How well a recogniser does, by class and by type of action: the line of `--json`.
+/// Quality of a recogniser, by class and by type of action. It is the line of `--json`.
 #[derive(Clone, Debug, Serialize)]
 pub struct Evaluated {
     classes: Vec<String>,
     #[serde(flatten)]
     evaluation: Evaluation,
-    /// The share of clips that were given a class of the same intention, where all classes are HRI30's.
+    /// Share of clips that were given a class of the same intention, if all classes are HRI30's.
     intention_accuracy: Option<f64>,
     by_class: Vec<ClassReport>,
-    /// Of the classes that are HRI30's.
+    /// Results by type of action, for the classes that are HRI30's.
     by_group: Vec<GroupReport>,
 }
 
@@ -64,9 +64,9 @@ pub struct Evaluated {
 struct ClassReport {
     class: String,
     clips: u64,
-    /// The share of its clips that were recognised.
+    /// Share of the class's clips that were recognised.
     recall: Option<f64>,
-    /// The share of clips that were taken for it that were its own.
+    /// Share of true clips among those that were given the class.
     precision: Option<f64>,
 }
 
@@ -74,17 +74,17 @@ struct ClassReport {
 struct GroupReport {
     group: ActionGroup,
     clips: u64,
-    /// The share of clips that were given their class.
+    /// Share of clips that were given their class.
     accuracy: Option<f64>,
-    /// The share of clips that were given a class of their group.
+    /// Share of clips that were given a class of their group.
     group_accuracy: Option<f64>,
 }
 
 impl Evaluated {
-    /// Of the clips of a run, in their order.
+    /// Evaluates the clips of a run, in their order.
     ///
     /// # Errors
-    /// A clip of a class that the run does not have.
+    /// Names a clip of a class that the run does not have.
     pub fn of(job: &EvaluationJob, clips: &[ScoredClip]) -> Result<Self, Error> {
         let classes = job.classes.as_slice();
         let samples = clips.iter().map(|clip| (clip.label, clip.scores.as_slice()));
@@ -98,10 +98,11 @@ impl Evaluated {
         })
     }
 
-    /// Writes the picture of the confusion matrix, the probabilities of every clip and the result as JSON into a folder.
+    /// Writes the figure of the confusion matrix, the probabilities of every clip and the result as
+    /// JSON into a folder.
     ///
     /// # Errors
-    /// With the place that cannot be written.
+    /// Names the place that cannot be written.
     pub fn write_folder(
         &self,
         folder: &Path,
@@ -122,7 +123,7 @@ impl Evaluated {
     /// Writes the tables.
     ///
     /// # Errors
-    /// What the system says.
+    /// The system's error.
     pub fn write(&self, out: &mut dyn Write) -> std::io::Result<()> {
         let percent = |share: Option<f64>| 100.0 * share.unwrap_or(f64::NAN);
         let width = self.classes.iter().map(|name| name.chars().count()).max().unwrap_or(0).max(25);

@@ -21,7 +21,7 @@ use crate::{
     watch::{Event, Watch},
 };
 
-/// A network's features of clips, from disk where they are known.
+/// A network's features of clips, read from disk if they are known.
 #[derive(Debug)]
 pub struct ClipFeatures {
     window: Window,
@@ -30,10 +30,10 @@ pub struct ClipFeatures {
 }
 
 impl ClipFeatures {
-    /// Of this network. The cache is `NETWORK.features` in a folder.
+    /// Creates the source for this network. The cache is `NETWORK.features` in a folder.
     ///
     /// # Errors
-    /// As of [`FeatureCache::open`].
+    /// Those of [`FeatureCache::open`].
     pub fn new(
         window: Window,
         (weights, identity): (Weights, &WeightsIdentity),
@@ -52,16 +52,17 @@ impl ClipFeatures {
         Ok(Self { window, backbone, cache })
     }
 
-    /// What the network sees of a clip.
+    /// Returns the network's input.
     pub fn window(&self) -> &Window {
         &self.window
     }
 
-    /// The features of each clip, a row for each view. Less than all where the call-back ends it: the features so far
-    /// are then in the cache.
+    /// Returns the features of each clip, one row per view. If the call-back stops the work, only
+    /// the features so far are returned. They are in the cache.
     ///
     /// # Errors
-    /// With the clip or the frame that cannot be used; of the network and the cache.
+    /// Names the clip or the frame that cannot be used, or returns an error of the network or the
+    /// cache.
     pub fn of_clips(
         &mut self,
         clips: &[LabelledClip],
@@ -85,11 +86,11 @@ impl ClipFeatures {
         Ok(all)
     }
 
-    /// The features of a clip, a row for each view; the views of the mirrored frames behind the others. None where
-    /// the call-back ends it.
+    /// Returns the features of a clip, one row per view. The views of the mirrored frames come
+    /// last. None if the call-back stops the work.
     ///
     /// # Errors
-    /// As of [`Self::of_clips`].
+    /// Those of [`Self::of_clips`].
     pub fn of_clip(
         &mut self,
         folder: &Path,
@@ -123,7 +124,7 @@ impl ClipFeatures {
             let Some(clip) = read_clip(&preprocessing, &frames, &indices, watch)? else {
                 return Ok(None);
             };
-            // One view at a time: memory for one.
+            // One view at a time, to save memory.
             for view in clip.axis_iter(Axis(0)) {
                 let view = view.insert_axis(Axis(0));
                 plain.extend(self.backbone.features(&view.to_owned(), watch)?);
@@ -142,8 +143,8 @@ impl ClipFeatures {
         Ok(Some(rows.map_err(missing)?))
     }
 
-    /// The key of a clip's features: the content of all frames, and which views. None where the call-back ends it; an
-    /// empty one without a cache.
+    /// Returns the key of a clip's features: the content of all frames, and the selected views.
+    /// None if the call-back stops the work. Empty if there is no cache.
     #[expect(clippy::option_option, reason = "interrupted, or not needed")]
     fn digest(
         &self,

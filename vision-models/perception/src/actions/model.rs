@@ -1,4 +1,4 @@
-//! A trained recogniser: a folder with the head and what it was trained on.
+//! A trained recogniser: a folder with the head and the description of its training.
 
 use std::{collections::BTreeMap, path::Path};
 
@@ -25,7 +25,7 @@ use crate::{
 const FILE: &str = "actions.json";
 const HEAD: &str = "head.safetensors";
 const VERSION: u32 = 1;
-/// The layer's name, as in mmaction2.
+/// Name of the layer, as in mmaction2.
 const LAYER: &str = "cls_head.fc_cls";
 
 /// A trained recogniser.
@@ -33,11 +33,11 @@ const LAYER: &str = "cls_head.fc_cls";
 pub struct ActionModel {
     /// The new last layer, with the names of the classes.
     pub head: LinearHead,
-    /// What the network sees.
+    /// The network's input.
     pub window: Window,
     /// The network's weights.
     pub weights: WeightsIdentity,
-    /// What each clip of the training's folder was for, by name.
+    /// The part of each clip in the training's folder, by its name.
     pub parts: BTreeMap<String, Part>,
 }
 
@@ -53,10 +53,10 @@ struct Description {
 }
 
 impl ActionModel {
-    /// Writes it into a folder, the description last.
+    /// Writes the model into a folder, the description last.
     ///
     /// # Errors
-    /// With the place that cannot be written.
+    /// Names the place that cannot be written.
     pub fn write(&self, folder: &Path) -> Result<(), Error> {
         make_folder(folder)?;
         let mut head = Vec::new();
@@ -77,15 +77,15 @@ impl ActionModel {
         description::write(&folder.join(FILE), &described)
     }
 
-    /// Whether there is one in a folder.
+    /// Returns true if there is a model in a folder.
     pub fn is_in(folder: &Path) -> bool {
         folder.join(FILE).exists()
     }
 
-    /// Reads one.
+    /// Reads a model.
     ///
     /// # Errors
-    /// Names the file that is not there, not to be read, or does not fit the other.
+    /// Names the file that is missing, cannot be read, or does not fit the other one.
     pub fn read(folder: &Path) -> Result<Self, Error> {
         let path = folder.join(FILE);
         let described: Description = description::read(&path)?;
@@ -110,10 +110,11 @@ impl ActionModel {
         Ok(Self { head, window, weights, parts })
     }
 
-    /// The clips of a set with the model's classes; of those in a part of the training's split, if one is asked for.
+    /// Returns the clips of a set with the model's class indices. `part` selects a part of the
+    /// training's split.
     ///
     /// # Errors
-    /// A clip of a class that the model does not have; no clip in the part.
+    /// Names a clip whose class the model does not have, or reports that the part has no clips.
     pub fn clips_of(&self, set: ClipSet, part: Option<Part>) -> Result<Vec<LabelledClip>, Error> {
         let ClipSet { classes, mut clips } = set;
         let own = self.head.classes();
@@ -134,10 +135,10 @@ impl ActionModel {
         Ok(clips)
     }
 
-    /// The network with its head over a sliding window.
+    /// Returns the network with its head over a sliding window.
     ///
     /// # Errors
-    /// As of the network's loading.
+    /// Those of loading the network.
     pub fn stream(
         &self,
         weights: Weights,
@@ -150,11 +151,11 @@ impl ActionModel {
         ClipStream::new(network, length, preprocessing, Some(self.head.clone()))
     }
 
-    /// The mean probability of each class over views, a row of features each.
+    /// Returns the mean probability of each class over views, one row of features per view.
     ///
     /// # Errors
-    /// For another number of features than in training.
-    #[allow(clippy::needless_pass_by_value)] // views go by value, as everywhere in ndarray
+    /// An error if the number of features differs from the training's.
+    #[allow(clippy::needless_pass_by_value)] // views are passed by value, as usual with ndarray
     pub fn probabilities(&self, views: ArrayView2<'_, f32>) -> Result<Vec<f32>, Error> {
         let mut mean = vec![0.0; self.head.classes().len()];
         for row in views.outer_iter() {
@@ -166,10 +167,10 @@ impl ActionModel {
         Ok(mean)
     }
 
-    /// The same for each clip.
+    /// Returns the same for each clip.
     ///
     /// # Errors
-    /// As of [`Self::probabilities`].
+    /// Those of [`Self::probabilities`].
     pub fn of_clips(&self, clips: &[Array2<f32>]) -> Result<Vec<Vec<f32>>, Error> {
         clips.iter().map(|views| self.probabilities(views.view())).collect()
     }

@@ -1,4 +1,4 @@
-//! A new last layer over the features of clips.
+//! Trains a new last layer on the features of clips.
 
 use std::{collections::BTreeMap, path::Path};
 
@@ -21,35 +21,35 @@ use crate::{
     watch::{Event, Watch},
 };
 
-/// Clips of a class in HRI30, and how many of them each split tests with.
+/// Number of clips per class in HRI30, and how many of them each split uses for the test.
 const OF_CLASS: f64 = 98.0;
 const TESTED: [f64; 3] = [28.0, 21.0, 35.0];
 
-/// The clips to train with, and what each clip of the data set is for.
+/// The training clips, and the part of each clip of the data set.
 #[derive(Clone, Debug)]
 pub struct ClipParts {
-    /// The names of the classes.
+    /// Names of the classes.
     pub classes: Vec<String>,
-    /// The clips to train with.
+    /// The training clips.
     pub training: Vec<LabelledClip>,
-    /// What each clip is for, by name.
+    /// The part of each clip, by its name.
     pub of_names: BTreeMap<String, Part>,
 }
 
-/// What a training came to.
+/// The result of a training.
 #[derive(Debug)]
 pub struct TrainedActions {
     /// The model.
     pub model: ActionModel,
-    /// The share of its training clips that it recognises.
+    /// Share of the training clips that are recognised.
     pub accuracy: Option<f64>,
     /// Mean cross-entropy of the last epoch.
     pub loss: Option<f64>,
 }
 
 impl ClipParts {
-    /// FOLDER/CLASS/CLIP/frames, split by the seed as one of HRI30's splits, 1 to 3: of 98 clips of a class, 28, 21 or
-    /// 35 are for the test.
+    /// Splits the clips of FOLDER/CLASS/CLIP/frames at random by the seed. The sizes are those of
+    /// HRI30's splits (1 to 3): 28, 21 or 35 of 98 clips per class are for the test.
     ///
     /// # Errors
     /// Names the folder, the class or the split that cannot be used.
@@ -73,10 +73,10 @@ impl ClipParts {
         Ok(Self { classes, training: clips, of_names })
     }
 
-    /// FOLDER/CLIP/frames for the clips of a list, all of them to train with.
+    /// Uses all clips of a list, in FOLDER/CLIP/frames, for training.
     ///
     /// # Errors
-    /// As of [`ClipSet::of_list`]; a class without a clip.
+    /// Those of [`ClipSet::of_list`], and an error for a class without a clip.
     pub fn of_list(folder: &Path, list: &Path, names: &ClassNames) -> Result<Self, Error> {
         let ClipSet { classes, clips } = ClipSet::of_list(folder, list, names)?;
         for (label, class) in classes.iter().enumerate() {
@@ -89,11 +89,12 @@ impl ClipParts {
         Ok(Self { classes, training: clips, of_names })
     }
 
-    /// Trains a new last layer with the window in the middle of each clip, and, if they are to be, with its mirror
-    /// images. `None` where the call-back ends it: there is no model, and the features so far are in the cache.
+    /// Trains a new last layer on the middle window of each clip and, if requested, on its mirror
+    /// image. `None` if the call-back stops the work. The features so far are then in the cache.
     ///
     /// # Errors
-    /// With the clip that cannot be used; of the training; [`Error::Stopped`].
+    /// Names the clip that cannot be used, or returns an error of the training or
+    /// [`Error::Stopped`].
     pub fn train(
         &self,
         source: &mut ClipFeatures,
@@ -132,8 +133,8 @@ impl ClipParts {
         Ok(Some(TrainedActions { model, accuracy, loss }))
     }
 
-    /// The rows of all views with their classes. A mirrored view is of the class that a mirror shows, and left out
-    /// where that is none of the classes.
+    /// Returns the rows of all views with their classes. A mirrored view has the mirrored class. It
+    /// is left out if that is none of the classes.
     fn samples(
         &self,
         features: &[Array2<f32>],

@@ -1,4 +1,4 @@
-//! The network, and what it sees of a clip.
+//! The network and its input from a clip.
 
 use serde::{Deserialize, Serialize};
 use vision_models::{ClipSampling, Crops, Preprocessing, Resize, SlowOnlyForm};
@@ -9,39 +9,39 @@ use crate::{
     networks::{clip_stream::preprocessing_of, names},
 };
 
-/// The window of a network: what a trained model keeps of it.
+/// The window of a network, as stored in a trained model.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Window {
-    /// Which SlowOnly, by its name on the command line.
+    /// The variant of SlowOnly, by its name on the command line.
     pub network: String,
-    /// Frames.
+    /// Number of frames.
     pub length: usize,
-    /// Frames of the video from one to the next.
+    /// Distance in the video from one frame to the next.
     pub interval: usize,
     /// Short side of the frames (pixels).
     pub side: usize,
 }
 
-/// The parts of a clip that are seen.
+/// The views of a clip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Views {
-    /// Windows along the clip.
+    /// Number of windows along the clip.
     pub clips: usize,
-    /// Parts of each frame.
+    /// The crops of each frame.
     pub crops: Crops,
 }
 
 impl Views {
-    /// One window in the middle: for training.
+    /// One window in the middle, for training.
     pub const MIDDLE: Self = Self { clips: 1, crops: Crops::Centre };
 }
 
 impl Window {
-    /// The form of its name.
+    /// Returns the form with this name.
     ///
     /// # Errors
-    /// If there is none.
+    /// An error if there is none.
     pub fn form(&self) -> Result<SlowOnlyForm, Error> {
         let place = || format!("there is no network \"{}\"", self.network);
         let names = || names::forms().map(|(name, _)| name).join(", ");
@@ -49,26 +49,27 @@ impl Window {
             .ok_or_else(|| Error::at(place(), format_args!("give {}", names())))
     }
 
-    /// The network, loaded when it is first asked.
+    /// Returns the network, which is loaded when it is first used.
     ///
     /// # Errors
-    /// As of [`Self::form`].
+    /// Those of [`Self::form`].
     pub fn backbone(&self, weights: Weights, threads: usize) -> Result<ClipBackbone, Error> {
         let size = [self.length, self.side, self.side];
         Ok(ClipBackbone::new(weights, self.form()?, size, threads))
     }
 
-    /// How frames are resized, cropped and normalised.
+    /// Returns how frames are resized, cropped and normalised.
     ///
     /// # Errors
-    /// As of [`Self::form`].
+    /// Those of [`Self::form`].
     pub fn preprocessing(&self, crops: Crops) -> Result<Preprocessing, Error> {
         let library = preprocessing_of(self.form()?);
         let side = self.side;
         Ok(Preprocessing { crops, crop: side, resize: Resize::ShortSide(side), ..library })
     }
 
-    /// Which frames each window of a clip has: in the middle of equal parts, as mmaction2 before 1.0.
+    /// Returns the sampling of the windows: in the middle of equal parts, as in mmaction2 before
+    /// 1.0.
     pub fn sampling(&self, clips: usize) -> ClipSampling {
         let Self { length, interval, .. } = *self;
         ClipSampling::Mmaction2Before1 { length, interval, clips }

@@ -22,16 +22,16 @@ pub(super) const INDEX: &str = "frames.jsonl";
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FrameEntry {
-    /// Counted by the camera: a number that is left out is a frame that was lost.
+    /// Number counted by the camera. A missing number is a lost frame.
     pub frame: u64,
-    /// When the camera took it (s).
+    /// Time at which the camera took it (s).
     pub time: f64,
-    /// When it was there to be worked on, on the same clock (s).
+    /// Time at which it was available for processing, on the same clock (s).
     pub arrived: Option<f64>,
 }
 
 impl FrameEntry {
-    /// Where an image of the frame is.
+    /// Returns the path of an image of the frame.
     pub fn file(&self, folder: &Path, extension: &str) -> PathBuf {
         folder.join(format!("{:06}.{extension}", self.frame))
     }
@@ -62,16 +62,16 @@ pub(super) struct CameraFile {
     fy: f64,
     cx: f64,
     cy: f64,
-    /// Of a unit of the depth images (m).
+    /// Size of a unit of the depth images (m).
     pub(super) depth_scale: f64,
-    /// Of the optical frame in the world (m).
+    /// Position of the optical frame in the world (m).
     position: [f64; 3],
-    /// Of the optical frame in the world: x, y, z, w.
+    /// Orientation of the optical frame in the world: x, y, z, w.
     quaternion: [f64; 4],
     noise: Noise,
-    /// Gravity in the optical frame, where the camera measures it.
+    /// Gravity in the optical frame, if the camera measures it.
     gravity: Option<[f64; 3]>,
-    /// The person's stature, where it is known (m).
+    /// The person's stature, if it is known (m).
     pub(super) stature: Option<f64>,
 }
 
@@ -108,7 +108,7 @@ impl CameraFile {
         }
     }
 
-    /// Checks the format.
+    /// Returns true if format and version are known.
     pub(super) fn is_known(&self) -> bool {
         self.format == FORMAT && self.version == VERSION
     }
@@ -117,7 +117,7 @@ impl CameraFile {
         let [fx, fy, cx, cy] = [self.fx, self.fy, self.cx, self.cy];
         let intrinsics = Intrinsics::new([self.width, self.height], [fx, fy], [cx, cy])?;
         let quaternion = Quaternion::from_vector(self.quaternion.into());
-        // Numbers written by hand are of length one to some digits.
+        // The length of quaternions that are written by hand is one only to some digits.
         if (quaternion.norm() - 1.0).abs() > 1e-3 {
             return Err(Error::Value {
                 what: "the length of the camera's quaternion".into(),
@@ -145,7 +145,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_camera_without_a_calibration_is_refused_with_its_reason() {
+    fn uncalibrated_cameras_are_refused_with_a_reason() {
         let intrinsics = Intrinsics::new([640, 480], [615.0, 615.0], [319.5, 239.5]).unwrap();
         let (eye, target) = (Point3::new(0.3, 1.8, 2.3), Point3::new(3.0, 0.0, 1.0));
         let camera = Camera::looking_at(intrinsics, eye, target, DepthNoise::D435I).unwrap();

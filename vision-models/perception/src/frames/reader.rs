@@ -1,4 +1,4 @@
-//! Reading a folder of frames, also one that grows.
+//! Reads a folder of frames, also one that grows.
 
 use std::{
     fs::File,
@@ -13,21 +13,21 @@ use vision_models::{Camera, DepthImage, file::read_text, read_depth};
 use super::format::{CAMERA, CameraFile, EndLine, FrameEntry, INDEX};
 use crate::{error::Error, npy, printable::printable};
 
-/// How often a folder that grows is looked at.
+/// Interval between checks of a growing folder.
 const LOOK: Duration = Duration::from_millis(5);
 
-/// The longest line, and the largest camera file (bytes).
+/// Longest line and largest camera file (bytes).
 const LONGEST: u64 = 4096;
 const LARGEST: u64 = 1 << 20;
 
-/// What a camera file is like.
+/// The expected form of a camera file.
 const CAMERA_WANTED: &str = concat!(
     r#"give the camera as {"format":"moca-frames","version":1,"width":640,"height":480,"fx":615.0,"fy":615.0,"#,
     r#""cx":319.5,"cy":239.5,"depth_scale":0.001,"position":[0.3,1.8,2.3],"quaternion":[x,y,z,w],"#,
     r#""noise":{"constant":0.001,"quadratic":0.00416},"gravity":null,"stature":null}"#
 );
 
-/// What a line is like.
+/// The expected form of a line.
 const LINE_WANTED: &str = concat!(
     r#"a line is such as {"frame":12,"time":0.6,"arrived":0.64}, with "arrived" null where it is not known, "#,
     r#"and the last {"end":{"frames":13}}"#
@@ -41,7 +41,7 @@ pub struct FramesReader {
     scale: f64,
     stature: Option<f64>,
     index: BufReader<File>,
-    /// What there is of a line that is being written.
+    /// The beginning of a line that is still being written.
     begun: Vec<u8>,
     line: usize,
     previous: Option<FrameEntry>,
@@ -52,13 +52,13 @@ pub struct FramesReader {
 }
 
 impl FramesReader {
-    /// Opens a folder. At its end, unless the index is closed, it is waited for a further frame for
-    /// `wait`.
+    /// Opens a folder. If the index is not closed, the reader waits up to `wait` for a further
+    /// frame at its end.
     ///
-    /// All lines that are there are checked at once: their order, and that the depth images exist.
+    /// All existing lines are checked at once: their order, and the existence of the depth images.
     ///
     /// # Errors
-    /// [`Error`], with the file and the line.
+    /// [`Error`] with the file and the line.
     pub fn open(folder: &Path, wait: Duration) -> Result<Self, Error> {
         let begin = |wait| Self::begin(folder, wait);
         let mut check = begin(Duration::ZERO)?;
@@ -97,30 +97,31 @@ impl FramesReader {
         })
     }
 
-    /// The camera.
+    /// Returns the camera.
     pub fn camera(&self) -> &Camera {
         &self.camera
     }
 
-    /// The person's stature, where the camera's file has it (m).
+    /// Returns the person's stature (m), if the camera's file has it.
     pub fn stature(&self) -> Option<f64> {
         self.stature
     }
 
-    /// Returns true if the index was closed: no frame comes after the last.
+    /// Returns true if the index is closed, so that no further frame comes.
     pub fn is_ended(&self) -> bool {
         self.ended
     }
 
-    /// How many numbers were left out so far: frames that the camera lost.
+    /// Returns how many frame numbers were missing so far. These frames were lost by the camera.
     pub fn lost(&self) -> u64 {
         self.lost
     }
 
-    /// The next frame; `None` at the end, and when `stop` says so while a frame is waited for.
+    /// Returns the next frame. `None` at the end, or if `stop` returns true while the reader waits
+    /// for a frame.
     ///
     /// # Errors
-    /// [`Error`], with the line.
+    /// [`Error`] with the line.
     pub fn next_entry(&mut self, stop: impl Fn() -> bool) -> Result<Option<FrameEntry>, Error> {
         let started = Instant::now();
         while !self.ended {
@@ -137,10 +138,10 @@ impl FramesReader {
         Ok(None)
     }
 
-    /// The depth image of a frame.
+    /// Returns the depth image of a frame.
     ///
     /// # Errors
-    /// The file that cannot be used.
+    /// Names the file that cannot be used.
     pub fn depth(&self, entry: &FrameEntry) -> Result<DepthImage, Error> {
         let folder = self.folder.join("depth");
         let array = entry.file(&folder, "npy");
@@ -156,24 +157,24 @@ impl FramesReader {
         Ok(DepthImage::from_metres([width, height], depths)?)
     }
 
-    /// Where the colour image of a frame is.
+    /// Returns the path of the colour image of a frame.
     pub fn colour(&self, entry: &FrameEntry) -> PathBuf {
         let folder = self.folder.join("colour");
         let jpeg = entry.file(&folder, "jpg");
         if jpeg.exists() { jpeg } else { entry.file(&folder, "png") }
     }
 
-    /// Where the image of the on-board camera for a frame is, if there is one.
+    /// Returns the path of the on-board camera's image for a frame, which may not exist.
     pub fn surface(&self, entry: &FrameEntry) -> PathBuf {
         entry.file(&self.folder.join("surface"), "png")
     }
 
-    /// The folder of the on-board camera's images.
+    /// Returns the folder of the on-board camera's images.
     pub fn surfaces(&self) -> PathBuf {
         self.folder.join("surface")
     }
 
-    /// The next whole line.
+    /// Returns the next complete line.
     fn next_line(&mut self) -> Result<Option<String>, Error> {
         let path = self.folder.join(INDEX);
         let room = LONGEST.saturating_sub(self.begun.len() as u64);
@@ -193,7 +194,7 @@ impl FramesReader {
         Ok(Some(text))
     }
 
-    /// The frame of a line, if it is one.
+    /// Returns the frame of a line, if it is one.
     fn parse(&mut self, text: &str) -> Result<Option<FrameEntry>, Error> {
         if text.trim().is_empty() {
             return Ok(None);

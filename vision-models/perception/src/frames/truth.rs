@@ -1,4 +1,4 @@
-//! Frames of which the truth is known, as `record --frames` writes them.
+//! Frames whose truth is known, as written by `record --frames`.
 
 use std::path::{Path, PathBuf};
 
@@ -8,18 +8,18 @@ use vision_models::Percept;
 use super::{format::FrameEntry, reader::FramesReader};
 use crate::error::Error;
 
-/// The name of the recording of what is true, in a folder of frames.
+/// Name of the recording of the truth in a folder of frames.
 pub const TRUTH: &str = "truth.jsonl";
 
-/// A frame and its truth may be so far apart (s): times are written to the microsecond.
+/// Largest time difference of a frame and its truth (s). Times are written to the microsecond.
 const SAME_TIME: f64 = 2e-6;
 
 /// A folder of frames with the truth of each.
 #[derive(Debug)]
 pub struct TrueFilm {
-    /// The folder's own name.
+    /// Name of the folder itself.
     pub name: String,
-    /// The frames in their order, with what is true in each.
+    /// The frames in order, each with its truth.
     pub frames: Vec<(FrameEntry, Percept)>,
     reader: FramesReader,
 }
@@ -28,7 +28,7 @@ impl TrueFilm {
     /// Reads the index and the truth.
     ///
     /// # Errors
-    /// Names the file that cannot be used, or the frame of which nothing is known.
+    /// Names the file that cannot be used, or the frame without a truth.
     pub fn open(folder: &Path) -> Result<Self, Error> {
         let mut reader = FramesReader::open(folder, std::time::Duration::ZERO)?;
         let file = folder.join(TRUTH);
@@ -48,10 +48,11 @@ impl TrueFilm {
         Ok(Self { name, frames, reader })
     }
 
-    /// Several, each of another name: their frames can then be told apart by it.
+    /// Reads several folders with different names, so that their frames can be distinguished by
+    /// name.
     ///
     /// # Errors
-    /// As of [`Self::open`]; two of one name.
+    /// Those of [`Self::open`], and an error if two have the same name.
     pub fn open_all(folders: &[PathBuf]) -> Result<Vec<Self>, Error> {
         let films =
             folders.iter().map(|folder| Self::open(folder)).collect::<Result<Vec<_>, _>>()?;
@@ -65,16 +66,16 @@ impl TrueFilm {
         Ok(films)
     }
 
-    /// Where the files of its frames are.
+    /// Returns the reader, which has the paths of the frames' files.
     pub fn reader(&self) -> &FramesReader {
         &self.reader
     }
 }
 
-/// The percepts of a recording of what is true.
+/// Reads the percepts of a recording of the truth.
 ///
 /// # Errors
-/// Names the file: it cannot be read, or is not complete.
+/// Names the file if it cannot be read or is not complete.
 pub fn read(file: &Path) -> Result<Vec<Percept>, Error> {
     let named = |error: RecordingError| match error {
         RecordingError::Open { path, source } => Error::Read { path, source },

@@ -1,4 +1,4 @@
-//! Writing a folder of frames.
+//! Writes a folder of frames.
 
 use std::{
     fs::{self, File},
@@ -19,16 +19,16 @@ use crate::error::Error;
 /// The unit of written depths (m).
 const SCALE: f64 = 0.001;
 
-/// Red, green and blue of each pixel, row after row.
+/// Red, green and blue of each pixel, row by row.
 #[derive(Clone, Copy, Debug)]
 pub struct ColourImage<'a> {
     /// Width and height (pixels).
     pub size: [usize; 2],
-    /// Three bytes a pixel.
+    /// Three bytes per pixel.
     pub pixels: &'a [u8],
 }
 
-/// A folder of frames that grows: a frame's images are there before its line in the index.
+/// A growing folder of frames. A frame's images are complete before its line in the index.
 #[derive(Debug)]
 pub struct FramesWriter {
     folder: PathBuf,
@@ -37,10 +37,11 @@ pub struct FramesWriter {
 }
 
 impl FramesWriter {
-    /// Begins a folder, which is made if it is not there.
+    /// Creates the writer of a folder, and the folder itself if it does not exist.
     ///
     /// # Errors
-    /// [`Error::Unfit`] for a folder that holds frames already; [`Error::Read`] for what cannot be written.
+    /// [`Error::Unfit`] if the folder already holds frames, [`Error::Read`] if it cannot be
+    /// written.
     pub fn create(folder: &Path, camera: &Camera) -> Result<Self, Error> {
         let index = folder.join(INDEX);
         if index.exists() {
@@ -57,10 +58,11 @@ impl FramesWriter {
         Ok(Self { folder: folder.to_owned(), index: BufWriter::new(file), frames: 0 })
     }
 
-    /// Writes a frame: its images and that of the on-board camera, its skeletons in OpenPose's JSON, and its line.
+    /// Writes a frame: its images, the on-board camera's image, its skeletons in OpenPose's JSON,
+    /// and its line.
     ///
     /// # Errors
-    /// [`Error::Read`].
+    /// [`Error::Read`] if a file cannot be written.
     pub fn write(
         &mut self,
         entry: &FrameEntry,
@@ -88,13 +90,13 @@ impl FramesWriter {
     /// Closes the index.
     ///
     /// # Errors
-    /// [`Error::Read`].
+    /// [`Error::Read`] if the index cannot be written.
     pub fn finish(mut self) -> Result<(), Error> {
         let end = line(&EndLine { end: End { frames: self.frames } })?;
         self.push(&end)
     }
 
-    /// Writes a line that a reader sees at once.
+    /// Writes a line and flushes it, so that a reader sees it at once.
     fn push(&mut self, text: &str) -> Result<(), Error> {
         let written = writeln!(self.index, "{text}").and_then(|()| self.index.flush());
         written.map_err(Error::read(self.folder.join(INDEX)))
@@ -105,23 +107,23 @@ fn line(value: &impl Serialize) -> Result<String, Error> {
     serde_json::to_string(value).map_err(|error| Error::read(INDEX)(error.into()))
 }
 
-/// Writes a whole file, or none: what could not be written is taken away again.
+/// Writes a complete file or none. A file that could not be written completely is removed.
 fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     fs::write(path, bytes).map_err(|source| {
-        // Whether it can be removed changes nothing in what is said.
+        // A failure of the removal does not change the error.
         let _ = fs::remove_file(path);
         Error::read(path)(source)
     })
 }
 
 impl ColourImage<'_> {
-    /// The image as a PNG file.
+    /// Returns the image as a PNG file.
     fn png(self) -> Result<Vec<u8>, image::ImageError> {
         png(self.pixels, self.size, ExtendedColorType::Rgb8)
     }
 }
 
-/// Depths as a PNG file of 16 bits a pixel, in millimetres; 0 where there is none.
+/// Returns depths as a PNG file of 16 bits per pixel, in millimetres. 0 where there is none.
 fn depth_png(depth: &DepthImage) -> Result<Vec<u8>, image::ImageError> {
     let bytes: Vec<u8> = depth
         .depths()
@@ -130,7 +132,7 @@ fn depth_png(depth: &DepthImage) -> Result<Vec<u8>, image::ImageError> {
             let millimetres = (1e3 * metres).round().clamp(0.0, f32::from(u16::MAX));
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
             let millimetres = millimetres as u16;
-            // The encoder takes the machine's order.
+            // The encoder expects the machine's byte order.
             millimetres.to_ne_bytes()
         })
         .collect();

@@ -1,4 +1,4 @@
-//! Networks that give features.
+//! Networks that compute features.
 
 use std::{fmt, path::PathBuf};
 
@@ -9,20 +9,21 @@ use vision_models::{NetworkKind, Options, ResNet, ResNetForm, SlowOnly, SlowOnly
 use super::{digest::Digest, random_network::random_network};
 use crate::{error::Error, networks::checkpoint::open_weights, watch::Watch};
 
-/// Where a network's weights come from.
+/// The source of a network's weights.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Weights {
     /// A checkpoint.
     File(PathBuf),
-    /// Drawn with this seed: nothing is learnt in them.
+    /// Random weights from this seed, without training.
     Random(u64),
 }
 
 impl Weights {
-    /// What tells them apart from all others.
+    /// Returns the identity of the weights.
     ///
     /// # Errors
-    /// [`Error::Read`], [`Error::Stopped`].
+    /// [`Error::Read`] if the file cannot be read, [`Error::Stopped`] if the call-back stops the
+    /// work.
     pub fn identity(&self, watch: &mut Watch<'_>) -> Result<WeightsIdentity, Error> {
         Ok(match self {
             Self::File(path) => WeightsIdentity::Sha256(Digest::of_file(path, watch)?.to_string()),
@@ -31,21 +32,21 @@ impl Weights {
     }
 }
 
-/// What tells weights apart.
+/// The identity of weights.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum WeightsIdentity {
-    /// The SHA-256 of the checkpoint.
+    /// SHA-256 of the checkpoint.
     Sha256(String),
-    /// The seed that they are drawn with.
+    /// Seed of random weights.
     RandomSeed(u64),
 }
 
 impl WeightsIdentity {
-    /// The weights of this identity: of a checkpoint that is given, or drawn.
+    /// Returns the weights with this identity: those of the given checkpoint, or random ones.
     ///
     /// # Errors
-    /// [`Error::NoWeights`] if the checkpoint is missing; [`Error::Unfit`] if it is another one.
+    /// [`Error::NoWeights`] if the checkpoint is missing, [`Error::Unfit`] if it is another one.
     pub fn weights(&self, file: Option<PathBuf>, watch: &mut Watch<'_>) -> Result<Weights, Error> {
         match (file, self) {
             (None, Self::RandomSeed(seed)) => Ok(Weights::Random(*seed)),
@@ -73,7 +74,7 @@ impl fmt::Display for WeightsIdentity {
     }
 }
 
-/// A network for images that is loaded when it is first asked.
+/// A network for images that is loaded when it is first used.
 ///
 /// ```
 /// use std::ops::ControlFlow;
@@ -97,16 +98,17 @@ pub struct ImageBackbone {
 }
 
 impl ImageBackbone {
-    /// For square images of this side.
+    /// Creates a network for square images of this side.
     pub fn new(weights: Weights, form: impl Into<ResNetForm>, side: usize, threads: usize) -> Self {
         let options = Options { threads, ..Options::default() };
         Self { weights, form: form.into(), options, side, network: None }
     }
 
-    /// The features of a normalised image, N × 3 × side × side: those of the first.
+    /// Returns the features of a normalised image. The array is N × 3 × side × side. The first
+    /// image is used.
     ///
     /// # Errors
-    /// As of [`ResNet::load`] and [`ResNet::infer`].
+    /// Those of [`ResNet::load`] and [`ResNet::infer`].
     pub fn features(
         &mut self,
         image: &Array4<f32>,
@@ -119,10 +121,10 @@ impl ImageBackbone {
         Ok(network.infer(image.view())?.features.row(0).to_vec())
     }
 
-    /// The network itself.
+    /// Loads the network.
     ///
     /// # Errors
-    /// As of [`ResNet::load`].
+    /// Those of [`ResNet::load`].
     pub fn load(&self, watch: &mut Watch<'_>) -> Result<ResNet, Error> {
         let (form, size, options) = (self.form, [self.side, self.side], self.options);
         match &self.weights {
@@ -136,28 +138,28 @@ impl ImageBackbone {
     }
 }
 
-/// A network for clips that is loaded when it is first asked.
+/// A network for clips that is loaded when it is first used.
 #[derive(Debug)]
 pub struct ClipBackbone {
     weights: Weights,
     form: SlowOnlyForm,
     options: Options,
-    /// Frames, rows, columns.
+    /// Number of frames, rows and columns.
     size: [usize; 3],
     network: Option<SlowOnly>,
 }
 
 impl ClipBackbone {
-    /// For clips of this size: frames, rows, columns.
+    /// Creates a network for clips of this size: frames, rows, columns.
     pub fn new(weights: Weights, form: SlowOnlyForm, size: [usize; 3], threads: usize) -> Self {
         let options = Options { threads, ..Options::default() };
         Self { weights, form, options, size, network: None }
     }
 
-    /// The features of normalised clips, N × 3 × frames × rows × columns, one after the other.
+    /// Returns the concatenated features of normalised clips, N × 3 × frames × rows × columns.
     ///
     /// # Errors
-    /// As of [`SlowOnly::load`] and [`SlowOnly::infer`].
+    /// Those of [`SlowOnly::load`] and [`SlowOnly::infer`].
     pub fn features(
         &mut self,
         clips: &Array5<f32>,
@@ -170,10 +172,10 @@ impl ClipBackbone {
         Ok(network.infer(clips.view())?.features.iter().copied().collect())
     }
 
-    /// The network itself.
+    /// Loads the network.
     ///
     /// # Errors
-    /// As of [`SlowOnly::load`].
+    /// Those of [`SlowOnly::load`].
     pub fn load(&self, watch: &mut Watch<'_>) -> Result<SlowOnly, Error> {
         match &self.weights {
             Weights::File(path) => {

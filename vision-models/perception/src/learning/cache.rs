@@ -1,9 +1,13 @@
-//! Features on disk, by the content of what they are of.
+//! Features on disk, keyed by the content of their source.
 //!
-//! A file begins with two lines: `features 1`, and the key that says what made the features. Then come records:
-//! the SHA-256 of what the features are of, how many there are (u32), the features (f32), and the first eight
-//! bytes of the SHA-256 of those (numbers little-endian). A record is complete or not there: what stands behind
-//! the last complete one is cut off when the file is opened.
+//! A file begins with two lines: `features 1`, and the key that identifies how the features were
+//! computed. Then come records with these parts, numbers little-endian:
+//! - the SHA-256 of the features' source
+//! - the number of features (u32)
+//! - the features (f32)
+//! - the first eight bytes of the SHA-256 of the features
+//!
+//! An incomplete record at the end is removed when the file is opened.
 
 use std::{
     collections::HashMap,
@@ -19,12 +23,12 @@ use crate::{
 };
 
 const FIRST_LINE: &str = "features 1";
-/// More features than any record has.
+/// Largest number of features of a record.
 const MOST: usize = 1 << 24;
-/// The longest line of the head that is read (bytes).
+/// Longest line of the head that is read (bytes).
 const LONGEST_LINE: u64 = 4096;
 
-/// The features that are known, and the file that further ones go to.
+/// The known features, and the file to which further ones are added.
 ///
 /// ```
 /// use human_perception::learning::{cache::FeatureCache, digest::Digest};
@@ -44,11 +48,11 @@ pub struct FeatureCache {
 }
 
 impl FeatureCache {
-    /// Opens the file, or begins it.
+    /// Opens the file or creates it.
     ///
     /// # Errors
-    /// With its name, if it cannot be read and written, is no such file, or has features that something else than
-    /// `key` made.
+    /// Names the file if it cannot be read and written, has another format, or has features that
+    /// were computed with another key.
     pub fn open(path: &Path, key: &str) -> Result<Self, Error> {
         let refuse = |source| Error::Read { path: path.to_owned(), source };
         let options = File::options().read(true).append(true).create(true).clone();
@@ -90,21 +94,21 @@ impl FeatureCache {
         Ok(cache)
     }
 
-    /// The features of what has this content.
+    /// Returns the features of the source with this content.
     pub fn get(&self, digest: &Digest) -> Option<&[f32]> {
         self.known.get(digest).map(Vec::as_slice)
     }
 
-    /// Says by a warning where the features so far are.
+    /// Reports by a warning where the features so far are.
     pub(crate) fn tell_kept(&self, watch: &mut Watch<'_>) {
         let kept = self.path.display();
         warn(watch, format_args!("the features so far are kept in {kept}"));
     }
 
-    /// Keeps features, at once also in the file.
+    /// Stores features in memory and in the file.
     ///
     /// # Errors
-    /// Errors carry the file's name.
+    /// Names the file if it cannot be written.
     pub fn insert(&mut self, digest: Digest, features: Vec<f32>) -> Result<(), Error> {
         let count = u32::try_from(features.len()).ok().filter(|count| *count as usize <= MOST);
         let Some(count) = count else {
@@ -122,7 +126,7 @@ impl FeatureCache {
     }
 }
 
-/// The next record with its length in bytes; none where the rest is not a complete one.
+/// Returns the next record with its length in bytes, or none if the rest is incomplete.
 fn record(reader: &mut impl Read) -> std::io::Result<Option<(Digest, Vec<f32>, u64)>> {
     let mut head = [0; 36];
     if !fill(reader, &mut head)? {
@@ -145,7 +149,7 @@ fn record(reader: &mut impl Read) -> std::io::Result<Option<(Digest, Vec<f32>, u
     Ok(Some((own, features, 36 + 4 * count as u64 + 8)))
 }
 
-/// Reads so many bytes. Returns false if there are fewer.
+/// Fills `bytes`. Returns false if fewer bytes are left.
 fn fill(reader: &mut impl Read, bytes: &mut [u8]) -> std::io::Result<bool> {
     match reader.read_exact(bytes) {
         Ok(()) => Ok(true),

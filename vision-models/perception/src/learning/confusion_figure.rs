@@ -1,4 +1,4 @@
-//! A picture of a confusion matrix, as the paper's figure: true classes as rows, percent of the row.
+//! A figure of a confusion matrix, as in the paper: true classes as rows, percent of the row.
 
 use std::fmt::Display;
 
@@ -12,14 +12,15 @@ type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 const FONT: &str = "sans-serif";
 const TEXT: RGBColor = RGBColor(40, 40, 40);
 const FULL: RGBColor = RGBColor(8, 69, 148);
-/// Pixels from a cell's upper left corner to its number, by the cell's size.
+/// Offset of a cell's number from its upper edge, as a share of the cell's size. The horizontal
+/// offset is half of it.
 const INSET: f64 = 0.28;
 
-/// Draws counts as SVG: a row for each true class, a column for each class that it was taken for, each cell with
-/// its percent of the row.
+/// Draws counts as SVG: a row for each true class, a column for each given class, and in each cell
+/// the percent of the row.
 ///
 /// # Errors
-/// If it cannot be drawn.
+/// An error if it cannot be drawn.
 pub fn confusion_figure(
     title: &str,
     classes: &[String],
@@ -70,7 +71,7 @@ fn draw_cell(area: &Area<'_>, corner: (i32, i32), cell: i32, percent: f64) -> Re
     Ok(())
 }
 
-/// The classes, beside the rows and below the columns.
+/// Draws the names of the classes beside the rows and below the columns.
 fn draw_names(
     area: &Area<'_>,
     classes: &[String],

@@ -1,4 +1,4 @@
-//! Data sets of frames whose truth is known: a folder a class.
+//! Creates data sets from frames whose truth is known: one folder per class.
 
 use std::{
     collections::BTreeMap,
@@ -18,29 +18,32 @@ use crate::{
 /// A sample of a data set.
 #[derive(Clone, Debug)]
 pub struct Sample {
-    /// Its class.
+    /// Name of its class.
     pub class: String,
-    /// Where its files are, and where they go in the class's folder.
+    /// Paths of its files, and their paths in the class's folder.
     pub files: Vec<(PathBuf, PathBuf)>,
 }
 
-/// A data set that was made.
+/// The report of a created data set.
 #[derive(Clone, Debug, Serialize)]
 pub struct CutOut {
     /// Its folder.
     pub output: PathBuf,
-    /// Its samples.
+    /// Number of samples.
     pub samples: u64,
-    /// Samples of each class.
+    /// Number of samples of each class.
     pub classes: BTreeMap<String, u64>,
 }
 
-/// Makes a data set of the samples of films, each called `what`: a folder for each class. Its files are links to
-/// those of the frames, or copies where the system has no links. The second number counts all samples that there are:
-/// fewer are made where the call-back ends it.
+/// Creates a data set from the samples of films, one folder per class. `what` names the samples in
+/// messages.
+///
+/// Its files are links to those of the frames, or copies if the system has no links. The second
+/// number is the number of all samples. Fewer are created if the call-back stops the work.
 ///
 /// # Errors
-/// Names the folder that is not empty, the frame or the truth that is wrong; no samples.
+/// Names the folder that is not empty, or the frame or truth that is wrong. An error if there are
+/// no samples.
 pub fn cut(
     films: &[PathBuf],
     output: &Path,

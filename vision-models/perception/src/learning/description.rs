@@ -8,23 +8,23 @@ use vision_models::file::read_text;
 
 use crate::{error::Error, file::write_whole};
 
-/// The most that one may take (bytes): the names of some hundred thousand images.
+/// Largest size (bytes): the names of some hundred thousand images.
 const LARGEST: u64 = 64 << 20;
 
-/// Writes one, whole or not at all.
+/// Writes a description, completely or not at all.
 ///
 /// # Errors
-/// With the place that cannot be written.
+/// Names the place that cannot be written.
 pub fn write(path: &Path, description: &impl Serialize) -> Result<(), Error> {
     let text = serde_json::to_string_pretty(description);
     let text = text.map_err(|error| Error::write(path)(error.into()))? + "\n";
     write_whole(path, text.as_bytes())
 }
 
-/// Reads one.
+/// Reads a description.
 ///
 /// # Errors
-/// Names the file: it cannot be read, is too long, or is no description.
+/// Names the file if it cannot be read, is too long, or is no description.
 pub fn read<T: DeserializeOwned>(path: &Path) -> Result<T, Error> {
     let text = read_text(path, LARGEST).map_err(|error| match error.kind() {
         ErrorKind::FileTooLarge => {
@@ -40,7 +40,7 @@ pub fn read<T: DeserializeOwned>(path: &Path) -> Result<T, Error> {
 /// Checks the version of the format.
 ///
 /// # Errors
-/// If it is not the known one.
+/// An error if it is not the known one.
 pub fn check_version(path: &Path, version: u32, known: u32) -> Result<(), Error> {
     if version == known {
         return Ok(());

@@ -1,4 +1,4 @@
-//! Keys by content.
+//! Keys computed from content.
 
 use std::{
     fmt::{self, Write as _},
@@ -14,7 +14,7 @@ use crate::{
     watch::{Watch, go_on},
 };
 
-/// The SHA-256 of what is read.
+/// The SHA-256 of some content.
 ///
 /// ```
 /// use human_perception::learning::digest::Digest;
@@ -25,15 +25,16 @@ use crate::{
 pub struct Digest(pub [u8; 32]);
 
 impl Digest {
-    /// Of bytes.
+    /// Returns the digest of bytes.
     pub fn of_bytes(bytes: &[u8]) -> Self {
         Self(Sha256::digest(bytes).into())
     }
 
-    /// Of a file, read piece by piece.
+    /// Returns the digest of a file, which is read piece by piece.
     ///
     /// # Errors
-    /// [`Error::Read`], [`Error::Stopped`].
+    /// [`Error::Read`] if the file cannot be read, [`Error::Stopped`] if the call-back stops the
+    /// work.
     pub fn of_file(path: &Path, watch: &mut Watch<'_>) -> Result<Self, Error> {
         let mut file = File::open(path).map_err(Error::read(path))?;
         let mut hash = Sha256::new();
@@ -48,7 +49,7 @@ impl Digest {
         }
     }
 
-    /// Of these one after the other.
+    /// Returns the digest of these digests in order.
     pub fn of_all(digests: impl IntoIterator<Item = Self>) -> Self {
         let mut hash = Sha256::new();
         digests.into_iter().for_each(|digest| hash.update(digest.0));
@@ -56,7 +57,7 @@ impl Digest {
     }
 }
 
-/// Hexadecimal.
+/// Hexadecimal digits.
 impl fmt::Display for Digest {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut text = String::new();

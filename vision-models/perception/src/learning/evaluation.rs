@@ -1,4 +1,4 @@
-//! What a classifier gets right.
+//! Quality of a classifier.
 
 use std::{
     fmt::Write as _,
@@ -10,7 +10,7 @@ use vision_models::{ConfusionMatrix, top_k};
 
 use crate::error::Error;
 
-/// How well a classifier does.
+/// Quality of a classifier.
 ///
 /// ```
 /// use human_perception::learning::evaluation::Evaluation;
@@ -23,21 +23,21 @@ use crate::error::Error;
 /// ```
 #[derive(Clone, Debug, Serialize)]
 pub struct Evaluation {
-    /// Samples that were classified.
+    /// Number of samples that were classified.
     pub samples: usize,
-    /// The share of samples that were given their class.
+    /// Share of samples that were given their class.
     pub accuracy: Option<f64>,
-    /// The share of samples whose class is among the five with the highest scores.
+    /// Share of samples whose class is among the five with the highest scores.
     pub top5: Option<f64>,
-    /// Counts: a row for each class, a column for each class that it was taken for.
+    /// Counts: a row for each true class, a column for each given class.
     pub confusion: Vec<Vec<u64>>,
 }
 
 impl Evaluation {
-    /// Of samples with their classes and the scores of all classes.
+    /// Evaluates samples, given their classes and the scores of all classes.
     ///
     /// # Errors
-    /// None for classes below `classes`.
+    /// None if all classes are below `classes`.
     pub fn of<'a>(
         classes: usize,
         samples: impl IntoIterator<Item = (usize, &'a [f32])>,
@@ -62,7 +62,7 @@ impl Evaluation {
     /// Writes the confusion matrix in percent of each row.
     ///
     /// # Errors
-    /// What the system says.
+    /// The system's error.
     pub fn write_confusion(&self, out: &mut dyn Write, classes: &[String]) -> io::Result<()> {
         writeln!(out, "rows: the class, columns: what it was taken for, in percent of the row")?;
         let width = classes.iter().map(|name| name.chars().count()).max().unwrap_or(0);
@@ -77,14 +77,14 @@ impl Evaluation {
     }
 }
 
-/// Counts in percent of their sum; zeros where there are none.
+/// Returns counts in percent of their sum, or zeros if the sum is zero.
 pub fn percents(row: &[u64]) -> impl Iterator<Item = f64> {
     let sum = row.iter().sum::<u64>().max(1);
     row.iter().map(move |&count| 100.0 * count as f64 / sum as f64)
 }
 
-/// A table of scores, comma-separated: a line for each sample with its name, its class, the class that it was given,
-/// and the score of each class.
+/// Returns a comma-separated table of scores. Each sample has a line with its name, its class, the
+/// given class, and the score of each class.
 pub fn score_table<'a>(
     heading: &str,
     classes: &[String],
@@ -93,7 +93,7 @@ pub fn score_table<'a>(
     let name = |class: usize| field(classes.get(class).map_or("", String::as_str));
     let mut table = format!("{heading},class,given");
     for class in 0..classes.len() {
-        // Writing to a string does not fail.
+        // Writing to a string cannot fail.
         let _ = write!(table, ",score_{}", name(class));
     }
     for (sample, label, scores) in samples {
@@ -107,7 +107,7 @@ pub fn score_table<'a>(
     table
 }
 
-/// A comma-separated field, in quotes where it needs them.
+/// Returns a comma-separated field, in quotes if necessary.
 fn field(text: &str) -> String {
     if text.contains([',', '"', '\n', '\r']) {
         format!("\"{}\"", text.replace('"', "\"\""))

@@ -1,19 +1,22 @@
-//! Networks whose weights are drawn at random.
+//! Networks with random weights.
 
 use rand::RngCore;
 use vision_models::{NetworkKind, Tensor, Tensors};
 
 use crate::{error::Error, random::generator};
 
-/// Weight of the last norm of a residual block: activations then grow little over fifty blocks.
+/// Weight of the last norm of a residual block. Activations then grow little over fifty blocks.
 const RESIDUAL: f32 = 0.3;
 
-/// The weights of a network without a head: kernels as K. He, X. Zhang, S. Ren and J. Sun ("Delving deep into
-/// rectifiers", ICCV 2015, equation 10) begin with, but uniform; norms that keep what they get. Nothing is learnt in them:
-/// their features are random projections of the image.
+/// Returns random weights of a network without a head. They are not trained, so the features are
+/// random projections of the image.
+///
+/// Kernels have the variance of K. He, X. Zhang, S. Ren and J. Sun ("Delving deep into rectifiers",
+/// ICCV 2015, equation 10), but a uniform distribution. Norms keep their input, except for the last
+/// one of a residual block, which scales it.
 ///
 /// # Errors
-/// None that is known: the shapes fit.
+/// None known, since the shapes fit.
 pub fn random_network(kind: NetworkKind, seed: u64) -> Result<Tensors, Error> {
     let mut tensors = Tensors::new();
     let parameters = kind.parameters(1);
@@ -40,7 +43,7 @@ pub fn random_network(kind: NetworkKind, seed: u64) -> Result<Tensors, Error> {
     Ok(tensors)
 }
 
-/// In [-1, 1): the upper 24 bits, for there are tens of millions to draw.
+/// Returns a number in [-1, 1) from the upper 24 bits, since tens of millions are needed.
 fn symmetric(bits: u32) -> f32 {
     (bits >> 8) as f32 / (1 << 23) as f32 - 1.0
 }

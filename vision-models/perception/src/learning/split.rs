@@ -4,33 +4,33 @@ use rand::seq::SliceRandom;
 
 use crate::{error::Error, random::generator};
 
-/// What a sample is for.
+/// The part of a data set to which a sample belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
-    /// To train with.
+    /// Samples for training.
     Training,
-    /// To choose settings by.
+    /// Samples for choosing settings.
     Validation,
-    /// To measure with: seen in nothing before.
+    /// Samples for the final measurement, used for nothing else.
     Test,
 }
 
-/// The shares of validation and test; the rest is for training.
+/// The shares of validation and test. The rest is for training.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shares {
-    /// Of validation.
+    /// Share of validation.
     pub validation: f64,
-    /// Of the test.
+    /// Share of the test.
     pub test: f64,
 }
 
 impl Shares {
-    /// 70/20/10 (paper, Sec. "Experiment 1").
+    /// The shares 70/20/10 (paper, Sec. "Experiment 1").
     pub const SURFACE: Self = Self { validation: 0.2, test: 0.1 };
 }
 
-/// Puts the samples of each class into parts at random: the same seed and labels give the same parts. Each class
-/// has at least one sample in each part whose share is not zero.
+/// Assigns the samples of each class to parts at random. The same seed and labels give the same
+/// parts. Each class has at least one sample in each part whose share is not zero.
 ///
 /// ```
 /// use human_perception::learning::split::{Part, Shares, split};
@@ -42,7 +42,7 @@ impl Shares {
 /// ```
 ///
 /// # Errors
-/// With the class that has too few samples for that.
+/// Names the class if it has too few samples.
 pub fn split(
     labels: &[usize],
     classes: &[String],

@@ -1,4 +1,5 @@
-//! The same picture in several parts of a data set: what is measured with it was seen in training.
+//! Finds equal images in several parts of a data set. A measurement with such an image uses an
+//! image of the training.
 
 use std::{
     collections::HashMap,
@@ -12,20 +13,20 @@ use crate::{
     watch::{Watch, go_on},
 };
 
-/// Two files of the same content in different parts, training and validation or either and test.
+/// Two files of the same content in different parts.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Twins {
-    /// The one that comes first.
+    /// The first file.
     pub first: PathBuf,
-    /// The other.
+    /// The second file.
     pub second: PathBuf,
 }
 
-/// Finds the files of which another of the same content is in another part. Only files of the same length are read;
-/// one that cannot be read is like no other.
+/// Finds files with an equal file in another part. Only files of the same length are read. A file
+/// that cannot be read is ignored.
 ///
 /// # Errors
-/// [`Error::Stopped`].
+/// [`Error::Stopped`] if the call-back stops the work.
 pub fn twins(files: &[(&Path, Part)], watch: &mut Watch<'_>) -> Result<Vec<Twins>, Error> {
     let mut by_length = HashMap::<u64, Vec<usize>>::new();
     for (index, (path, _)) in files.iter().enumerate() {

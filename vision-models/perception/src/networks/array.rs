@@ -1,4 +1,4 @@
-//! Networks over arrays of normalised images or clips.
+//! Networks on arrays of normalised images or clips.
 
 use std::path::Path;
 
@@ -14,15 +14,15 @@ use crate::{error::Error, npy::read_array, watch::Watch};
 /// A loaded network with its input: N × 3 × H × W for images, N × 3 × T × H × W for clips.
 #[derive(Debug)]
 pub enum ArrayNetwork {
-    /// Classes of images.
+    /// A network for classes of images.
     Images(ResNet, Array4<f32>),
-    /// Classes of clips.
+    /// A network for classes of clips.
     Clips(SlowOnly, Array5<f32>),
-    /// Classes of clips, at two speeds.
+    /// A network for classes of clips, at two speeds.
     TwoSpeeds(SlowFast, Array5<f32>),
-    /// Maps of joints in images.
+    /// A network for maps of joints in images.
     Joints(Box<SimpleBaseline>, Array4<f32>),
-    /// An output of any network over images.
+    /// Any network on images, with one output.
     Any(Box<Network>, Array4<f32>),
 }
 
@@ -30,7 +30,8 @@ impl ArrayNetwork {
     /// Reads the array from a `.npy` file, and loads the network for its size.
     ///
     /// # Errors
-    /// Names the file that cannot be used; an array of another number of axes than the network takes.
+    /// Names the file that cannot be used, or reports an array with another number of axes than the
+    /// network's input.
     pub fn load(
         kind: NetworkKind,
         weights: &Path,
@@ -70,8 +71,9 @@ impl ArrayNetwork {
         }
     }
 
-    /// Reads the array from a `.npy` file, and loads a network of TensorFlow Lite: all of it, whose first output it gives,
-    /// or what one of its outputs takes.
+    /// Reads the array from a `.npy` file and loads a network of TensorFlow Lite. If `output` is
+    /// missing, the whole network is computed and its first output is returned. Otherwise only the
+    /// layers for this output are computed.
     ///
     /// # Errors
     /// Names the file that cannot be used.
@@ -99,10 +101,10 @@ impl ArrayNetwork {
         Ok(Self::Any(Box::new(network), images))
     }
 
-    /// Runs it: logits, features of the average pool, or maps.
+    /// Runs the network. Returns logits, features of the average pool, or maps.
     ///
     /// # Errors
-    /// [`Error::Vision`], as of the network.
+    /// [`Error::Vision`] for errors of the network.
     pub fn run(&mut self, features: bool) -> Result<ArrayViewD<'_, f32>, Error> {
         let Scores { logits, features: pooled } = match self {
             Self::Images(network, images) => network.infer(images.view())?,
@@ -121,7 +123,7 @@ impl ArrayNetwork {
         Ok(if features { pooled } else { logits }.into_dyn())
     }
 
-    /// Multiplications and additions for the whole batch.
+    /// Returns the number of multiplications and additions for the whole batch.
     pub fn operations(&self) -> f64 {
         let (batch, operations) = match self {
             Self::Images(network, images) => (images.dim().0, network.operations()),
@@ -134,7 +136,7 @@ impl ArrayNetwork {
     }
 }
 
-/// The input with the number of axes that the network takes.
+/// Converts the input to the number of axes of the network's input.
 fn of_dimension<D: Dimension>(
     array: ArrayD<f32>,
     input: &Path,

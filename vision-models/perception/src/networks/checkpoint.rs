@@ -1,4 +1,4 @@
-//! Checkpoints, with the names of what they are about.
+//! Opens checkpoints, with the file's name in errors.
 
 use std::path::Path;
 
@@ -10,13 +10,13 @@ use crate::{
     watch::{Watch, warn},
 };
 
-/// How many tensors are named that are left out.
+/// Largest number of left-out tensors that are named.
 const SHOWN: usize = 8;
 
-/// Opens a checkpoint of a network. What stands among the weights and is no part of it is named by a warning.
+/// Opens a checkpoint of a network. A warning names the tensors that are not part of it.
 ///
 /// # Errors
-/// Errors carry the file's name.
+/// Names the file that cannot be used.
 pub fn open_weights(path: &Path, watch: &mut Watch<'_>) -> Result<Checkpoint, Error> {
     let checkpoint = open_checkpoint(path)?;
     let network = NetworkKind::of(&checkpoint);
@@ -39,7 +39,7 @@ pub fn open_weights(path: &Path, watch: &mut Watch<'_>) -> Result<Checkpoint, Er
 /// Opens a checkpoint.
 ///
 /// # Errors
-/// Errors carry the file's name.
+/// Names the file that cannot be used.
 pub fn open_checkpoint(path: &Path) -> Result<Checkpoint, Error> {
     Checkpoint::open(path).map_err(Error::content(path))
 }

@@ -1,4 +1,4 @@
-//! From an image file to scores of classes, by a ResNet.
+//! Converts an image file to scores of classes by a ResNet.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use vision_models::{Orientation, Preprocessing, ResNet, read_image_oriented};
 use super::decider::Decider;
 use crate::error::Error;
 
-/// What an image goes through.
+/// Preprocessing, network and deciders for images.
 #[derive(Debug)]
 pub struct Classifier {
     preprocessing: Preprocessing,
@@ -17,24 +17,26 @@ pub struct Classifier {
 }
 
 impl Classifier {
-    /// A network for images that are prepared so. Without deciders its own last layer decides.
+    /// Creates a classifier with this preprocessing. If there are no deciders, the network's own
+    /// last layer decides.
     pub fn new(preprocessing: Preprocessing, network: ResNet, deciders: Vec<Decider>) -> Self {
         Self { preprocessing, network, deciders }
     }
 
-    /// Reads an image, this way up, and makes of it what the network sees.
+    /// Reads an image in this orientation and returns the network's input.
     ///
     /// # Errors
-    /// If the image cannot be used.
+    /// An error if the image cannot be used.
     pub fn read(&self, path: &Path, orientation: Orientation) -> Result<Array4<f32>, Error> {
         let image = read_image_oriented(path, orientation)?;
         Ok(self.preprocessing.image(image.view())?)
     }
 
-    /// The scores of the classes in an image that [`Self::read`] gave, by each decider, before any softmax.
+    /// Returns the scores of the classes by each decider, before any softmax. `image` is the result
+    /// of [`Self::read`].
     ///
     /// # Errors
-    /// As of [`ResNet::infer`] and [`Decider::scores`].
+    /// Those of [`ResNet::infer`] and [`Decider::scores`].
     pub fn scores(&mut self, image: &Array4<f32>) -> Result<Vec<Vec<f32>>, Error> {
         let scores = self.network.infer(image.view())?;
         if self.deciders.is_empty() {

@@ -1,4 +1,4 @@
-//! From the frames of a video to probabilities of classes, by SlowOnly.
+//! Converts the frames of a video to probabilities of classes by SlowOnly.
 
 use std::path::PathBuf;
 
@@ -11,36 +11,38 @@ use crate::{
     watch::{Event, Watch},
 };
 
-/// SlowOnly over clips, with what prepares frames for it.
+/// SlowOnly for clips, with the preprocessing of its frames.
 #[derive(Debug)]
 pub struct ClipClassifier {
     network: SlowOnly,
     preprocessing: Preprocessing,
-    /// In place of the network's own last layer.
+    /// The head that replaces the network's own last layer.
     head: Option<LinearHead>,
 }
 
-/// What a network makes of clips of a video.
+/// A network's results for clips of a video.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ClipScores {
-    /// The mean probability of each class over all views.
+    /// Mean probability of each class over all views.
     pub probabilities: Vec<f32>,
-    /// Clips that were seen.
+    /// Number of clips.
     pub clips: usize,
-    /// Clips and crops whose probabilities were averaged.
+    /// Number of clips and crops whose probabilities were averaged.
     pub views: usize,
 }
 
 impl ClipClassifier {
-    /// A network for frames that are prepared so. Without a head its own last layer decides.
+    /// Creates a classifier with this preprocessing. If there is no head, the network's own last
+    /// layer decides.
     pub fn new(network: SlowOnly, preprocessing: Preprocessing, head: Option<LinearHead>) -> Self {
         Self { network, preprocessing, head }
     }
 
-    /// The mean over clips of these places among the frames; over those so far where the call-back ends it.
+    /// Returns the mean over clips at these positions among the frames. If the call-back stops the
+    /// work, over those so far.
     ///
     /// # Errors
-    /// Names the name of a frame that cannot be used.
+    /// Names a frame that cannot be used.
     pub fn run(
         &mut self,
         frames: &[PathBuf],
@@ -70,7 +72,8 @@ impl ClipClassifier {
     }
 }
 
-/// The probability of each class in one of the inputs, by a head or the network's own last layer.
+/// Returns the probability of each class in one of the inputs, by a head or the network's own last
+/// layer.
 pub(super) fn probabilities(
     head: Option<&LinearHead>,
     scores: &Scores<'_>,

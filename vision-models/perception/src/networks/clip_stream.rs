@@ -1,4 +1,4 @@
-//! A network for clips over the newest frames of a camera.
+//! A network for clips on the newest frames of a camera.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use vision_models::{
 use super::clip_classifier::probabilities;
 use crate::error::Error;
 
-/// How the library that a SlowOnly comes from prepares frames.
+/// Returns the preprocessing of the library from which a SlowOnly comes.
 pub fn preprocessing_of(form: SlowOnlyForm) -> Preprocessing {
     match form {
         SlowOnlyForm::PyTorchVideo => Preprocessing::PYTORCHVIDEO,
@@ -25,15 +25,16 @@ pub fn preprocessing_of(form: SlowOnlyForm) -> Preprocessing {
 pub struct ClipStream {
     stream: SlowOnlyStream,
     preprocessing: Preprocessing,
-    /// In place of the network's own last layer.
+    /// The head that replaces the network's own last layer.
     head: Option<LinearHead>,
 }
 
 impl ClipStream {
-    /// With an empty window of so many frames, of the middle of each.
+    /// Creates a stream with an empty window of `length` frames. The centre crop of each frame is
+    /// used.
     ///
     /// # Errors
-    /// As of [`SlowOnlyStream::new`].
+    /// Those of [`SlowOnlyStream::new`].
     pub fn new(
         network: SlowOnly,
         length: usize,
@@ -44,10 +45,10 @@ impl ClipStream {
         Ok(Self { stream: SlowOnlyStream::new(network, size)?, preprocessing, head })
     }
 
-    /// Takes a frame into the window; the probability of each class, once the window is full.
+    /// Adds a frame to the window. Returns the probability of each class if the window is full.
     ///
     /// # Errors
-    /// Names the name of an image that cannot be used.
+    /// Names an image that cannot be used.
     pub fn push(&mut self, path: &Path) -> Result<Option<Vec<f32>>, Error> {
         let image = read_image(path)?;
         let image = self.preprocessing.image(image.view()).map_err(Error::content(path))?;

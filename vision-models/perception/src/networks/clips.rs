@@ -10,13 +10,13 @@ use crate::{
     watch::{Event, Watch},
 };
 
-/// Reads the frames of a clip, given by their places among all of the video, and makes of them
-/// what a network sees: crops × 3 × frames × side × side. Only one frame is in memory as it is in
-/// its file. `None` where the call-back
-/// ends it.
+/// Reads the frames of a clip and returns the network's input, crops × 3 × frames × side × side.
+///
+/// The clip is given by the positions of its frames in the video. Only one original frame is in
+/// memory at a time. `None` if the call-back stops the work.
 ///
 /// # Errors
-/// Names the name of a frame that cannot be used or has another size than the first one.
+/// Names a frame that cannot be used or has another size than the first one.
 pub fn read_clip(
     preprocessing: &Preprocessing,
     frames: &[PathBuf],

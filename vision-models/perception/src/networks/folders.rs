@@ -1,4 +1,4 @@
-//! Images in folders, one folder a class, and images that cannot be read.
+//! Images in folders, one folder per class, and images that cannot be read.
 
 use std::path::{Path, PathBuf};
 
@@ -9,20 +9,20 @@ use crate::{
     watch::{Watch, warn},
 };
 
-/// An image of a known class.
+/// An image with a known class.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LabelledImage {
     /// The file.
     pub path: PathBuf,
-    /// The index of its class.
+    /// Index of the class.
     pub label: usize,
 }
 
-/// The folders in a folder, by name, but for hidden ones: at least two classes. Images beside them are counted by
-/// a warning.
+/// Returns the folders in a folder, sorted by name, without hidden ones: at least two classes. A
+/// warning counts images beside them.
 ///
 /// # Errors
-/// Names the folder's name, if it cannot be read, has too few folders, or one whose name cannot be
+/// Names the folder if it cannot be read, has too few folders, or has a folder whose name cannot be
 /// a class's.
 pub fn list_classes(folder: &Path, watch: &mut Watch<'_>) -> Result<Vec<String>, Error> {
     let shown = folder.display();
@@ -61,10 +61,10 @@ pub fn list_classes(folder: &Path, watch: &mut Watch<'_>) -> Result<Vec<String>,
     Ok(classes)
 }
 
-/// The images in the folders of these classes. Files of other types are counted by a warning.
+/// Returns the images in the folders of these classes. A warning counts files of other types.
 ///
 /// # Errors
-/// Names the folder that cannot be read or has none.
+/// Names the folder if it cannot be read or has no images.
 pub fn list_images(
     folder: &Path,
     classes: &[String],
@@ -78,10 +78,11 @@ pub fn list_images(
     Ok(images)
 }
 
-/// The images in a folder, by name, but for hidden ones. Files of other types are counted by a warning.
+/// Returns the images in a folder, sorted by name, without hidden ones. A warning counts files of
+/// other types.
 ///
 /// # Errors
-/// Errors carry the folder's name, if it cannot be read or has none.
+/// Names the folder if it cannot be read or has no images.
 pub fn images_in(folder: &Path, watch: &mut Watch<'_>) -> Result<Vec<PathBuf>, Error> {
     let ImageFolder { images, others, .. } = open(folder)?;
     let shown = folder.display();
@@ -98,10 +99,10 @@ pub fn images_in(folder: &Path, watch: &mut Watch<'_>) -> Result<Vec<PathBuf>, E
     Ok(images)
 }
 
-/// The folders in a folder, by name, but for hidden ones.
+/// Returns the folders in a folder, sorted by name, without hidden ones.
 ///
 /// # Errors
-/// Errors carry the folder's name, if it cannot be read.
+/// Names the folder if it cannot be read.
 pub fn folders_in(folder: &Path) -> Result<Vec<PathBuf>, Error> {
     Ok(open(folder)?.folders)
 }
@@ -110,29 +111,29 @@ fn open(folder: &Path) -> Result<ImageFolder, Error> {
     ImageFolder::open(folder).map_err(Error::content(folder))
 }
 
-/// Images that cannot be read: named by warnings, and counted.
+/// Counter of images that cannot be read. Warnings name them.
 #[derive(Clone, Copy, Debug)]
 pub struct Unreadable {
-    /// Whether the first one is an error.
+    /// True if the first one is an error.
     strict: bool,
     count: usize,
 }
 
 impl Unreadable {
-    /// None so far.
+    /// Creates a counter at zero.
     pub fn new(strict: bool) -> Self {
         Self { strict, count: 0 }
     }
 
-    /// How many there were.
+    /// Returns their number.
     pub fn count(&self) -> usize {
         self.count
     }
 
-    /// Leaves one out.
+    /// Leaves an image out.
     ///
     /// # Errors
-    /// The error itself, if the first one is not left out.
+    /// The error itself, in strict mode.
     pub fn leave_out(&mut self, error: Error, watch: &mut Watch<'_>) -> Result<(), Error> {
         if self.strict {
             return Err(error);

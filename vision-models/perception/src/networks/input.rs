@@ -1,10 +1,10 @@
-//! What a file is to a network.
+//! Kinds of input files of networks.
 
 use std::path::Path;
 
 use crate::error::Error;
 
-/// What a file is to a network.
+/// The kind of a network's input file.
 ///
 /// ```
 /// use human_perception::networks::Input;
@@ -15,7 +15,7 @@ use crate::error::Error;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Input {
-    /// A file whose name ends as that of a JPEG or PNG.
+    /// A file with the extension of a JPEG or PNG.
     Image,
     /// A folder of frames.
     Clip,
@@ -24,10 +24,10 @@ pub enum Input {
 }
 
 impl Input {
-    /// What this one is.
+    /// Returns the kind of this file.
     ///
     /// # Errors
-    /// [`Error::Read`] for an array or a clip that is not there.
+    /// [`Error::Read`] if an array or a clip does not exist.
     pub fn of(path: &Path) -> Result<Self, Error> {
         let extension = path.extension().unwrap_or_default();
         let is_folder = path.is_dir();

@@ -1,4 +1,4 @@
-//! The networks by their names, in files and on command lines.
+//! The names of networks in files and on command lines.
 
 use vision_models::{
     NetworkKind,
@@ -7,7 +7,7 @@ use vision_models::{
     SlowOnlyForm::{self, MmAction2, MmAction2Depth18, MmAction2Depth101, PyTorchVideo},
 };
 
-/// The depths of ResNets, by their numbers of layers.
+/// Returns the depths of ResNets with their numbers of layers.
 pub fn depths() -> [(&'static str, ResNetDepth); 5] {
     [
         ("18", Eighteen),
@@ -18,7 +18,7 @@ pub fn depths() -> [(&'static str, ResNetDepth); 5] {
     ]
 }
 
-/// The forms of SlowOnly.
+/// Returns the forms of SlowOnly with their names.
 pub fn forms() -> [(&'static str, SlowOnlyForm); 4] {
     [
         ("slowonly_mm", MmAction2),
@@ -28,7 +28,7 @@ pub fn forms() -> [(&'static str, SlowOnlyForm); 4] {
     ]
 }
 
-/// Every network that runs on one array.
+/// Returns every network that runs on one array.
 pub fn networks() -> Vec<(&'static str, NetworkKind)> {
     let resnets = [
         ("resnet18", Eighteen.into()),
@@ -62,17 +62,17 @@ pub fn networks() -> Vec<(&'static str, NetworkKind)> {
     resnets.into_iter().chain(slow_onlys).chain(slow_fasts).chain(simple_baselines).collect()
 }
 
-/// The depth of this many layers.
+/// Returns the depth with this many layers.
 pub fn depth_of(layers: &str) -> Option<ResNetDepth> {
     depths().into_iter().find_map(|(name, depth)| (name == layers).then_some(depth))
 }
 
-/// The form of SlowOnly of this name.
+/// Returns the form of SlowOnly with this name.
 pub fn form_of(name: &str) -> Option<SlowOnlyForm> {
     forms().into_iter().find_map(|(own, form)| (own == name).then_some(form))
 }
 
-/// The name of a network.
+/// Returns the name of a network.
 pub fn name_of(kind: NetworkKind) -> Option<&'static str> {
     networks().into_iter().find_map(|(name, own)| (own == kind).then_some(name))
 }

@@ -10,7 +10,7 @@ use vision_models::{ClassNames, top_k};
 
 use crate::error::Error;
 
-/// How many classes are shown.
+/// Number of classes that are shown.
 const K: usize = 5;
 
 /// A class with its probability.
@@ -21,7 +21,8 @@ pub struct ScoredClass {
     probability: f32,
 }
 
-/// The five most probable classes, the most probable first, by name if there are names.
+/// Returns the five most probable classes in falling order of probability, with their names if
+/// there are names.
 pub fn top_classes(probabilities: &[f32], names: Option<&ClassNames>) -> Vec<ScoredClass> {
     let name = |class| names.and_then(|names| names.label(class));
     let scored = |class: usize| {
@@ -34,7 +35,7 @@ pub fn top_classes(probabilities: &[f32], names: Option<&ClassNames>) -> Vec<Sco
 /// Writes a line for each class: rank, probability and name.
 ///
 /// # Errors
-/// What the system says.
+/// The system's error.
 pub fn write_top_classes(out: &mut dyn Write, classes: &[ScoredClass]) -> io::Result<()> {
     for (rank, ScoredClass { class, name, probability }) in (1..).zip(classes) {
         write!(out, "{rank}  {:6.2} %  ", 100.0 * probability)?;
@@ -49,7 +50,7 @@ pub fn write_top_classes(out: &mut dyn Write, classes: &[ScoredClass]) -> io::Re
 /// Checks that a label file has a name for each class of a network.
 ///
 /// # Errors
-/// With both numbers.
+/// Names both numbers.
 pub fn check_names(file: &Path, names: &ClassNames, classes: usize) -> Result<(), Error> {
     let count = names.names().len();
     if count == classes {

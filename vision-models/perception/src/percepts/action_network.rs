@@ -1,4 +1,4 @@
-//! The person's action, by SlowOnly over the newest frames.
+//! Recognises the person's action by SlowOnly on the newest frames.
 
 use std::path::{Path, PathBuf};
 
@@ -12,29 +12,29 @@ use crate::{
     watch::Watch,
 };
 
-/// How a network with its own last layer recognises the action.
+/// Settings for recognising the action with a network's own last layer.
 #[derive(Clone, Copy, Debug)]
 pub struct ActionSettings<'a> {
     /// The checkpoint of the network.
     pub weights: &'a Path,
-    /// Whose network.
+    /// The variant of SlowOnly.
     pub form: SlowOnlyForm,
-    /// The names of the classes, one a line; HRI30's where there is none.
+    /// File with the names of the classes, one per line. HRI30's names if missing.
     pub names: Option<&'a Path>,
-    /// Frames of a clip.
+    /// Number of frames of a clip.
     pub length: usize,
-    /// Camera frames from one of a clip to the next.
+    /// Number of camera frames from one frame of the clip to the next.
     pub interval: u64,
 }
 
-/// Recognises what the person does over a sliding window of colour images.
+/// Recognises the person's action over a sliding window of colour images.
 #[derive(Debug)]
 pub struct ActionNetwork {
     stream: ClipStream,
-    /// Of each class.
+    /// The action of each class.
     actions: Vec<Action>,
     interval: u64,
-    /// The number of the newest frame in the window.
+    /// Number of the newest frame in the window.
     newest: Option<u64>,
 }
 
@@ -42,7 +42,7 @@ impl ActionNetwork {
     /// Loads a network with its own last layer.
     ///
     /// # Errors
-    /// Names the name of the file that does not fit.
+    /// Names the file that does not fit.
     pub fn load(
         settings: &ActionSettings<'_>,
         threads: usize,
@@ -69,10 +69,10 @@ impl ActionNetwork {
         Ok(Self { stream, actions, interval: interval.max(1), newest: None })
     }
 
-    /// Loads what `actions train` has trained, over the network that it was trained with.
+    /// Loads a model trained by `actions train`, on the network with which it was trained.
     ///
     /// # Errors
-    /// Names the file that does not fit; a class that is no action of HRI30.
+    /// Names the file that does not fit, or a class that is no action of HRI30.
     pub fn of_model(
         folder: &Path,
         weights: Option<PathBuf>,
@@ -89,16 +89,16 @@ impl ActionNetwork {
         Ok(Self { stream, actions, interval, newest: None })
     }
 
-    /// Returns true if the frame of this number belongs into the window.
+    /// Returns true if the frame of this number belongs to the window.
     pub fn wants(&self, frame: u64) -> bool {
         self.newest.is_none_or(|newest| frame >= newest.saturating_add(self.interval))
     }
 
-    /// Takes a colour image into the window, and says what the person does once it is full. After a gap
-    /// of a whole window it begins anew.
+    /// Adds a colour image to the window. Returns the person's action if the window is full. After
+    /// a gap of several intervals the window is emptied first.
     ///
     /// # Errors
-    /// If the image cannot be used.
+    /// An error if the image cannot be used.
     pub fn push(&mut self, frame: u64, image: &Path) -> Result<Option<RecognisedAction>, Error> {
         let missed = self.newest.is_some_and(|newest| frame - newest > GAPS * self.interval);
         if missed {
@@ -109,8 +109,9 @@ impl ActionNetwork {
         self.decide(&probabilities)
     }
 
-    /// The most probable action of the most probable intention, with the probability of that intention: a controller
-    /// need not be sure which of two tools is in use to know that the person works.
+    /// Returns the most probable action of the most probable intention, with the probability of
+    /// that intention. A controller need not know which of two tools is in use to know that the
+    /// person works.
     fn decide(&self, probabilities: &[f32]) -> Result<Option<RecognisedAction>, Error> {
         let classes = || probabilities.iter().zip(&self.actions);
         let of_intention = |action: Action| -> f32 {
@@ -127,5 +128,5 @@ impl ActionNetwork {
     }
 }
 
-/// So many intervals without a frame make a window one of two scenes.
+/// After a gap of more than this many intervals the window would show two scenes.
 const GAPS: u64 = 3;

@@ -1,4 +1,4 @@
-//! From joints in the image to the person who works with the robot.
+//! Converts joints in the image to the person who works with the robot.
 
 use std::time::{Duration, Instant};
 
@@ -9,25 +9,25 @@ use vision_models::{
 
 use crate::error::Error;
 
-/// Of a person whose stature was not measured yet (m).
+/// Stature of a person who was not measured yet (m).
 const STATURE: f64 = 1.75;
 
-/// So many bodies tell whether the images are upside down, and so large a share of them.
+/// Number of bodies that are tested for upside-down images, and the share that must be upside down.
 const BODIES: u32 = 20;
 const SHARE: f64 = 0.8;
 
 /// The parameters of a [`Perceiver`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PerceiverSettings {
-    /// Of the lifting.
+    /// Parameters of the lifting.
     pub lifting: LiftingSettings,
-    /// Of telling people apart.
+    /// Parameters for distinguishing people.
     pub people: PeopleSettings,
-    /// Of following each.
+    /// Parameters for tracking each person.
     pub tracker: TrackerSettings,
 }
 
-/// Lifts the joints of everybody in a frame into the world, follows everybody, and selects the one
+/// Lifts the joints of all people in a frame into the world, tracks the people, and selects the one
 /// who engages with the robot.
 ///
 /// ```
@@ -46,13 +46,13 @@ pub struct Perceiver {
     lifter: Lifter,
     people: People,
     bodies: Vec<Body>,
-    /// Upside down, and in all.
+    /// Number of upside-down bodies, and of all bodies.
     seen: [u32; 2],
     time_taken: Duration,
 }
 
 impl Perceiver {
-    /// Before the first frame of a camera.
+    /// Creates the perceiver of a camera.
     ///
     /// # Errors
     /// [`Error::Vision`] if a setting is outside its range.
@@ -66,11 +66,12 @@ impl Perceiver {
         })
     }
 
-    /// Takes a frame in: the people in the image and the depth that is aligned to it.
+    /// Updates the people with a frame: the people in the image, and the depth image that is
+    /// aligned to it.
     ///
     /// # Errors
-    /// [`Error::Vision`] for a depth image of another size, times out of order; [`Error::Unfit`] for
-    /// images that are upside down.
+    /// - [`Error::Vision`] if the depth image has another size or times are out of order.
+    /// - [`Error::Unfit`] if the images are upside down.
     pub fn see(
         &mut self,
         time: f64,
@@ -90,12 +91,12 @@ impl Perceiver {
         Ok(())
     }
 
-    /// The person who works with the robot, or is about to.
+    /// Returns the person who works with the robot or is about to.
     pub fn engaged(&self) -> Option<&PersonTrack> {
         self.people.engaged()
     }
 
-    /// The box in which the person who works with the robot is expected at a time (s).
+    /// Returns the box in which the engaged person is expected at a time (s).
     pub fn expected(&self, time: f64) -> Option<PersonBox> {
         let person = self.engaged()?;
         let place = person.predict(time).filter(|place| place.status.is_usable())?;
@@ -103,24 +104,24 @@ impl Perceiver {
         PersonBox::around(self.lifter.camera(), &place.floor, stature)
     }
 
-    /// Everybody who is followed.
+    /// Returns all people who are followed.
     pub fn people(&self) -> &People {
         &self.people
     }
 
-    /// The joints of who works with the robot as measured, if they are in the newest frame.
+    /// Returns the measured joints of the engaged person, if they are in the newest frame.
     pub fn body(&self) -> Option<&Body> {
         self.engaged().filter(|person| person.is_in_frame()).map(PersonTrack::measured)
     }
 
-    /// The joints of everybody else in the newest frame, as measured.
+    /// Returns the measured joints of all other people in the newest frame.
     pub fn others(&self) -> impl Iterator<Item = &Body> {
         let engaged = self.engaged().map(PersonTrack::id);
         let others = self.people.tracks().iter().filter(move |person| Some(person.id()) != engaged);
         others.filter(|person| person.is_in_frame()).map(PersonTrack::measured)
     }
 
-    /// How long lifting and tracking took for the newest frame.
+    /// Returns the duration of lifting and tracking for the newest frame.
     pub fn time_taken(&self) -> Duration {
         self.time_taken
     }

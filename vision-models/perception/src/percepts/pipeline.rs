@@ -1,4 +1,4 @@
-//! From a frame's files to a percept, with when each part of it was seen and known.
+//! Converts a frame's files to a percept, with the times at which its parts were seen and known.
 
 use std::time::{Duration, Instant};
 
@@ -21,21 +21,21 @@ use crate::{
     frames::{format::FrameEntry, reader::FramesReader},
 };
 
-/// An action or a surface whose images are older is no longer said (s).
+/// Largest age of an action's or a surface's images (s). Older results are not reported.
 const OLDEST: f64 = 2.0;
 
-/// Everything that looks at frames: joints for each, the surface and the action now and then.
+/// All processing of frames: joints in each frame, surface and action in some frames.
 #[derive(Debug)]
 pub struct Pipeline {
     perceiver: Perceiver,
     poses: Box<dyn PoseSource>,
     surface: Option<SurfaceNetwork>,
-    /// Camera frames from one look at the surface to the next.
+    /// Number of camera frames between two images of the surface.
     surface_interval: u64,
     action: Option<ActionNetwork>,
     seen_surface: Option<Seen<RecognisedSurface>>,
     seen_action: Option<Seen<RecognisedAction>>,
-    /// The next frame for the surface.
+    /// Number of the next frame for the surface.
     next_surface: u64,
     posture: PostureSettings,
     assessor: Option<(PersonId, Assessor)>,
@@ -43,47 +43,47 @@ pub struct Pipeline {
     stature: Option<StatureEstimate>,
 }
 
-/// What was recognised, and when.
+/// A recognition result and its times.
 #[derive(Clone, Copy, Debug)]
 struct Seen<T> {
     what: T,
     stamp: Stamp,
 }
 
-/// What came of one frame.
+/// The results of one frame.
 #[derive(Clone, Debug)]
 pub struct Perceived {
-    /// What is recorded.
+    /// The percept that is recorded.
     pub percept: Percept,
-    /// The people in the frame beside the one of the percept.
+    /// The other people in the frame.
     pub others: Vec<Body>,
-    /// When its parts were seen and known.
+    /// Times at which its parts were seen and known.
     pub timing: Timing,
     /// The posture of the person who works with the robot.
     pub posture: Option<MeasuredAssessment>,
-    /// Whether somebody looked for people.
+    /// True if the frame was searched for people.
     pub has_skeletons: bool,
-    /// How long each stage took, where it ran.
+    /// Duration of each stage that ran.
     pub times: StageTimes,
 }
 
-/// How long the work on one frame took.
+/// Durations of the processing of one frame.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct StageTimes {
-    /// Joints in the image, reading included.
+    /// Joints in the image, including reading.
     pub poses: Duration,
     /// Lifting and tracking.
     pub tracking: Duration,
-    /// The surface.
+    /// Recognition of the surface.
     pub surface: Option<Duration>,
-    /// The action.
+    /// Recognition of the action.
     pub action: Option<Duration>,
-    /// All of it.
+    /// Total.
     pub whole: Duration,
 }
 
 impl Pipeline {
-    /// A pipeline with joints from this source.
+    /// Creates a pipeline with joints from this source.
     pub fn new(perceiver: Perceiver, poses: Box<dyn PoseSource>) -> Self {
         Self {
             perceiver,
@@ -101,48 +101,48 @@ impl Pipeline {
         }
     }
 
-    /// The same, and every so many camera frames it looks at the surface.
+    /// Adds recognition of the surface every `interval` camera frames.
     #[must_use]
     pub fn with_surface(mut self, network: SurfaceNetwork, interval: u64) -> Self {
         (self.surface, self.surface_interval) = (Some(network), interval.max(1));
         self
     }
 
-    /// The same, and it recognises the action.
+    /// Adds recognition of the action.
     #[must_use]
     pub fn with_action(mut self, network: ActionNetwork) -> Self {
         self.action = Some(network);
         self
     }
 
-    /// The same, and this is known of whoever works with the robot.
+    /// Sets what is known about the person who works with the robot.
     #[must_use]
     pub fn with_posture(mut self, posture: PostureSettings) -> Self {
         self.posture = posture;
         self
     }
 
-    /// The people.
+    /// Returns the perceiver, which has the people.
     pub fn perceiver(&self) -> &Perceiver {
         &self.perceiver
     }
 
-    /// Checks that somebody could be found in the frames so far, where nobody was.
+    /// Checks that people could be found in the frames so far, if none was found.
     ///
     /// # Errors
-    /// Why nobody could be; `frame` is the first of the frames.
+    /// The reason why none could be found. `frame` is the first of the frames.
     pub fn check_sightings(&self, frame: u64) -> Result<(), Error> {
         let expected = self.poses.expected(frame).map(|path| path.display().to_string());
         self.sightings.clone().check(expected.as_deref())
     }
 
-    /// The stature of who worked with the robot last.
+    /// Returns the stature of the person who worked with the robot last.
     pub fn stature(&self) -> Option<StatureEstimate> {
         self.stature
     }
 
-    /// The lengths of the segments of who works with the robot, as far as they are known to a centimetre,
-    /// to the millimetre.
+    /// Returns the segment lengths of the engaged person that are known to a centimetre, rounded to
+    /// millimetres.
     pub fn segments(&self) -> MeasuredSegments {
         let length = |segment| {
             let known = self.perceiver.engaged()?.segment(segment)?;
@@ -158,11 +158,12 @@ impl Pipeline {
         }
     }
 
-    /// Looks at the next frame.
+    /// Processes the next frame.
     ///
     /// # Errors
-    /// [`Error::Frame`] for files that cannot be used, with their names, after which the next frame may be looked at;
-    /// what [`Perceiver::see`] says.
+    /// - [`Error::Frame`] with the file's name, if a file cannot be used. The next frame can then
+    ///   be processed.
+    /// - Those of [`Perceiver::see`].
     pub fn perceive(
         &mut self,
         reader: &FramesReader,
@@ -225,7 +226,8 @@ impl Pipeline {
         Ok(Perceived { percept, others, timing, posture, has_skeletons, times })
     }
 
-    /// The posture of who works with the robot, followed from frame to frame; anew for another person.
+    /// Returns the posture of the engaged person, filtered from frame to frame. The filter restarts
+    /// for another person.
     fn assess(&mut self, time: f64) -> Result<Option<MeasuredAssessment>, Error> {
         let Some(person) = self.perceiver.engaged().filter(|person| person.is_in_frame()) else {
             return Ok(None);
@@ -240,7 +242,7 @@ impl Pipeline {
 }
 
 impl<T> Seen<T> {
-    /// Returns true if its images are not too old at a time (s).
+    /// Returns true if the images are recent enough at a time (s).
     fn is_recent(&self, time: f64) -> bool {
         self.stamp.captured.is_some_and(|captured| time - captured <= OLDEST)
     }

@@ -1,4 +1,4 @@
-//! Joints by a pose network.
+//! Finds joints by a pose network.
 
 use std::path::Path;
 
@@ -10,12 +10,14 @@ use vision_models::{
 use super::pose_source::{Frame, PoseSource};
 use crate::{error::Error, networks::checkpoint::open_weights, watch::Watch};
 
-/// Rows of the images that OpenPose sees; columns follow.
+/// Number of rows of OpenPose's input. The columns follow from the proportions.
 const ROWS: f64 = 368.0;
 
-/// A pose network, whichever its checkpoint holds: a simple baseline, which looks for one person in the
-/// box in which the tracker expects them, or the nearest person of the depth image; OpenPose, which
-/// finds everybody; or BlazePose, which finds people and follows them.
+/// The pose network that a checkpoint holds:
+/// - A simple baseline finds one person, in the box where the tracker expects them or around the
+///   nearest person of the depth image.
+/// - OpenPose finds all people.
+/// - BlazePose finds people and tracks them.
 #[derive(Debug)]
 pub struct PoseNetwork {
     network: Network,
@@ -32,11 +34,12 @@ enum Network {
 const DETECTOR: &str = "pose_solution_packed_assets.data";
 
 impl PoseNetwork {
-    /// Loads the network for images of this width and height (pixels). Of BlazePose the detector is MediaPipe's file
-    /// beside the landmarks if none is given, and it follows so many people at most.
+    /// Loads the network for images of this width and height (pixels). `detector` and `most` are
+    /// for BlazePose: its detector, by default MediaPipe's file beside the landmarks, and the
+    /// largest number of tracked people.
     ///
     /// # Errors
-    /// With the checkpoint's name; one that holds another network says which.
+    /// Names the checkpoint. If it holds another network, the error says which.
     pub fn load(
         weights: &Path,
         (detector, most): (Option<&Path>, usize),
@@ -85,10 +88,10 @@ impl PoseNetwork {
         Ok(Self { network })
     }
 
-    /// Loads BlazePose: its landmarks and its detector, for so many people at most.
+    /// Loads BlazePose from its landmarks and its detector, for at most this many people.
     ///
     /// # Errors
-    /// Adds the name of the file that does not fit.
+    /// Names the file that does not fit.
     fn blaze_pose(
         landmarks: &Path,
         detector: &Path,

@@ -1,4 +1,4 @@
-//! Where the joints in the image come from.
+//! Sources of the joints in the image.
 
 use std::path::{Path, PathBuf};
 
@@ -6,46 +6,47 @@ use vision_models::{Camera, DepthImage, ImageBody, PersonBox, file::read_bytes, 
 
 use crate::{error::Error, frames::format::FrameEntry};
 
-/// The largest skeleton file that is read (bytes).
+/// Largest skeleton file that is read (bytes).
 const LARGEST: u64 = 16 << 20;
 
-/// What there is to find people in.
+/// The data of a frame in which people are searched.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame<'a> {
     /// Number and times.
     pub entry: &'a FrameEntry,
-    /// The file of the colour image.
+    /// File of the colour image.
     pub colour: &'a Path,
     /// The depth image.
     pub depth: &'a DepthImage,
     /// The camera.
     pub camera: &'a Camera,
-    /// Where the person who works with the robot is expected.
+    /// The box in which the engaged person is expected.
     pub expected: Option<PersonBox>,
 }
 
-/// What finds people in frames.
+/// A source of people in frames.
 pub trait PoseSource: std::fmt::Debug {
-    /// The people in a frame; `None` where nobody looked.
+    /// Returns the people in a frame, or `None` if the frame was not searched.
     ///
     /// # Errors
-    /// What keeps it from looking, with the file.
+    /// The reason why the frame cannot be searched, with the file.
     fn people(&mut self, frame: &Frame<'_>) -> Result<Option<Vec<ImageBody>>, Error>;
 
-    /// The file that is looked for with the people of a frame, if it takes them from files.
+    /// Returns the expected file of the people in a frame, if they come from files.
     fn expected(&self, _frame: u64) -> Option<PathBuf> {
         None
     }
 }
 
-/// A folder of OpenPose's JSON: `000012_keypoints.json` for frame 12, or with the name and the digits that OpenPose gives
-/// by itself, as in `000000000012_keypoints.json` and `video_000000000012_keypoints.json`.
+/// A folder of OpenPose's JSON. The file of frame 12 is `000012_keypoints.json`, or has the name
+/// and the digits that OpenPose writes, as in `000000000012_keypoints.json` and
+/// `video_000000000012_keypoints.json`.
 #[derive(Clone, Debug)]
 pub struct SkeletonFolder {
     folder: PathBuf,
-    /// What stands before the number in the first of the files.
+    /// The name before the number in the first file.
     prefix: String,
-    /// How many digits its number has.
+    /// Number of digits in the first file.
     digits: usize,
 }
 
@@ -53,10 +54,10 @@ pub struct SkeletonFolder {
 const END: &str = "_keypoints.json";
 
 impl SkeletonFolder {
-    /// Checks that the folder has a skeleton at least, and learns from it how the files are called.
+    /// Checks that the folder has at least one skeleton, and takes the form of the names from it.
     ///
     /// # Errors
-    /// Names the folder's name.
+    /// Names the folder.
     pub fn open(folder: &Path) -> Result<Self, Error> {
         let refuse = |source| Error::Read { path: folder.to_owned(), source };
         let mut first: Option<String> = None;
@@ -79,7 +80,7 @@ impl SkeletonFolder {
         Ok(Self { folder: folder.to_owned(), prefix, digits })
     }
 
-    /// Where the skeletons of a frame may be.
+    /// Returns the possible paths of the skeletons of a frame.
     fn places(&self, frame: u64) -> [PathBuf; 2] {
         let Self { folder, prefix, digits } = self;
         [format!("{prefix}{frame:0digits$}{END}"), format!("{frame:06}{END}")]

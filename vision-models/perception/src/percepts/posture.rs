@@ -7,17 +7,18 @@ use ergo_map::{
 use nalgebra::Matrix3;
 use vision_models::{Body, Body25};
 
-/// The standard deviation of a joint, each axis, whose covariance is not known (m): of a depth camera 2 m
-/// away.
+/// Standard deviation on each axis of a joint with unknown covariance (m), as for a depth camera 2
+/// m away.
 const SIGMA: f64 = 0.025;
 
-/// The scores of a measured posture, with the arm that is worse off.
+/// The scores of a measured posture, for the worse arm.
 ///
-/// What nobody can see counts as on an easy sheet: no load, a good hold, nothing held for long or repeated;
-/// [`MeasuredPosture::unseen`] names the angles that are missing. Whether somebody walks or sits is seen.
+/// Facts that a camera cannot see count as favourable: no load, a good grip, and nothing held for
+/// long or repeated. [`MeasuredPosture::unseen`] names the missing angles. Walking and sitting are
+/// measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeasuredAssessment {
-    /// Whose arm it is.
+    /// The side of the arm.
     pub side: Side,
     /// The angles.
     pub measured: MeasuredPosture,
@@ -27,26 +28,26 @@ pub struct MeasuredAssessment {
     pub rula: Rula,
 }
 
-/// What is known of a person beside their joints.
+/// Known facts about a person other than their joints.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PostureSettings {
-    /// Score the person as seated; without it a seat is found by balance.
+    /// True to score the person as seated. Otherwise sitting is detected by balance.
     pub sitting: bool,
-    /// Score the person's arm as supported.
+    /// True to score the person's arm as supported.
     pub arm_supported: bool,
-    /// The person stands upright and looks ahead for so long after being seen first (s): their angles count
-    /// from there. An average is taken with 0.
+    /// Time for which the person stands upright and looks ahead after being seen first (s). Their
+    /// angles are measured from this posture. If it is 0, an average neutral posture is used.
     pub upright: f64,
 }
 
-/// No neutral posture needs longer (s).
+/// Longest time for measuring a neutral posture (s).
 const LONGEST_UPRIGHT: f64 = 600.0;
 
 impl PostureSettings {
-    /// Checks the time, and gives the settings back.
+    /// Checks the time and returns the settings.
     ///
     /// # Errors
-    /// [`Error`] for a time that is negative, over ten minutes or not finite.
+    /// [`Error`] if the time is negative, above ten minutes or not finite.
     pub fn checked(self) -> Result<Self, Error> {
         let Self { upright: value, .. } = self;
         if (0.0..=LONGEST_UPRIGHT).contains(&value) {
@@ -62,7 +63,7 @@ impl PostureSettings {
     }
 }
 
-/// Follows the posture of one person from frame to frame and scores it.
+/// Filters the posture of one person from frame to frame and scores it.
 ///
 /// ```
 /// use human_perception::percepts::Assessor;
@@ -76,9 +77,9 @@ impl PostureSettings {
 pub struct Assessor {
     settings: PostureSettings,
     sides: [PostureFilter; 2],
-    /// As long as the person's own neutral posture is measured.
+    /// The estimate of the person's own neutral posture while it is measured.
     neutral: Option<NeutralEstimate>,
-    /// When the trunk was first seen (s).
+    /// Time when the trunk was first seen (s).
     since: Option<f64>,
 }
 
@@ -89,18 +90,18 @@ impl Default for Assessor {
 }
 
 impl Assessor {
-    /// Of a person who has not been seen yet.
+    /// Creates an assessor for a person who has not been seen yet.
     pub fn new(settings: PostureSettings) -> Self {
         let sides = [Side::Right, Side::Left].map(PostureFilter::new);
         let neutral = (settings.upright > 0.0).then(NeutralEstimate::default);
         Self { settings, sides, neutral, since: None }
     }
 
-    /// Takes a frame in, and gives the scores at its time (s); `None` as long as the trunk was not seen
-    /// in the last second.
+    /// Updates the filter with a frame and returns the scores at its time (s). `None` if the trunk
+    /// was not seen in the last second.
     ///
     /// # Errors
-    /// None for a body whose joints are finite.
+    /// None if the body's joints are finite.
     pub fn update(&mut self, time: f64, body: &Body) -> Result<Option<MeasuredAssessment>, Error> {
         let (joints, covariances) = (joint_positions(body), covariances(body));
         self.stand_upright(time, &joints);
@@ -127,18 +128,18 @@ impl Assessor {
     }
 }
 
-/// The scores of a body by itself, as where its joints are without error; `None` where the trunk was not
+/// Returns the scores of a single body whose joints have no errors. `None` if the trunk was not
 /// seen.
 ///
 /// # Errors
-/// None for a body whose joints are finite.
+/// None if the body's joints are finite.
 pub fn assess(body: &Body) -> Result<Option<MeasuredAssessment>, Error> {
     let joints = joint_positions(body);
     let postures = [Side::Right, Side::Left].map(|side| (side, joints.posture(side)));
     worse(&postures, &PostureSettings::default())
 }
 
-/// The scores of the side that is worse off.
+/// Returns the scores of the worse side.
 fn worse(
     postures: &[(Side, Option<MeasuredPosture>); 2],
     settings: &PostureSettings,
@@ -157,7 +158,7 @@ fn worse(
     Ok(worst)
 }
 
-/// Of the joints of [`joint_positions`], in the order of its array (m²).
+/// Returns the covariances of the joints of [`joint_positions`], in the order of its array (m²).
 fn covariances(body: &Body) -> [Matrix3<f64>; JointPositions::LEN] {
     use Body25::{
         LeftAnkle, LeftEar, LeftElbow, LeftHip, LeftKnee, LeftShoulder, LeftWrist, MidHip, Neck,

@@ -1,4 +1,4 @@
-//! Times, by how many of them are shorter.
+//! Quantiles of durations.
 
 use std::time::Duration;
 
@@ -17,16 +17,16 @@ use serde::Serialize;
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Quantiles {
-    /// Half are shorter.
+    /// Median.
     pub median_us: f64,
-    /// One in a hundred is longer.
+    /// 99th percentile.
     pub p99_us: f64,
-    /// The longest.
+    /// Maximum.
     pub max_us: f64,
 }
 
 impl Quantiles {
-    /// Of these durations; zeros if there are none.
+    /// Computes the quantiles of these durations. They are zero if there are none.
     pub fn of(mut times: Vec<Duration>) -> Self {
         times.sort_unstable();
         let at = |percent: usize| {

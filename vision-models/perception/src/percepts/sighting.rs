@@ -1,28 +1,28 @@
-//! What was seen of people before anything was made of it, and why nothing came of it.
+//! Counts of people in the images, to explain why none was found.
 
 use vision_models::{DepthImage, ImageBody, LiftingSettings};
 
 use crate::error::Error;
 
-/// People and joints in the images so far, and the depths there.
+/// Counts of people and joints in the images so far, and the depths there.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Sightings {
     frames: u64,
-    /// Frames in which nobody looked for people.
+    /// Number of frames that were not searched for people.
     unlooked: u64,
     people: u64,
     joints: u64,
-    /// Joints with a depth at which a person can be.
+    /// Number of joints with a depth at which a person can be.
     reachable: u64,
-    /// Every depth of a joint, within the most that is kept (m).
+    /// Depths of joints, up to the largest number that is kept (m).
     depths: Vec<f32>,
 }
 
-/// Depths that are kept for the median.
+/// Largest number of depths that are kept for the median.
 const KEPT: usize = 4096;
 
 impl Sightings {
-    /// Takes the people in a frame; `None` where nobody looked.
+    /// Counts the people in a frame. `None` if it was not searched.
     pub(super) fn push(&mut self, people: Option<&[ImageBody]>, depth: &DepthImage) {
         self.frames += 1;
         let Some(people) = people else {
@@ -44,10 +44,11 @@ impl Sightings {
         }
     }
 
-    /// Checks that somebody could be found, once all frames were looked at and nobody was.
+    /// Checks that people could be found, after all frames were processed and none was found.
     ///
     /// # Errors
-    /// Why nobody could be: no file of joints is of a frame, joints outside the images, or depths at which nobody is.
+    /// The reason why none could be found: no file of joints matches a frame, joints are outside
+    /// the images, or depths are out of range.
     pub(super) fn check(mut self, expected: Option<&str>) -> Result<(), Error> {
         let Self { frames, unlooked, people, joints, .. } = self;
         if frames > 0 && unlooked == frames {
@@ -80,7 +81,7 @@ impl Sightings {
     }
 }
 
-/// The pixel at a place of an image of this width and height.
+/// Returns the pixel at a position in an image of this width and height.
 fn pixel(place: [f64; 2], size: [usize; 2]) -> Option<[usize; 2]> {
     let within = |(place, size): (f64, usize)| {
         let rounded = place.round();

@@ -1,4 +1,4 @@
-//! What a run over the frames of a camera came to.
+//! Summary of a run over the frames of a camera.
 
 use std::{collections::BTreeMap, time::Duration};
 
@@ -19,7 +19,7 @@ pub struct Tally {
     surface: Vec<Duration>,
     action: Vec<Duration>,
     whole: Vec<Duration>,
-    /// From capture to arrival (s), and how many are known.
+    /// Sum of the times from capture to arrival (s), and their number.
     latency: (f64, u32),
     postures: u32,
     reba: f64,
@@ -28,50 +28,50 @@ pub struct Tally {
     unseen: BTreeMap<&'static str, f64>,
 }
 
-/// What a run came to, for `--json`.
+/// Summary of a run, for `--json`.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
-    /// Frames that were read.
+    /// Number of frames that were read.
     pub frames: u64,
-    /// Of these, in which nobody looked for people.
+    /// Number of frames that were not searched for people.
     pub without_skeletons: u64,
-    /// Of these, in which the person who works with the robot was seen.
+    /// Number of frames in which the engaged person was seen.
     pub with_body: u64,
-    /// With an action, and with a surface.
+    /// Number of frames with an action.
     pub with_action: u64,
-    /// With a surface.
+    /// Number of frames with a surface.
     pub with_surface: u64,
-    /// Joints in the image, reading included.
+    /// Joints in the image, including reading.
     pub poses: Quantiles,
     /// Lifting and tracking.
     pub lifting_and_tracking: Quantiles,
-    /// The surface and the action, where they were looked at.
+    /// Recognition of the surface, in the frames where it ran.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub surface: Option<Quantiles>,
-    /// The action.
+    /// Recognition of the action, in the frames where it ran.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub action: Option<Quantiles>,
-    /// From a frame that is there to its percept, reading included.
+    /// Duration from an available frame to its percept, including reading.
     pub whole_frame: Quantiles,
-    /// From the camera to the percept, where the frames say when they arrived (s).
+    /// Mean time from the camera to the percept (s), if the frames have their times of arrival.
     pub latency_mean_s: Option<f64>,
-    /// REBA and RULA of the measured posture, of the arm that is worse off.
+    /// Mean REBA score of the measured posture, for the worse arm.
     pub reba_mean: Option<f64>,
-    /// The highest REBA.
+    /// Highest REBA score.
     pub reba_max: Option<u8>,
-    /// Mean of RULA.
+    /// Mean RULA score.
     pub rula_mean: Option<f64>,
-    /// Angles of the sheets that were not seen, and in which share of the frames.
+    /// Angles of the sheets that were not seen, and the share of the frames.
     pub unseen: BTreeMap<&'static str, f64>,
 }
 
 impl Tally {
-    /// How many frames there were.
+    /// Returns the number of frames.
     pub fn frames(&self) -> u64 {
         self.frames
     }
 
-    /// Takes a frame in.
+    /// Adds a frame.
     pub fn push(&mut self, perceived: &Perceived) {
         let Perceived { percept, timing, posture, has_skeletons, times, .. } = perceived;
         self.frames += 1;
@@ -103,7 +103,7 @@ impl Tally {
         }
     }
 
-    /// What it came to.
+    /// Returns the summary.
     pub fn finish(self) -> Summary {
         let mean = |sum: f64, count: u32| (count > 0).then(|| sum / f64::from(count));
         let some = |times: Vec<Duration>| (!times.is_empty()).then(|| Quantiles::of(times));

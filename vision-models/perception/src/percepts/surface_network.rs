@@ -1,4 +1,4 @@
-//! The surface of the object, by a ResNet.
+//! Recognises the surface of the object by a ResNet.
 
 use std::path::{Path, PathBuf};
 
@@ -14,7 +14,7 @@ use crate::{
     watch::Watch,
 };
 
-/// Which part of a trained model decides.
+/// The part of a trained model that decides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SurfaceDecision {
     /// The support vector machine.
@@ -27,9 +27,9 @@ pub enum SurfaceDecision {
 #[derive(Debug)]
 pub struct SurfaceNetwork {
     network: ResNet,
-    /// In place of the network's own last layer.
+    /// The decider that replaces the network's own last layer.
     decider: Option<Decider>,
-    /// Of each class.
+    /// The surface of each class.
     surfaces: Vec<Surface>,
 }
 
@@ -37,7 +37,7 @@ impl SurfaceNetwork {
     /// Loads a network whose last layer has two classes, drilled and smooth in this order.
     ///
     /// # Errors
-    /// Errors carry the file's name.
+    /// Names the file that cannot be used.
     pub fn load(
         weights: &Path,
         depth: ResNetDepth,
@@ -57,11 +57,11 @@ impl SurfaceNetwork {
         Ok(Self { network, decider: None, surfaces })
     }
 
-    /// Loads what `surface train` has trained, over the network that it was trained with: the one of this depth, if
-    /// there are several.
+    /// Loads a model trained by `surface train`, on the network with which it was trained. `depth`
+    /// selects the network if there are several.
     ///
     /// # Errors
-    /// Names the file that does not fit; a class that is no surface.
+    /// Names the file that does not fit, or a class that is no surface.
     pub fn of_model(
         folder: &Path,
         (depth, decision): (Option<ResNetDepth>, SurfaceDecision),
@@ -88,11 +88,11 @@ impl SurfaceNetwork {
         Ok(Self { network, decider, surfaces })
     }
 
-    /// The surface in an image file. The confidence of an SVM is the logistic function of its decision,
-    /// which orders images but is no measured probability.
+    /// Recognises the surface in an image file. The confidence of an SVM is the logistic function
+    /// of its decision value. It orders images, but is no measured probability.
     ///
     /// # Errors
-    /// If the image cannot be used.
+    /// An error if the image cannot be used.
     pub fn recognise(&mut self, image: &Path) -> Result<Option<RecognisedSurface>, Error> {
         let image = PREPROCESSING.image(read_image(image)?.view())?;
         let scores = self.network.infer(image.view())?;

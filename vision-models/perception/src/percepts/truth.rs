@@ -1,33 +1,33 @@
-//! What was perceived, beside the truth.
+//! Comparison of percepts with the truth.
 
 use serde::Serialize;
 use vision_models::{Action, Intention, Percept};
 
 use percept_recording::Timing;
 
-/// So late a recogniser may say what is true (s).
+/// Largest delay of a correct recognition (s).
 const DELAY: f64 = 0.5;
 
-/// Frames and their truth may be so far apart (s).
+/// Largest time difference of a frame and its truth (s).
 const SAME_TIME: f64 = 2e-6;
 
-/// Shares of time, by camera frames.
+/// Shares of correct camera frames.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct AgainstTruth {
-    /// Of the frames in which the robot holds the object: its surface was recognised.
+    /// Share of frames with the right surface, among those in which the robot holds the object.
     pub surface_right: Option<f64>,
-    /// The action was the true one, or had been within the delay.
+    /// Share of frames whose action is true at that time, or was true within the delay before it.
     pub action_right: Option<f64>,
-    /// The intention that the controller's filter makes of the actions as they arrive was the true one, or had been
-    /// within the delay.
+    /// Share of frames whose filtered intention is true at that time, or was true within the delay
+    /// before it. The filter is the controller's and gets the actions as they arrive.
     pub intention_right: Option<f64>,
-    /// How late they may be (s).
+    /// The delay (s).
     pub delay: f64,
 }
 
 impl AgainstTruth {
-    /// Compares percepts, in the order of their times, with the true ones of the same times. The filter takes each
-    /// percept as it arrives, and gives the intention.
+    /// Compares percepts, in the order of their times, with the true ones of the same times. The
+    /// filter gets each percept as it arrives and returns the intention.
     pub fn of(
         percepts: &[(Percept, Timing)],
         truth: &[Percept],
@@ -60,7 +60,8 @@ impl AgainstTruth {
     }
 }
 
-/// The filtered intention at the time of each percept, by the percepts that have arrived until then.
+/// Returns the filtered intention at the time of each percept, from the percepts that have arrived
+/// by then.
 fn intentions(
     percepts: &[(Percept, Timing)],
     mut filter: impl FnMut(&Percept) -> Intention,

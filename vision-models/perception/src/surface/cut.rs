@@ -1,11 +1,11 @@
-//! Images of surfaces by class, of frames whose truth is known.
+//! Selects images of surfaces by class from frames whose truth is known.
 
 use vision_models::Percept;
 
 use crate::{frames::truth::TrueFilm, learning::cutting::Sample};
 
-/// The images of the on-board camera, one in so many frames. They are taken whole: that camera faces the object. Images
-/// in which the robot does not hold it are left out.
+/// Returns the images of the on-board camera, one of every `every` frames. They are not cropped,
+/// because that camera faces the object. Images in which the robot does not hold it are left out.
 pub fn images_of(film: &TrueFilm, every: usize) -> Vec<Sample> {
     let image = |(entry, truth): &(_, Percept)| {
         let class = truth.surface?.surface.name().to_owned();

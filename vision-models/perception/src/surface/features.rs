@@ -19,13 +19,13 @@ use crate::{
     watch::{Event, Watch},
 };
 
-/// What the paper does to the images: 255 × 255, the middle 224 × 224.
+/// The paper's preprocessing: 255 × 255, centre crop 224 × 224.
 pub const PREPROCESSING: Preprocessing = Preprocessing::SURFACE;
 
-/// The largest image file that is read (bytes).
+/// Largest image file that is read (bytes).
 const MOST: u64 = 256 << 20;
 
-/// A network's features of images, from disk where they are known.
+/// A network's features of images, read from disk if they are known.
 #[derive(Debug)]
 pub struct FeatureSource {
     name: String,
@@ -33,12 +33,12 @@ pub struct FeatureSource {
     cache: Option<FeatureCache>,
 }
 
-/// Images as they are and mirrored.
+/// The mirrored versions of images.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Flips {
-    /// As they are.
+    /// Only the plain images.
     None,
-    /// Both: each image is two samples.
+    /// Both: each image gives two samples.
     Horizontal,
 }
 
@@ -47,22 +47,22 @@ pub enum Flips {
 pub struct Features {
     /// Samples × features.
     pub rows: Array2<f32>,
-    /// The class of each.
+    /// Class of each sample.
     pub labels: Vec<usize>,
-    /// The image of each.
+    /// Image of each sample.
     pub paths: Vec<PathBuf>,
 }
 
-/// The name of a ResNet's folder entries and messages.
+/// Returns the name of a ResNet in files and messages.
 pub fn name_of(depth: ResNetDepth) -> String {
     format!("resnet{}", depth.layers())
 }
 
 impl FeatureSource {
-    /// Of this network. The cache is `NAME.features` in a folder.
+    /// Creates the source for this network. The cache is `NAME.features` in a folder.
     ///
     /// # Errors
-    /// As of [`FeatureCache::open`].
+    /// Those of [`FeatureCache::open`].
     pub fn new(
         depth: ResNetDepth,
         (weights, identity): (Weights, &WeightsIdentity),
@@ -80,11 +80,11 @@ impl FeatureSource {
         Ok(Self { name, backbone, cache })
     }
 
-    /// The features of images; those that cannot be read are left out. None where the call-back ends it: the features
-    /// so far are then in the cache.
+    /// Returns the features of images. Images that cannot be read are left out. None if the
+    /// call-back stops the work. The features so far are then in the cache.
     ///
     /// # Errors
-    /// As of [`Unreadable::leave_out`]; of the network and the cache.
+    /// Those of [`Unreadable::leave_out`], of the network and of the cache.
     pub fn of_images(
         &mut self,
         images: &[LabelledImage],
@@ -127,7 +127,7 @@ impl FeatureSource {
         Ok(Some(Features { rows, labels, paths }))
     }
 
-    /// One row of features, or two.
+    /// Returns one row of features, or two.
     fn of_image(
         &mut self,
         bytes: &[u8],
@@ -137,7 +137,7 @@ impl FeatureSource {
         let plain = Digest::of_bytes(bytes);
         let mirrored = Digest::of_all([plain, Digest::of_bytes(b"mirrored")]);
         let mut rows = Vec::new();
-        // Decoded once, if at all.
+        // The image is decoded once at most.
         let mut image: Option<Array4<f32>> = None;
         let views = if flips == Flips::None { 1 } else { 2 };
         for (digest, flip) in [(plain, false), (mirrored, true)].into_iter().take(views) {
@@ -150,7 +150,7 @@ impl FeatureSource {
                 Some(image) => image,
                 none => none.insert(PREPROCESSING.image(decode_image(bytes)?.view())?),
             };
-            // The crop is in the middle but for half a pixel, so that mirroring it is mirroring the image.
+            // The crop is central up to half a pixel, so mirroring it equals mirroring the image.
             let features = if flip {
                 self.backbone.features(&image.slice(s![.., .., .., ..;-1]).to_owned(), watch)?
             } else {
@@ -165,13 +165,13 @@ impl FeatureSource {
     }
 }
 
-/// Reads a file of at most so many bytes as an image may have.
+/// Reads a file within the size limit of images.
 fn read(path: &Path) -> Result<Vec<u8>, VisionError> {
     let refuse = |reason: String| VisionError::File { path: path.display().to_string(), reason };
     read_bytes(path, MOST).map_err(|error| refuse(error.to_string()))
 }
 
-/// CLASS/FILE, by which a model knows an image.
+/// Returns CLASS/FILE, by which a model identifies an image.
 pub fn path_within(folder: &Path, path: &Path) -> String {
     path.strip_prefix(folder).unwrap_or(path).display().to_string()
 }

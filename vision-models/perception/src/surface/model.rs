@@ -1,4 +1,4 @@
-//! A trained model: a folder with what was learnt over each network.
+//! A trained model: a folder with the classifiers on each network.
 
 use std::{
     collections::BTreeMap,
@@ -27,18 +27,18 @@ use crate::{
     watch::Watch,
 };
 
-/// The name of the file that describes the model.
+/// Name of the file that describes the model.
 const FILE: &str = "surface.json";
 const VERSION: u32 = 1;
-/// The layer's name in the files of heads, as in torchvision.
+/// Name of the layer in the files of heads, as in torchvision.
 const LAYER: &str = "fc";
 
-/// What was learnt over one network.
+/// The classifiers on one network.
 #[derive(Debug)]
 pub struct OverNetwork {
-    /// How many layers the network has.
+    /// Number of layers of the network.
     pub depth: ResNetDepth,
-    /// Its weights.
+    /// The network's weights.
     pub weights: WeightsIdentity,
     /// The new last layer.
     pub head: LinearHead,
@@ -49,11 +49,11 @@ pub struct OverNetwork {
 /// A trained model.
 #[derive(Debug)]
 pub struct SurfaceModel {
-    /// The names of the classes.
+    /// Names of the classes.
     pub classes: Vec<String>,
-    /// What each image of the training's folder was for, by its path in there.
+    /// The part of each image in the training's folder, by its path there.
     pub parts: BTreeMap<String, Part>,
-    /// What was learnt over each network.
+    /// The classifiers on each network.
     pub networks: Vec<OverNetwork>,
 }
 
@@ -76,10 +76,10 @@ struct NetworkDescription {
 }
 
 impl SurfaceModel {
-    /// Writes it into a folder, the description last.
+    /// Writes the model into a folder, the description last.
     ///
     /// # Errors
-    /// With the place that cannot be written.
+    /// Names the place that cannot be written.
     pub fn write(&self, folder: &Path) -> Result<(), Error> {
         make_folder(folder)?;
         for network in &self.networks {
@@ -109,15 +109,15 @@ impl SurfaceModel {
         description::write(&folder.join(FILE), &described)
     }
 
-    /// Whether there is one in a folder.
+    /// Returns true if there is a model in a folder.
     pub fn is_in(folder: &Path) -> bool {
         folder.join(FILE).exists()
     }
 
-    /// Reads one.
+    /// Reads a model.
     ///
     /// # Errors
-    /// Names the file that is not there, not to be read, or does not fit the others.
+    /// Names the file that is missing, cannot be read, or does not fit the others.
     pub fn read(folder: &Path) -> Result<Self, Error> {
         let path = folder.join(FILE);
         let described: Description = description::read(&path)?;
@@ -155,11 +155,11 @@ impl SurfaceModel {
         Ok(Self { classes, parts, networks })
     }
 
-    /// The images of a folder with a folder for each of the model's classes; of those in a part of the training's
-    /// split, if one is asked for.
+    /// Returns the images of a folder that has a folder for each of the model's classes. `part`
+    /// selects a part of the training's split.
     ///
     /// # Errors
-    /// Names the folder or the class that does not fit; no image in the part.
+    /// Names the folder or the class that does not fit, or reports that the part has no images.
     pub fn images_of(
         &self,
         folder: &Path,
@@ -185,11 +185,11 @@ impl SurfaceModel {
         Ok(images)
     }
 
-    /// The networks for the features, with the weights that the model was trained with: `weights` has the checkpoint
-    /// of each depth.
+    /// Returns the networks for the features, with the weights of the model's training. `weights`
+    /// has the checkpoint of each depth.
     ///
     /// # Errors
-    /// If a checkpoint is missing or another one; of the cache.
+    /// An error if a checkpoint is missing or another one, or an error of the cache.
     pub fn sources(
         &self,
         weights: &[(ResNetDepth, PathBuf)],
@@ -208,17 +208,17 @@ impl SurfaceModel {
 }
 
 impl OverNetwork {
-    /// The paper's two ways to decide, by name.
+    /// Returns the paper's two classifiers, by name.
     pub fn deciders(&self) -> [(String, Decider); 2] {
         let name = name_of(self.depth);
         let svm = format!("{name}+svm");
         [(name, Decider::Head(self.head.clone())), (svm, Decider::Svm(self.svm.clone()))]
     }
 
-    /// The network itself with both ways to decide, for image files.
+    /// Returns the network with both classifiers, for image files.
     ///
     /// # Errors
-    /// If the checkpoint is missing, another one, or cannot be read.
+    /// An error if the checkpoint is missing, another one, or cannot be read.
     pub fn classifier(
         &self,
         weights: Option<PathBuf>,
@@ -233,18 +233,18 @@ impl OverNetwork {
 }
 
 impl Features {
-    /// The scores of each sample.
+    /// Returns the scores of each sample.
     ///
     /// # Errors
-    /// As of [`Decider::scores`].
+    /// Those of [`Decider::scores`].
     pub fn scores(&self, decider: &Decider) -> Result<Vec<Vec<f32>>, Error> {
         self.rows.outer_iter().map(|row| decider.scores(row)).collect()
     }
 
-    /// What these scores get right.
+    /// Evaluates these scores.
     ///
     /// # Errors
-    /// None for classes below `classes`.
+    /// None if all classes are below `classes`.
     pub fn evaluate(&self, classes: usize, scores: &[Vec<f32>]) -> Result<Evaluation, Error> {
         let scores = scores.iter().map(Vec::as_slice);
         Evaluation::of(classes, self.labels.iter().copied().zip(scores))

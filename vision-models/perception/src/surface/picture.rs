@@ -1,4 +1,4 @@
-//! Pictures of plates with and without holes, for trying classifiers on.
+//! Synthetic pictures of plates with and without holes, for tests of classifiers.
 
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 use rand::Rng;
@@ -6,11 +6,11 @@ use vision_models::Surface;
 
 use crate::{error::Error, random::generator};
 
-/// A picture of a surface at random as a PNG file, square with this side (pixels); the same seed and stream give the
-/// same.
+/// Returns a random picture of a surface as a square PNG file with this side (pixels). The same
+/// seed and stream give the same picture.
 ///
 /// # Errors
-/// What the encoder says.
+/// The encoder's error.
 pub fn picture(surface: Surface, side: u16, seed: u64, stream: u64) -> Result<Vec<u8>, Error> {
     let mut random = generator(seed, stream);
     let pixels = Scene::random(surface, &mut random).draw(side.into(), &mut random);
@@ -21,16 +21,16 @@ pub fn picture(surface: Surface, side: u16, seed: u64, stream: u64) -> Result<Ve
     Ok(png)
 }
 
-/// Samples a pixel along each axis, so that edges are smooth.
+/// Number of samples per pixel along each axis, for smooth edges.
 const SAMPLES: usize = 2;
 
-/// A plate in front of something, from where a camera may see it.
+/// A plate in front of a background, seen from a possible camera position.
 #[derive(Debug)]
 struct Scene {
     surface: Surface,
-    /// Cosine and sine of the plate's turn in the image.
+    /// Cosine and sine of the plate's rotation in the image.
     turn: [f64; 2],
-    /// How much shorter it looks along its axes, as it is tilted.
+    /// Foreshortening along its axes, due to its tilt.
     shortening: [f64; 2],
     /// Its middle, in parts of the image's side.
     middle: [f64; 2],
@@ -40,28 +40,28 @@ struct Scene {
     /// Direction and strength of the light's fall-off.
     light: [f64; 2],
     brightness: f64,
-    /// Distance of the holes, and their radius, in parts of the image's side.
+    /// Distance of the holes and their radius, in parts of the image's side.
     pitch: f64,
     radius: f64,
-    /// Where the first hole is.
+    /// Position of the first hole.
     offset: [f64; 2],
     background: Background,
-    /// Pixels.
+    /// Number of passes of the blur over a radius of one pixel.
     blur: usize,
     noise: f64,
 }
 
-/// Stripes of two colours, or one.
+/// A background of stripes of two colours, or of one colour.
 #[derive(Debug)]
 struct Background {
     colours: [[f64; 3]; 2],
-    /// Cosine and sine of the stripes' direction, and their number.
+    /// Cosine and sine of the stripes' direction. `stripes` is their number.
     direction: [f64; 2],
     stripes: f64,
 }
 
 impl Scene {
-    /// A scene at random: light, pose, background and blur.
+    /// Creates a random scene: light, pose, background and blur.
     fn random(surface: Surface, random: &mut impl Rng) -> Self {
         let turn: f64 = random.random_range(0.0..std::f64::consts::TAU);
         let light: f64 = random.random_range(0.0..std::f64::consts::TAU);
@@ -91,7 +91,7 @@ impl Scene {
         }
     }
 
-    /// Draws it: red, green, blue, row after row, of a square image.
+    /// Draws the scene as a square image: red, green, blue, row by row.
     fn draw(&self, side: usize, random: &mut impl Rng) -> Vec<u8> {
         let mut pixels = vec![[0.0; 3]; side * side];
         for (place, pixel) in pixels.iter_mut().enumerate() {
@@ -118,11 +118,11 @@ impl Scene {
         pixels.into_iter().flatten().map(&mut byte).collect()
     }
 
-    /// The colour at a place of the image, from 0 to 1 along each side.
+    /// Returns the colour at a position in the image, from 0 to 1 along each side.
     fn colour_at(&self, [x, y]: [f64; 2]) -> [f64; 3] {
         let [cos, sin] = self.turn;
         let [dx, dy] = [x - self.middle[0], y - self.middle[1]];
-        // On the plate.
+        // Coordinates on the plate.
         let u = (cos * dx + sin * dy) / self.shortening[0];
         let v = (cos * dy - sin * dx) / self.shortening[1];
         if u.abs() > self.half[0] || v.abs() > self.half[1] {
@@ -133,7 +133,8 @@ impl Scene {
         self.colour.map(|colour| colour * light * self.of_hole([u, v]))
     }
 
-    /// How bright the plate is at a place: dark in a hole, a little brighter on its rim towards the light.
+    /// Returns the brightness of the plate at a position: dark in a hole, a little brighter on its
+    /// rim towards the light.
     fn of_hole(&self, [u, v]: [f64; 2]) -> f64 {
         if self.surface == Surface::Smooth {
             return 1.0;
@@ -163,7 +164,7 @@ impl Background {
     }
 }
 
-/// The mean of each pixel and its eight neighbours; at the edges of those that there are.
+/// Returns the mean of each pixel and its existing neighbours.
 fn blurred(pixels: &[[f64; 3]], side: usize) -> Vec<[f64; 3]> {
     let mean = |place: usize| {
         let (row, column) = (place / side, place % side);

@@ -1,4 +1,4 @@
-//! The paper's models over the features of images.
+//! The paper's models on the features of images.
 
 use std::{
     collections::BTreeMap,
@@ -22,32 +22,33 @@ use crate::{
     watch::{Event, Watch, wait_for},
 };
 
-/// The images of a folder with a folder for each class, split into the paper's parts.
+/// The images of a folder with one folder per class, split into the paper's parts.
 #[derive(Clone, Debug)]
 pub struct ImageParts {
     /// The folder.
     pub folder: PathBuf,
-    /// The names of the classes.
+    /// Names of the classes.
     pub classes: Vec<String>,
-    /// The images to train with.
+    /// The training images.
     pub training: Vec<LabelledImage>,
-    /// The images to choose settings by.
+    /// The validation images, for choosing settings.
     pub validation: Vec<LabelledImage>,
-    /// What each image is for, by its path in the folder.
+    /// The part of each image, by its path in the folder.
     pub of_paths: BTreeMap<String, Part>,
 }
 
-/// How the models over a network are trained.
+/// Settings for training the models on a network.
 #[derive(Clone, Debug)]
 pub struct TrainingSettings {
-    /// Of the new last layer.
+    /// Settings of the new last layer.
     pub head: HeadSettings,
-    /// Of the support vector machine.
+    /// Settings of the support vector machine.
     pub svm: SvmSettings,
 }
 
 impl ImageParts {
-    /// Splits the images of each class by the seed: 70 % to train with, 20 % for validation, 10 % for the test.
+    /// Splits the images of each class at random by the seed: 70 % training, 20 % validation, 10 %
+    /// test.
     ///
     /// # Errors
     /// Names the folder or the class that cannot be used.
@@ -69,10 +70,10 @@ impl ImageParts {
         Ok(Self { folder: folder.to_owned(), classes, training, validation, of_paths })
     }
 
-    /// The images whose content is also in another part.
+    /// Returns the images whose content is also in another part.
     ///
     /// # Errors
-    /// [`Error::Stopped`].
+    /// [`Error::Stopped`] if the call-back stops the work.
     pub fn twins(&self, watch: &mut Watch<'_>) -> Result<Vec<Twins>, Error> {
         let paths: Vec<_> =
             self.of_paths.iter().map(|(path, part)| (self.folder.join(path), *part)).collect();
@@ -80,11 +81,12 @@ impl ImageParts {
         twins(&files, watch)
     }
 
-    /// Trains both models over the features of one network. The number is the largest gap of the machine's planes, as
-    /// a part of the objective.
+    /// Trains both models on the features of one network. Also returns the largest relative duality
+    /// gap of the machine's planes.
     ///
     /// # Errors
-    /// A class without an image that could be read; a machine that does not converge; [`Error::Stopped`].
+    /// Names a class without a readable image, or a machine that does not converge.
+    /// [`Error::Stopped`] if the call-back stops the work.
     pub fn train(
         &self,
         (depth, weights): (ResNetDepth, WeightsIdentity),

@@ -1,4 +1,4 @@
-//! A recording in MCAP.
+//! Converts a recording to MCAP.
 
 use std::collections::BTreeMap;
 
@@ -12,32 +12,33 @@ use super::writer::McapWriter;
 use super::{PERCEPT, PERCEPTS, RECORDING};
 use crate::{Reader, RecordingError};
 
-/// How long a body is drawn that is not seen again \[s\].
+/// Time for which a body that is not seen again is displayed \[s\].
 const LIFETIME: f64 = 0.5;
-/// Of a drawn joint \[m\].
+/// Diameter of a displayed joint \[m\].
 const DIAMETER: f64 = 0.06;
 
 /// A camera frame of a recording, as the book's page "Recordings" describes it.
 #[derive(JsonSchema)]
 #[expect(dead_code, reason = "it describes the lines, which are written as they are")]
 struct PerceptLine {
-    /// When the camera took the frame \[s\].
+    /// Time at which the camera took the frame \[s\].
     time: f64,
-    /// x, y, z \[m\] and confidence of BODY_25's joints; null for one that was not seen.
+    /// x, y, z \[m\] and confidence of BODY_25's joints. Null for joints that were not seen.
     keypoints: Option<Vec<Option<[f64; 4]>>>,
-    /// The same of each other person in view.
+    /// The keypoints of each other person in the frame.
     others: Option<Vec<Vec<Option<[f64; 4]>>>>,
-    /// What the person does.
+    /// The person's action.
     action: Option<serde_json::Value>,
-    /// The surface before the on-board camera.
+    /// The surface in front of the on-board camera.
     surface: Option<serde_json::Value>,
 }
 
-/// The MCAP file of a recording in JSON Lines, whole or partial, every byte of which
-/// [`to_json_lines`](super::to_json_lines) gives back; beside it the body as a scene.
+/// Converts a complete or partial recording in JSON Lines to an MCAP file.
+/// [`to_json_lines`](super::to_json_lines) restores every byte. The file also shows the body as a
+/// scene.
 ///
 /// # Errors
-/// [`McapError::Recording`] for what is no recording.
+/// [`McapError::Recording`] if the text is not a recording.
 pub fn from_json_lines(text: &[u8]) -> Result<Vec<u8>, McapError> {
     McapWriter::with_recording(text)?.finish()
 }
@@ -73,7 +74,7 @@ pub(super) fn write_recording(file: &mut McapWriter, text: &[u8]) -> Result<(), 
     Ok(())
 }
 
-/// The frames of a recording with the other people in view, as far as it goes.
+/// Returns the frames of a recording with the other people, up to its end or the first early end.
 fn frames(text: &[u8]) -> Result<Vec<(Percept, Vec<Body>)>, RecordingError> {
     let mut reader = Reader::new(text)?;
     let mut frames = Vec::new();
@@ -87,7 +88,7 @@ fn frames(text: &[u8]) -> Result<Vec<(Percept, Vec<Body>)>, RecordingError> {
     Ok(frames)
 }
 
-/// A body as spheres.
+/// Returns a body as spheres.
 fn drawn(time: f64, name: &str, body: &Body) -> Entity {
     let mut entity = Entity::new(name, Time::new(time), LIFETIME);
     let seen = Body25::ALL.into_iter().filter_map(|joint| body.get(joint));
@@ -97,7 +98,7 @@ fn drawn(time: f64, name: &str, body: &Body) -> Entity {
     entity
 }
 
-/// What is drawn need not be finer.
+/// Rounds a coordinate to millimetres, which is enough for display.
 fn millimetres(coordinate: f64) -> f64 {
     (coordinate * 1e3).round() / 1e3
 }

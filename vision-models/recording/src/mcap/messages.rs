@@ -1,12 +1,12 @@
-//! Messages, with the schemas that Foxglove knows by their names.
+//! Messages with the schemas that Foxglove knows by name.
 
 use nalgebra::{UnitQuaternion, Vector3};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// A message of a schema.
+/// A message with a schema.
 pub trait Message: Serialize + JsonSchema {
-    /// The schema's name; those of Foxglove begin with `foxglove.`.
+    /// Name of the schema. Those of Foxglove begin with `foxglove.`.
     const SCHEMA: &'static str;
 }
 
@@ -49,26 +49,27 @@ pub struct Colour {
     a: f64,
 }
 
-/// What is drawn.
+/// An update of the scene.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct SceneUpdate {
-    /// Bodies that go.
+    /// Bodies that are removed.
     pub deletions: Vec<Deletion>,
-    /// Bodies that come, or take the place of those of the same name.
+    /// Bodies that are added, or replace those of the same name.
     pub entities: Vec<Entity>,
 }
 
-/// What is drawn no longer.
+/// The removal of a body.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Deletion {
     timestamp: Time,
-    /// 0: the body of this name.
+    /// 0 removes the body of this name.
     #[serde(rename = "type")]
     kind: u8,
     id: String,
 }
 
-/// A body of the scene, which stands until one of the same name comes, or its time is over.
+/// A body of the scene. It is displayed until another one of the same name replaces it, or its
+/// lifetime ends.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Entity {
     timestamp: Time,
@@ -95,16 +96,16 @@ impl Message for SceneUpdate {
 }
 
 impl Time {
-    /// Of a time that is not negative \[s\].
+    /// Creates a time from seconds that are not negative \[s\].
     pub fn new(seconds: f64) -> Self {
         let nanoseconds = nanoseconds(seconds);
-        // The rest is below 10⁹.
+        // The remainder is below 10⁹.
         let nsec = (nanoseconds % 1_000_000_000) as u32;
         Self { sec: nanoseconds / 1_000_000_000, nsec }
     }
 }
 
-/// A time in nanoseconds; zero if it is negative.
+/// Returns a time in nanoseconds, or zero if it is negative.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "`as` saturates")]
 pub(super) fn nanoseconds(seconds: f64) -> u64 {
     (seconds * 1e9).round() as u64
@@ -124,16 +125,16 @@ impl From<UnitQuaternion<f64>> for Rotation {
 }
 
 impl Colour {
-    /// The joints of a person.
+    /// Colour of a person's joints.
     pub const PERSON: Self = Self { r: 0.9, g: 0.5, b: 0.1, a: 1.0 };
-    /// The shared workspace.
+    /// Colour of the shared workspace.
     pub const WORKSPACE: Self = Self { r: 0.2, g: 0.6, b: 0.9, a: 0.25 };
-    /// x_d.
+    /// Colour of x_d.
     pub const DESIRED: Self = Self { r: 0.1, g: 0.7, b: 0.3, a: 1.0 };
 }
 
 impl Shape {
-    /// Along the world's axes about a centre \[m\].
+    /// Creates a shape along the world's axes around a centre \[m\].
     pub fn new(centre: Vector3<f64>, size: Vector3<f64>, color: Colour) -> Self {
         let pose = Pose { position: centre.into(), orientation: UnitQuaternion::identity().into() };
         Self { pose, size: size.into(), color }
@@ -141,7 +142,7 @@ impl Shape {
 }
 
 impl Entity {
-    /// In the world, for so long \[s\]; zero is for ever.
+    /// Creates a body in the world with this lifetime \[s\]. Zero has no limit.
     pub fn new(id: &str, time: Time, lifetime: f64) -> Self {
         Self {
             timestamp: time,
@@ -156,7 +157,7 @@ impl Entity {
 }
 
 impl Deletion {
-    /// Of the body of this name.
+    /// Creates the removal of the body of this name.
     pub fn new(id: &str, time: Time) -> Self {
         Self { timestamp: time, kind: 0, id: id.to_owned() }
     }

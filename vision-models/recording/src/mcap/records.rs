@@ -1,6 +1,7 @@
-//! The records of a file in MCAP, and the few that a recording is read from.
+//! The records of an MCAP file, and those from which a recording is read.
 //!
-//! <https://mcap.dev/spec>. Lengths within a record are held against the record before anything is taken for them.
+//! <https://mcap.dev/spec>. Lengths within a record are checked against the record before memory is
+//! allocated.
 
 use std::collections::BTreeMap;
 
@@ -8,10 +9,11 @@ use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 use super::error::McapError;
 
-/// The most that a chunk, or a record in it, may hold \[bytes\]; writers begin a new chunk after one or a few million.
+/// Largest size of a chunk or of a record in it \[bytes\]. Writers begin a new chunk after one or a
+/// few million bytes.
 const LARGEST: u32 = 256 << 20;
 
-/// What stands in place of a record's name.
+/// Codes of the records.
 pub(super) mod opcode {
     pub(crate) const SCHEMA: u8 = 0x03;
     pub(crate) const CHANNEL: u8 = 0x04;
@@ -20,8 +22,9 @@ pub(super) mod opcode {
     pub(crate) const METADATA: u8 = 0x0c;
 }
 
-/// Gives the records of a file one after another, those within chunks in place of the chunks. A chunk that claims more
-/// than any has, or is compressed in a way that is not read, ends it before memory is taken for it.
+/// Passes the records of a file to `take` in order, with those within chunks in place of the
+/// chunks. A chunk that is too large, or has an unsupported compression, is an error before memory
+/// is allocated for it.
 pub(super) fn each(
     file: &[u8],
     mut take: impl FnMut(u8, &[u8]) -> Result<(), McapError>,
@@ -36,7 +39,7 @@ fn pass(
     mut take: impl FnMut(u8, &[u8]) -> Result<(), McapError>,
 ) -> Result<(), McapError> {
     let limit = if whole_chunks { file.len() } else { LARGEST as usize };
-    // Without a limit the library takes as much memory as a record claims.
+    // If there is no limit, the library allocates as much memory as a record claims.
     let options = LinearReaderOptions::default()
         .with_record_length_limit(limit)
         .with_emit_chunks(whole_chunks)
@@ -73,7 +76,7 @@ fn check_chunk(data: &[u8]) -> Result<(), McapError> {
     Ok(())
 }
 
-/// What is left of a record.
+/// The remaining bytes of a record.
 pub(super) struct Fields<'a>(pub(super) &'a [u8]);
 
 impl<'a> Fields<'a> {
@@ -89,7 +92,7 @@ impl<'a> Fields<'a> {
         Ok(bytes)
     }
 
-    /// A number of so many bytes, the lowest first.
+    /// Reads a little-endian number of this size.
     pub(super) fn number<const SIZE: usize>(
         &mut self,
         what: &'static str,
@@ -98,14 +101,14 @@ impl<'a> Fields<'a> {
         Ok(bytes.iter().rev().fold(0, |number, byte| number << 8 | u64::from(*byte)))
     }
 
-    /// A text behind its length.
+    /// Reads a text preceded by its length.
     pub(super) fn text(&mut self, what: &'static str) -> Result<String, McapError> {
         let length = self.number::<4>(what)?;
         let bytes = self.bytes(usize::try_from(length).unwrap_or(usize::MAX), what)?;
         Ok(String::from_utf8(bytes.to_vec())?)
     }
 
-    /// Pairs of texts behind their length.
+    /// Reads pairs of texts preceded by their length.
     pub(super) fn map(
         &mut self,
         what: &'static str,

@@ -1,4 +1,4 @@
-//! A recording out of MCAP.
+//! Extracts a recording from MCAP.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -7,17 +7,17 @@ use super::records::{Fields, each, opcode};
 use super::{PERCEPT, PERCEPTS, RECORDING};
 use crate::Reader;
 
-/// What there is of a recording in a file.
+/// The parts of a recording in a file.
 #[derive(Default)]
 struct Found {
-    /// The names of schemas.
+    /// Names of schemas.
     schemas: BTreeMap<u64, String>,
-    /// Topics, and what their messages are.
+    /// Topic and schema of each channel.
     channels: BTreeMap<u64, (String, u64)>,
     /// Topics with messages.
     topics: BTreeSet<String>,
     metadata: Option<BTreeMap<String, String>>,
-    /// The lines of the frames, by the time of the message \[ns\].
+    /// The lines of the frames, with the time of the message \[ns\].
     lines: Vec<(u64, Vec<u8>)>,
 }
 
@@ -67,11 +67,13 @@ impl Found {
     }
 }
 
-/// The recording in JSON Lines that a file holds, to the byte as it was. Frames come in the order of their messages'
-/// times, whatever their order in the file is; what comes out is held to the reader of recordings.
+/// Returns the recording in a file as JSON Lines, byte for byte.
+///
+/// Frames are sorted by the times of their messages, whatever their order in the file. The result
+/// is checked by the reader of recordings.
 ///
 /// # Errors
-/// [`McapError::Mcap`] for a file that is cut off or broken, the others for one of something else.
+/// [`McapError::Mcap`] if the file is truncated or broken. The others if it has other contents.
 pub fn to_json_lines(file: &[u8]) -> Result<Vec<u8>, McapError> {
     let mut found = Found::default();
     each(file, |code, data| found.take(code, data))?;
@@ -89,7 +91,7 @@ pub fn to_json_lines(file: &[u8]) -> Result<Vec<u8>, McapError> {
     if frames != expected {
         return Err(McapError::Frames { found: frames, expected });
     }
-    // Messages of one time stay in their order.
+    // Messages of equal times keep their order.
     lines.sort_by_key(|(time, _)| *time);
     let mut text = header.as_bytes().to_vec();
     for (_, line) in &lines {
@@ -100,7 +102,7 @@ pub fn to_json_lines(file: &[u8]) -> Result<Vec<u8>, McapError> {
     Ok(text)
 }
 
-/// Holds a recording, whole or partial, to its reader.
+/// Checks that a complete or partial recording can be read.
 fn check(text: &[u8]) -> Result<(), McapError> {
     for percept in Reader::new(text)? {
         match percept {

@@ -1,4 +1,4 @@
-//! A file in MCAP that is being written, with its channels.
+//! Writes an MCAP file with several channels.
 
 use std::collections::BTreeMap;
 use std::io::Cursor;
@@ -12,13 +12,13 @@ use super::error::McapError;
 use super::from_json_lines::write_recording;
 use super::messages::{Message, nanoseconds};
 
-/// A file in memory that holds a recording, and what else is written into it.
+/// A file in memory with a recording and further messages.
 pub struct McapWriter {
     writer: Writer<Cursor<Vec<u8>>>,
     sequence: u32,
 }
 
-/// Where messages of one kind go.
+/// A channel for messages of one type.
 #[derive(Clone, Copy, Debug)]
 pub struct Channel(u16);
 
@@ -29,10 +29,10 @@ impl std::fmt::Debug for McapWriter {
 }
 
 impl McapWriter {
-    /// Begins a file with a recording in JSON Lines, whole or partial, and the body as a scene.
+    /// Creates a file with a complete or partial recording in JSON Lines, and the body as a scene.
     ///
     /// # Errors
-    /// [`McapError::Recording`] for what is no recording.
+    /// [`McapError::Recording`] if the text is not a recording.
     pub fn with_recording(text: &[u8]) -> Result<Self, McapError> {
         let library = concat!(env!("CARGO_PKG_NAME"), " ", env!("CARGO_PKG_VERSION"));
         let writer = WriteOptions::new().library(library).create(Cursor::new(Vec::new()))?;
@@ -49,7 +49,7 @@ impl McapWriter {
         self.channel_of::<M>(topic, M::SCHEMA)
     }
 
-    /// A channel for JSON that is described by a type.
+    /// Adds a channel for JSON whose schema is that of a type.
     pub(super) fn channel_of<T: JsonSchema>(
         &mut self,
         topic: &str,
@@ -70,10 +70,10 @@ impl McapWriter {
         Ok(self.writer.write_metadata(&Metadata { name: name.to_owned(), metadata: entries })?)
     }
 
-    /// Writes a message of `time` \[s\].
+    /// Writes a message with this `time` \[s\].
     ///
     /// # Errors
-    /// [`McapError::Json`] for a message that is not JSON.
+    /// [`McapError::Json`] if the message cannot be written as JSON.
     pub fn write<M: Message>(
         &mut self,
         channel: Channel,

@@ -7,19 +7,20 @@ use crate::body::{
     keypoints::Body25,
 };
 
-/// Neck and mid hip of a person are nearer to the middles of shoulders and hips than this, in the body's size.
+/// Largest distance of neck and mid hip from the midpoints of shoulders and hips, as a share of the
+/// body's size.
 const NEAR_THE_MIDDLE: f64 = 0.04;
-/// The limbs of a person in the right order are shorter than this share of those in the wrong one.
+/// The limbs in the right order are shorter than this share of the limbs in the wrong order.
 const SHORTER: f64 = 0.9;
-/// The top of the head is nearer to the nose than this, in the body's size.
+/// Largest distance of the top of the head from the nose, as a share of the body's size.
 const HEAD: f64 = 0.4;
-/// The places of both in BODY_25B.
+/// Indices of nose and top of the head in BODY_25B.
 const NOSE: usize = 0;
 const TOP: usize = 18;
-/// From so many limbs on they are compared.
+/// Smallest number of limbs for a comparison.
 const FEW: usize = 4;
 
-/// Pairs of joints that are near each other on a body.
+/// Pairs of joints that are close to each other on a body.
 const LIMBS: [[Body25; 2]; 16] = {
     use Body25::{
         LeftAnkle, LeftBigToe, LeftEar, LeftElbow, LeftEye, LeftHip, LeftKnee, LeftShoulder,
@@ -46,9 +47,12 @@ const LIMBS: [[Body25; 2]; 16] = {
     ]
 };
 
-/// A person of 25 joints: of BODY_25, whose neck lies between the shoulders and whose mid hip between the hips, or of
-/// BODY_25B, which has other joints in those places. It is read as BODY_25B where neck or mid hip lie elsewhere, or are
-/// not told, and the limbs become shorter by it.
+/// Returns a person of 25 joints in the order of BODY_25 or BODY_25B.
+///
+/// BODY_25 has the neck between the shoulders and mid hip between the hips. BODY_25B has other
+/// joints in those places. The order is BODY_25B if neck or mid hip lie elsewhere or are missing.
+/// In addition, the top of the head must be near the nose, and the limbs must be shorter in that
+/// order.
 pub(super) fn body_of_25(keypoints: &[Option<ImageKeypoint>; Body25::COUNT]) -> ImageBody {
     let plain = ImageBody::new(*keypoints);
     let Some(size) = size(&plain) else { return plain };
@@ -67,7 +71,7 @@ pub(super) fn body_of_25(keypoints: &[Option<ImageKeypoint>; Body25::COUNT]) -> 
     }
 }
 
-/// The diagonal of what was seen of a body (pixels).
+/// Returns the diagonal of the visible part of a body (pixels).
 fn size(body: &ImageBody) -> Option<f64> {
     let seen = || body.iter().map(|(_, keypoint)| keypoint.position);
     let from = seen().reduce(|one, other| one.inf(&other))?;
@@ -79,7 +83,8 @@ fn place(body: &ImageBody, joint: Body25) -> Option<Point2<f64>> {
     body.get(joint).map(|keypoint| keypoint.position)
 }
 
-/// How far neck or mid hip are from the middles of shoulders and hips (pixels); `None` where neither can be told.
+/// Returns the larger distance of neck and mid hip from the midpoints of shoulders and hips
+/// (pixels). `None` if neither is known.
 fn off_the_middle(body: &ImageBody) -> Option<f64> {
     let off = |middle, one, other| {
         let half_way = center(&place(body, one)?, &place(body, other)?);
@@ -90,7 +95,7 @@ fn off_the_middle(body: &ImageBody) -> Option<f64> {
     neck.into_iter().chain(hips).reduce(f64::max)
 }
 
-/// The mean length of the limbs that were seen (pixels).
+/// Returns the mean length of the limbs that were seen (pixels).
 fn mean_limb(body: &ImageBody) -> Option<f64> {
     let length = |[from, to]: [Body25; 2]| Some((place(body, to)? - place(body, from)?).norm());
     let (count, sum) = LIMBS

@@ -1,4 +1,4 @@
-//! JSON arrays of which no more is kept than is used.
+//! JSON arrays of which only a limited number of elements is kept.
 
 use std::fmt;
 
@@ -8,7 +8,7 @@ use serde::{
 };
 use serde_json::value::RawValue;
 
-/// The first `MOST` elements of an array, as they stand in the text, and how many there are.
+/// The first `MOST` elements of an array as text, and the number of all elements.
 #[derive(Debug)]
 pub(super) struct Bounded<'a, const MOST: usize> {
     pub(super) first: Vec<&'a RawValue>,

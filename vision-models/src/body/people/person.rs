@@ -14,7 +14,7 @@ use crate::body::people::settings::PeopleSettings;
 use crate::error::Error;
 use crate::percept::Percept;
 
-/// The number of a person who is followed. Nobody gets the number of somebody before.
+/// The number of a tracked person. No number is used twice.
 ///
 /// ```
 /// use vision_models::PersonId;
@@ -31,22 +31,22 @@ impl PersonId {
         Self(number)
     }
 
-    /// Counted from zero.
+    /// Returns the number, counted from zero.
     pub fn number(self) -> u64 {
         self.0
     }
 }
 
-/// One person among several: their track, their joints and the lengths of their segments.
+/// One person among several: the track, the joints and the lengths of the segments.
 #[derive(Clone, Debug)]
 pub struct PersonTrack {
     id: PersonId,
     tracker: BodyTracker,
     joints: JointFilter,
-    /// As measured, of the newest frame in which the person was seen, and as filtered.
+    /// The joints of the newest frame in which the person was seen, as measured and as filtered.
     measured: Body,
     body: Body,
-    /// When the person was seen first and last (s).
+    /// Times when the person was first and last seen (s).
     first: f64,
     last: f64,
     expected: Option<Vector2<f64>>,
@@ -68,19 +68,20 @@ impl PersonTrack {
         })
     }
 
-    /// Who it is.
+    /// Returns the person's number.
     pub fn id(&self) -> PersonId {
         self.id
     }
 
-    /// The joints at the time of the newest frame in which the person was seen, filtered, with their
-    /// covariances.
+    /// Returns the filtered joints, with covariances, at the time of the newest frame in which the
+    /// person was seen.
     pub fn body(&self) -> &Body {
         &self.body
     }
 
-    /// The joints as they were measured in the newest frame in which the person was seen: for who follows or
-    /// judges them by itself, as a controller does. A body that is filtered is not to be filtered again.
+    /// Returns the joints as measured in the newest frame in which the person was seen. Use them in
+    /// a program that filters or checks the joints itself, such as a controller. Do not filter a
+    /// filtered body again.
     pub fn measured(&self) -> &Body {
         &self.measured
     }
@@ -90,54 +91,54 @@ impl PersonTrack {
         self.claimed
     }
 
-    /// Where the person is at the time `now` (s), once they have been taken up.
+    /// Returns the person's pose at the time `now` (s). None before the track is accepted.
     pub fn predict(&self, now: f64) -> Option<TrackedPerson> {
         self.tracker.predict(now)
     }
 
-    /// How fast a joint moves at the time `now` (s), if it was seen of late.
+    /// Returns the velocity of a joint at the time `now` (s), if it was seen recently.
     pub fn velocity(&self, joint: Body25, now: f64) -> Option<JointVelocity> {
         self.joints.velocity(joint, now, self.tracker.settings())
     }
 
-    /// The person's stature, once the legs were seen often enough.
+    /// Returns the person's stature, if enough segments were measured.
     pub fn stature(&self) -> Option<StatureEstimate> {
         self.tracker.stature()
     }
 
-    /// The length of one of the person's segments, once it was seen often enough.
+    /// Returns the length of one of the person's segments, if it was measured often enough.
     pub fn segment(&self, segment: BodySegment) -> Option<SegmentLength> {
         self.tracker.segment(segment)
     }
 
-    /// How many times the person was somewhere else at once.
+    /// Returns how many times the person's position or heading jumped.
     pub fn jumps(&self) -> u64 {
         self.tracker.jumps()
     }
 
-    /// A new frame: where the person should be in it.
+    /// Begins a new frame and computes the person's expected position in it.
     pub(super) fn expect(&mut self, time: f64) {
         self.claimed = false;
         let tracked = self.tracker.predict(time).map(|person| person.floor.coords);
         self.expected = tracked.or(self.expected);
     }
 
-    /// Where the person should be, if no body of the frame is theirs yet.
+    /// Returns the expected position, if no body of the frame is assigned yet.
     pub(super) fn expected(&self) -> Option<Vector2<f64>> {
         self.expected.filter(|_| !self.claimed)
     }
 
-    /// The way that the person faces at the time `now` (s), as far as it is known.
+    /// Returns the direction that the person faces at the time `now` (s), if it is known.
     pub(super) fn facing(&self, now: f64) -> Option<Facing> {
         self.tracker.facing(now)
     }
 
-    /// Returns true if this body of the newest frame is the person's.
+    /// Returns true if this body of the newest frame belongs to the person.
     pub(super) fn has(&self, body: &Body) -> bool {
         self.claimed && self.measured == *body
     }
 
-    /// Takes the body of a frame for this person's.
+    /// Assigns a body of the frame to this person.
     pub(super) fn claim(&mut self, body: &Body, time: f64) -> Result<(), Error> {
         let interval = time - self.last;
         let percept = Percept { time, body: Some(body.clone()), action: None, surface: None };
@@ -155,7 +156,7 @@ impl PersonTrack {
         Ok(())
     }
 
-    /// The frame is over; if the person was not in it, they are moved on.
+    /// Ends the frame. If the person was not in it, the track is predicted forward.
     pub(super) fn miss(&mut self, time: f64) -> Result<(), Error> {
         if self.claimed {
             return Ok(());
@@ -163,7 +164,7 @@ impl PersonTrack {
         self.tracker.update(&Percept { time, body: None, action: None, surface: None })
     }
 
-    /// Not seen for long, or never for long enough to be followed.
+    /// Returns true if the person was not seen for long, or was lost before the track was accepted.
     pub(super) fn is_gone(&self, time: f64, settings: &PeopleSettings) -> bool {
         let unseen = time - self.last;
         let coast = self.tracker.settings().coast_limit;
@@ -178,18 +179,18 @@ impl PersonTrack {
         self.place(time).is_some_and(|here| (here - floor).norm() < radius)
     }
 
-    /// Where the person is or, before they are taken up, was seen.
+    /// Returns the person's position or, before the track is accepted, the expected one.
     pub(super) fn place(&self, time: f64) -> Option<Vector2<f64>> {
         self.tracker.predict(time).map(|person| person.floor.coords).or(self.expected)
     }
 
-    /// From the place of work (m).
+    /// Returns the distance from the workplace (m).
     pub(super) fn distance(&self, time: f64, settings: &PeopleSettings) -> f64 {
         let person = self.tracker.predict(time);
         person.map_or(f64::INFINITY, |person| (person.floor - settings.place).norm())
     }
 
-    /// Near the place of work and facing it.
+    /// Returns true if the person is near the workplace and faces it.
     pub(super) fn engages(&self, time: f64, settings: &PeopleSettings) -> bool {
         let person = self.tracker.predict(time).filter(|person| person.status.is_usable());
         person.is_some_and(|person| {
@@ -200,13 +201,13 @@ impl PersonTrack {
         })
     }
 
-    /// Of a person who is engaged, whether they still are.
+    /// Returns true if an engaged person stays engaged.
     pub(super) fn stays(&self, time: f64, settings: &PeopleSettings) -> bool {
         time - self.last <= settings.keep && self.distance(time, settings) <= settings.release
     }
 }
 
-/// On the place itself there is no direction to it.
+/// Returns true if the person is at the workplace itself. The direction to it is then undefined.
 fn is_there(towards: &Vector2<f64>) -> bool {
     towards.norm() < 0.1
 }

@@ -14,23 +14,25 @@ use crate::error::Error;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct PeopleSettings {
-    /// The place of work, on the floor (m). Default (0.8, 0): before MOCA's first place.
+    /// Workplace on the floor (m). Default (0.8, 0): in front of MOCA's first place.
     pub place: Point2<f64>,
-    /// Who engages is no farther from it than this (m). Default 3.
+    /// Largest distance from the workplace at which a person can engage (m). Default 3.
     pub radius: f64,
-    /// Who engages faces it to within this angle (rad). Default 1.2.
+    /// Largest angle between the person's heading and the workplace for engaging (rad). Default
+    /// 1.2.
     pub facing: f64,
-    /// For so long (s). Default 0.3.
+    /// Time for which a person must be near and face the workplace to engage (s). Default 0.3.
     pub dwell: f64,
-    /// Who is engaged is released at this distance (m). Default 6.
+    /// Distance beyond which an engaged person is released (m). Default 6.
     pub release: f64,
-    /// Who is engaged and not seen is kept for so long, unless somebody else engages (s). Default 2.
+    /// Time for which an unseen engaged person is kept, unless another person engages (s).
+    /// Default 2.
     pub keep: f64,
-    /// A person moves no farther than this between two frames (m). Default 0.6.
+    /// Largest movement of a person between two frames (m). Default 0.6.
     pub reach: f64,
-    /// Two bodies that are nearer are one person (m). Default 0.25.
+    /// Two bodies closer than this are one person (m). Default 0.25.
     pub separate: f64,
-    /// The most people who are followed. Default 8.
+    /// Largest number of people who are followed. Default 8.
     pub most: usize,
 }
 

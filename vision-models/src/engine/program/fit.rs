@@ -1,18 +1,18 @@
-//! Where in a checkpoint a network's tensors are.
+//! The location of a network's tensors in a checkpoint.
 
 use crate::error::Error;
 use crate::weights::{Tensor, TensorSource};
 
-/// Where in a checkpoint a network's tensors are.
+/// The location of a network's tensors in a checkpoint.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Fit {
-    /// What stands before the name of every tensor.
+    /// The prefix of every tensor's name.
     pub(crate) prefix: String,
-    /// Tensors that are no part of the network, by their whole names.
+    /// Full names of the tensors that are not part of the network.
     pub(crate) left_out: Vec<String>,
 }
 
-/// The names and shapes behind a prefix.
+/// The names and shapes of tensors with a prefix.
 #[derive(Clone, Copy)]
 pub(crate) struct Behind<'a> {
     tensors: &'a dyn TensorSource,
@@ -24,13 +24,13 @@ impl<'a> Behind<'a> {
         Self { tensors, prefix }
     }
 
-    /// The names without the prefix.
+    /// Returns the names without the prefix.
     pub(crate) fn names(self) -> impl Iterator<Item = &'a str> {
         let Self { tensors, prefix } = self;
         tensors.names().into_iter().filter_map(move |name| name.strip_prefix(prefix))
     }
 
-    /// The whole names of the tensors that are not behind the prefix.
+    /// Returns the full names of the tensors without the prefix.
     pub(crate) fn outside(self) -> impl Iterator<Item = &'a str> {
         let Self { tensors, prefix } = self;
         tensors.names().into_iter().filter(move |name| !name.starts_with(prefix))
@@ -47,20 +47,21 @@ impl<'a> Behind<'a> {
         format!("{}{name}", self.prefix)
     }
 
-    /// Returns true for a tensor, by its whole name, that is no layer's: a counter.
+    /// Returns true if the tensor with this full name is a counter, which belongs to no layer.
     pub(crate) fn is_counter(self, name: &str) -> bool {
         self.tensors.is_counter(name)
     }
 
-    /// Returns true for a tensor, by its whole name, that no layer multiplies with: a counter, a number, or a vector
-    /// such as the weights of classes in a loss.
+    /// Returns true if the tensor with this full name is no weight of a layer: a counter, a scalar,
+    /// or a vector such as the weights of classes in a loss.
     pub(crate) fn is_buffer(self, name: &str) -> bool {
         let axes = |shape: &[usize]| shape.iter().filter(|&&axis| axis != 1).count();
         self.is_counter(name) || self.tensors.shape(name).is_none_or(|shape| axes(shape) < 2)
     }
 }
 
-/// The prefixes, each with its point, behind which a tensor of this name stands; none before any other.
+/// Returns the possible prefixes of a tensor with this name: the empty one, and each prefix that
+/// ends in a point.
 pub(crate) fn prefixes(tensors: &dyn TensorSource, name: &str) -> Vec<String> {
     let mut prefixes = vec![String::new()];
     let behind = |whole: &str| {
@@ -71,7 +72,7 @@ pub(crate) fn prefixes(tensors: &dyn TensorSource, name: &str) -> Vec<String> {
     prefixes
 }
 
-/// A checkpoint whose tensors are called as the network calls them.
+/// A checkpoint whose tensors have the network's names.
 pub(crate) struct Fitted<'a> {
     tensors: Box<dyn TensorSource + 'a>,
     prefix: String,

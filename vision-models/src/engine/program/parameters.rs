@@ -1,4 +1,4 @@
-//! The tensors that a network takes from a checkpoint, and what is right in them.
+//! The tensors that a network takes from a checkpoint, and the check of them.
 
 use std::collections::BTreeSet;
 
@@ -15,7 +15,7 @@ pub(crate) struct Expected {
     optional: Vec<String>,
 }
 
-/// Everything that makes a checkpoint another network's; see [`Error::Weights`].
+/// All differences between a checkpoint and a network; see [`Error::Weights`].
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Misfit {
     pub(crate) missing: Vec<String>,
@@ -28,7 +28,7 @@ impl Misfit {
         self.missing.len() + self.surplus.len() + self.misshapen.len()
     }
 
-    /// The one of two with less that is wrong; the first of equal ones.
+    /// Returns the one with fewer differences, or `self` if they are equal.
     pub(crate) fn or_smaller(self, other: Self) -> Self {
         if other.count() < self.count() { other } else { self }
     }
@@ -58,13 +58,14 @@ impl Expected {
         self.tensors.push((format!("{name}.bias"), vec![outputs]));
     }
 
-    /// The names and shapes of the tensors that there must be.
+    /// Returns the names and shapes of the required tensors.
     pub(crate) fn into_tensors(self) -> Vec<(String, Vec<usize>)> {
         self.tensors
     }
 
-    /// Holds what stands behind a prefix of a checkpoint against what is expected. Gives what else there is and may
-    /// be left out, by its whole name: counters, and outside the prefix whatever no layer multiplies with.
+    /// Compares the tensors of a prefix with the expected ones. Returns the full names of other
+    /// tensors that may be left out: counters, and outside the prefix all tensors that are no
+    /// weights of a layer.
     pub(crate) fn check(&self, tensors: Behind<'_>) -> Result<Vec<String>, Misfit> {
         let mut missing = Vec::new();
         let mut misshapen = Vec::new();
@@ -93,13 +94,13 @@ impl Expected {
         }
     }
 
-    /// A name that the tensors of no checkpoint of this network are without.
+    /// Returns the name of a tensor that every checkpoint of this network has.
     pub(crate) fn first(&self) -> Option<&str> {
         self.tensors.first().map(|(name, _)| name.as_str())
     }
 }
 
-/// The elements of a tensor that [`Expected::check`] has seen, all of them finite.
+/// Returns the elements of a tensor that [`Expected::check`] has checked. All must be finite.
 pub(in crate::engine) fn take(
     tensors: &mut dyn TensorSource,
     name: &str,
@@ -107,7 +108,7 @@ pub(in crate::engine) fn take(
     take_where(tensors, name, f32::is_finite, "a finite number")
 }
 
-/// The elements of a tensor, if `is_right` says so of each.
+/// Returns the elements of a tensor if `is_right` is true for each of them.
 pub(in crate::engine) fn take_where(
     tensors: &mut dyn TensorSource,
     name: &str,
@@ -119,7 +120,7 @@ pub(in crate::engine) fn take_where(
     if tensor.shape() != promised {
         return Err(unfilled(&promised, tensor.data().len()));
     }
-    // Nearly always all are right, and a fold over all is faster than a search.
+    // Nearly always all elements are right, and a fold over all is faster than a search.
     let all = tensor.data().iter().fold(true, |all, &value| all & is_right(value));
     if !all && let Some(at) = tensor.data().iter().position(|&value| !is_right(value)) {
         let index = index_of(at, &promised);
@@ -129,7 +130,7 @@ pub(in crate::engine) fn take_where(
     Ok(tensor.into_data())
 }
 
-/// The index along each axis of the `at`-th element in C order.
+/// Returns the index along each axis of the `at`-th element in C order.
 fn index_of(mut at: usize, shape: &[usize]) -> Vec<usize> {
     let mut index = vec![0; shape.len()];
     for (place, &axis) in index.iter_mut().zip(shape).rev() {

@@ -1,4 +1,4 @@
-//! A whole layer: which thread transforms and multiplies which tiles.
+//! A whole layer: divides the tiles among the threads.
 
 use crate::layout::{Channels, Extent, offset, position};
 
@@ -15,16 +15,16 @@ use super::super::{
 use super::lines::Tiling;
 use super::transform::{InputTransform, OutputTransform, Target};
 
-/// Tiles that are worked on together at most.
+/// Largest number of tiles that are processed together.
 const MAX_TILES: usize = 256;
 /// Floats of a block's points that a thread keeps in its second-level cache.
 const CACHED_POINTS: usize = 160 * 1024;
-/// Floats of a block's points where all threads share a block.
+/// Floats of a block's points if all threads share a block.
 const SHARED_POINTS: usize = 1200 * 1024;
-/// Keeps the points of one tile out of each other's cache sets.
+/// Offset that keeps the points of one tile out of each other's cache sets.
 const SKEW: usize = 16;
 
-/// A convolution by tiles for one input size: everything but the numbers.
+/// A convolution by tiles for one input size, without its weights.
 #[derive(Clone, Debug)]
 pub(crate) struct Winograd {
     isa: InstructionSet,
@@ -33,12 +33,12 @@ pub(crate) struct Winograd {
     input: Channels,
     output: Channels,
     origin: usize,
-    /// The products' only chunk: a tile's channels.
+    /// The only chunk of the products: a tile's channels.
     chunks: Vec<Vec<Segment>>,
     blocks: usize,
-    /// Tiles of the largest block.
+    /// Number of tiles of the largest block.
     block: usize,
-    /// Whether the threads share each block (cut by panels), or have blocks of their own.
+    /// True if the threads share each block (divided by panels). False if each has its own blocks.
     cooperative: bool,
 }
 
@@ -46,9 +46,11 @@ impl Winograd {
     /// Plans a convolution with padding that keeps the size.
     ///
     /// # Panics
-    /// If the sizes differ, the input's border is less than half the kernel before or
-    /// [`Tiling::after`] after, there are groups, or the channels do not exist, are no multiple of 16 or
-    /// not those of the panels.
+    /// - If the sizes differ.
+    /// - If the input's border is less than half the kernel before, or than [`Tiling::after`]
+    ///   after.
+    /// - If there are groups.
+    /// - If the channels do not exist, are not a multiple of 16, or are not those of the panels.
     pub(crate) fn new(
         isa: InstructionSet,
         panels: Panels,
@@ -66,7 +68,7 @@ impl Winograd {
         let before: Extent = std::array::from_fn(|axis| from.before[axis] - padding[axis]);
         let tiles: usize = tiling.tiles(size).iter().product();
         let tile_points = tiling.points() * inputs;
-        // A thread has blocks of its own where the weights are small beside the activations.
+        // A thread has its own blocks if the weights are small compared with the activations.
         let own = (CACHED_POINTS / tile_points).clamp(1, MAX_TILES);
         let own_blocks = tiles.div_ceil(own).next_multiple_of(lanes).min(tiles);
         let cooperative = panels.channels >= tiles.div_ceil(own_blocks) * 6;
@@ -89,8 +91,8 @@ impl Winograd {
         }
     }
 
-    /// G g Gᵀ of all kernels, panel by panel, point by point. `taps(output, input, taps)` gives
-    /// one kernel.
+    /// Returns G g Gᵀ of all kernels, panel by panel, point by point. `taps(output, input, taps)`
+    /// gives one kernel.
     pub(crate) fn pack(
         panels: Panels,
         tiling: Tiling,
@@ -120,7 +122,7 @@ impl Winograd {
         self.block * self.panels.width + SKEW
     }
 
-    /// Floats of scratch that [`Self::run`] needs.
+    /// Returns the number of floats of scratch memory that [`Self::run`] needs.
     pub(crate) fn scratch(&self, lanes: usize) -> usize {
         let points = self.tiling.points();
         let inputs = points * self.point_stride();
@@ -163,14 +165,15 @@ impl Winograd {
                 pool.run(parts, &|_, part| {
                     let mine = share(tiles.len(), parts, part);
                     let points = input_points.at(mine.start * self.input.count);
-                    // SAFETY: the scratch has room for a whole block; each part has its own tiles.
+                    // SAFETY: the scratch memory has room for a whole block. Each part has its own
+                    // tiles.
                     unsafe {
                         layer.transform(tiles.start + mine.start..tiles.start + mine.end, points);
                     }
                 });
                 pool.run(panels.count(), &|lane, panel| {
                     let sums = sum_points.at(lane * sums);
-                    // SAFETY: the points are complete; each lane has its own sums, and each task
+                    // SAFETY: the points are complete. Each lane has its own sums, and each task
                     // its own panel.
                     unsafe { layer.multiply(tiles.clone(), panel, input_points.at(0), sums) };
                 });
@@ -202,7 +205,7 @@ struct Layer<'a> {
 }
 
 impl Layer<'_> {
-    /// The position of a tile's first output pixel.
+    /// Returns the position of a tile's first output pixel.
     fn tile(&self, tile: usize) -> Extent {
         let outputs = self.plan.tiling.outputs();
         let at = position(tile, self.plan.tiling.tiles(self.plan.output.layout.size));
@@ -210,7 +213,7 @@ impl Layer<'_> {
     }
 
     /// # Safety
-    /// `points` has room for these tiles at every point, and no other thread touches it.
+    /// `points` must have room for these tiles at every point, and no other thread may use it.
     unsafe fn transform(&self, tiles: std::ops::Range<usize>, points: *mut f32) {
         let plan = self.plan;
         let strides = plan.input.layout.strides();
@@ -233,13 +236,13 @@ impl Layer<'_> {
             points,
             point_stride: plan.point_stride(),
         };
-        // SAFETY: every tile's reach was checked; the rest is passed on to the caller.
+        // SAFETY: every tile's reach was checked. The rest is passed on to the caller.
         unsafe { plan.isa.run(transform) };
     }
 
     /// # Safety
-    /// `points` holds these tiles; no other thread touches `sums`, which has room for a panel's
-    /// sums of these tiles, nor this panel of these tiles in the output.
+    /// `points` must hold these tiles. `sums` must have room for a panel's sums of these tiles. No
+    /// other thread may use `sums`, or this panel of these tiles in the output.
     unsafe fn multiply(
         &self,
         tiles: std::ops::Range<usize>,
@@ -269,7 +272,7 @@ impl Layer<'_> {
         let weights = &self.weights[panel * plan.tiling.points() * point_weights..];
         for point in 0..plan.tiling.points() {
             let product = Product {
-                // SAFETY: the caller's points go on for all points of the tiling.
+                // SAFETY: the caller's points cover all points of the tiling.
                 input: unsafe { points.add(point * plan.point_stride()) },
                 rows: &rows[..count],
                 chunks: &plan.chunks,

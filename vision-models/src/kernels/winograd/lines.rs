@@ -6,16 +6,16 @@ use super::super::vector::Vector;
 
 /// F(m, 3) along one line: `POINTS` = m + 2 inputs, m = `OUTPUTS` outputs.
 pub(super) trait Line<const POINTS: usize, const OUTPUTS: usize> {
-    /// G: the points' values from the three taps.
+    /// G, which gives the points' values from the three taps.
     const KERNEL: [[f64; 3]; POINTS];
 
-    /// Bᵀ d.
+    /// Returns Bᵀ d.
     ///
     /// # Safety
     /// The vector's instruction set must be enabled.
     unsafe fn input<V: Vector>(d: [V; POINTS]) -> [V; POINTS];
 
-    /// Aᵀ m.
+    /// Returns Aᵀ m.
     ///
     /// # Safety
     /// The vector's instruction set must be enabled.
@@ -92,19 +92,19 @@ impl Line<6, 4> for Four {
     }
 }
 
-/// How the output is cut into tiles.
+/// How the output is divided into tiles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Tiling {
-    /// 1×3×3 kernels, 2×2 outputs a tile: 2.25 times fewer multiplications.
+    /// 1×3×3 kernels, 2×2 outputs per tile: 2.25 times fewer multiplications.
     Two,
-    /// 1×3×3 kernels, 4×4 outputs a tile: four times fewer.
+    /// 1×3×3 kernels, 4×4 outputs per tile: four times fewer multiplications.
     Four,
-    /// 3×1×1 kernels, four frames a tile: two times fewer.
+    /// 3×1×1 kernels, four frames per tile: two times fewer multiplications.
     FourFrames,
 }
 
 impl Tiling {
-    /// Outputs of a tile.
+    /// Returns the outputs of a tile.
     pub(crate) fn outputs(self) -> Extent {
         match self {
             Self::Two => [1, 2, 2],
@@ -113,7 +113,7 @@ impl Tiling {
         }
     }
 
-    /// The kernel that is computed so.
+    /// Returns the kernel of this tiling.
     pub(crate) fn kernel(self) -> Extent {
         match self {
             Self::Two | Self::Four => [1, 3, 3],
@@ -121,7 +121,7 @@ impl Tiling {
         }
     }
 
-    /// Products of a tile.
+    /// Returns the number of products of a tile.
     pub(crate) fn points(self) -> usize {
         match self {
             Self::Two => 16,
@@ -130,19 +130,19 @@ impl Tiling {
         }
     }
 
-    /// Tiles along each axis.
+    /// Returns the number of tiles along each axis.
     pub(crate) fn tiles(self, size: Extent) -> Extent {
         let outputs = self.outputs();
         std::array::from_fn(|axis| size[axis].div_ceil(outputs[axis]))
     }
 
-    /// Zeros that the input needs after its last frame, row and column.
+    /// Returns the zeros that the input needs after its last frame, row and column.
     pub(crate) fn after(self, size: Extent) -> Extent {
         let (tiles, outputs, kernel) = (self.tiles(size), self.outputs(), self.kernel());
         std::array::from_fn(|axis| tiles[axis] * outputs[axis] - size[axis] + kernel[axis] / 2)
     }
 
-    /// G g Gᵀ: the points' values of one input and output channel's taps.
+    /// Computes G g Gᵀ, the points' values from the taps of one input and output channel.
     pub(crate) fn kernel_points(self, taps: &[f64], points: &mut [f64]) {
         match self {
             Self::Two => plane_kernel(&Two::KERNEL, taps, points),

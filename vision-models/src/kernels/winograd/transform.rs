@@ -1,5 +1,5 @@
 //! Bᵀ d B and Aᵀ m A for many tiles, a register of channels at a time.
-// Columns of a tile are written through rows.
+// The columns of a tile are written through its rows.
 #![allow(clippy::needless_range_loop)]
 
 use crate::layout::Extent;
@@ -7,26 +7,26 @@ use crate::layout::Extent;
 use super::super::{epilogue::Epilogue, isa::Task, vector::Vector};
 use super::lines::{Four, Line, Tiling, Two};
 
-/// From activations to the points of some tiles.
+/// Transform from activations to the points of some tiles.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct InputTransform<'a> {
     pub(super) tiling: Tiling,
     /// The activations.
     pub(super) input: *const f32,
-    /// Where each tile's first input pixel starts.
+    /// Start of each tile's first input pixel.
     pub(super) starts: &'a [usize],
     /// Floats from one frame, row and column to the next.
     pub(super) strides: Extent,
-    /// Channels: a multiple of 16.
+    /// Number of channels, a multiple of 16.
     pub(super) channels: usize,
-    /// The first of these tiles at the first point; tiles are `channels` apart.
+    /// The first of these tiles at the first point. Tiles are `channels` apart.
     pub(super) points: *mut f32,
     /// Floats from one point to the next.
     pub(super) point_stride: usize,
 }
 
-/// Asks for: the input of every tile inside the activations; room for `channels` floats of every
-/// tile at every point, which no other thread touches.
+/// Requires that the input of every tile lies inside the activations. There must be room for
+/// `channels` floats of every tile at every point, which no other thread uses.
 impl Task for InputTransform<'_> {
     #[inline(always)]
     unsafe fn run<V: Vector>(self) {
@@ -58,7 +58,7 @@ impl InputTransform<'_> {
     unsafe fn tiles<V: Vector>(&self, transform: impl Fn(*const f32, *mut f32)) {
         for (tile, &start) in self.starts.iter().enumerate() {
             for channel in (0..self.channels).step_by(V::LANES) {
-                // SAFETY: inside the tile's input and the tile's points.
+                // SAFETY: both are inside the tile's input and the tile's points.
                 unsafe {
                     transform(
                         self.input.add(start + channel),
@@ -100,26 +100,26 @@ unsafe fn plane_input<
     }
 }
 
-/// A tile's place in the output.
+/// A tile's position in the output.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Target {
-    /// Where the tile's first output pixel starts.
+    /// Start of the tile's first output pixel.
     pub(super) start: usize,
     /// Frames, rows and columns of the tile that exist.
     pub(super) valid: Extent,
 }
 
-/// From the points of some tiles to one panel's output.
+/// Transform from the points of some tiles to one panel's output.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OutputTransform<'a> {
     pub(super) tiling: Tiling,
-    /// The first tile at the first point; tiles are `width` apart.
+    /// The first tile at the first point. Tiles are `width` apart.
     pub(super) points: *const f32,
     /// Floats from one point to the next.
     pub(super) point_stride: usize,
-    /// Channels of the panel: a multiple of 16.
+    /// Number of channels of the panel, a multiple of 16.
     pub(super) width: usize,
-    /// Where each tile goes.
+    /// The output position of each tile.
     pub(super) targets: &'a [Target],
     /// Floats from one frame, row and column of the output to the next.
     pub(super) strides: Extent,
@@ -127,12 +127,12 @@ pub(super) struct OutputTransform<'a> {
     pub(super) output: *mut f32,
     /// The panel's biases.
     pub(super) bias: &'a [f32],
-    /// What happens to the sums.
+    /// The operations on the sums.
     pub(super) epilogue: Epilogue<'a>,
 }
 
-/// Asks for: `width` floats of every tile at every point, and of every valid pixel of every tile
-/// in the output, which no other thread touches; `width` biases and slopes.
+/// Requires `width` floats of every tile at every point, and of every valid pixel of every tile in
+/// the output, which no other thread uses. Also requires `width` biases and slopes.
 impl Task for OutputTransform<'_> {
     #[inline(always)]
     unsafe fn run<V: Vector>(self) {
@@ -161,7 +161,7 @@ impl OutputTransform<'_> {
 
     #[inline(always)]
     unsafe fn lines<V: Vector>(&self) {
-        // SAFETY: tiles, points and pixels are those that the caller vouches for.
+        // SAFETY: the caller guarantees tiles, points and pixels.
         unsafe {
             for (tile, target) in self.targets.iter().enumerate() {
                 for channel in (0..self.width).step_by(V::LANES) {
@@ -189,7 +189,7 @@ impl OutputTransform<'_> {
         &self,
     ) {
         let [_, row, column] = self.strides;
-        // SAFETY: tiles, points and pixels are those that the caller vouches for.
+        // SAFETY: the caller guarantees tiles, points and pixels.
         unsafe {
             for (tile, target) in self.targets.iter().enumerate() {
                 let [_, rows, columns] = target.valid;

@@ -1,16 +1,18 @@
 //! Residual backbones: the rows of the papers' tables.
 //!
-//! K. He, X. Zhang, S. Ren and J. Sun, "Deep residual learning for image recognition", CVPR 2016,
-//! Table 1, the stride on the 3×3 convolution of a bottleneck as in torchvision. S. Xie, R. Girshick,
-//! P. Dollár, Z. Tu and K. He, "Aggregated residual transformations for deep neural networks", CVPR 2017,
-//! Table 1. S. Zagoruyko and N. Komodakis, "Wide residual networks", BMVC 2016. C. Feichtenhofer,
-//! H. Fan, J. Malik and K. He, "SlowFast networks for video recognition", ICCV 2019, Table 1.
+//! - K. He, X. Zhang, S. Ren and J. Sun, "Deep residual learning for image recognition", CVPR 2016,
+//!   Table 1. The stride is on the 3×3 convolution of a bottleneck, as in torchvision.
+//! - S. Xie, R. Girshick, P. Dollár, Z. Tu and K. He, "Aggregated residual transformations for deep
+//!   neural networks", CVPR 2017, Table 1.
+//! - S. Zagoruyko and N. Komodakis, "Wide residual networks", BMVC 2016.
+//! - C. Feichtenhofer, H. Fan, J. Malik and K. He, "SlowFast networks for video recognition", ICCV
+//!   2019, Table 1.
 
 use crate::engine::{Activation, Convolution, Graph, Value, Window};
 
 use super::naming::{Names, Naming};
 
-/// How many layers a residual network has.
+/// The number of layers of a residual network.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ResNetDepth {
     /// 18 layers of basic blocks.
@@ -26,7 +28,7 @@ pub enum ResNetDepth {
 }
 
 impl ResNetDepth {
-    /// How many layers they are.
+    /// Returns the number of layers.
     pub fn layers(self) -> usize {
         match self {
             Self::Eighteen => 18,
@@ -37,7 +39,7 @@ impl ResNetDepth {
         }
     }
 
-    /// Blocks of each stage.
+    /// Returns the number of blocks of each stage.
     fn blocks(self) -> [usize; 4] {
         match self {
             Self::Eighteen => [2, 2, 2, 2],
@@ -57,31 +59,31 @@ impl ResNetDepth {
 pub(super) struct Backbone {
     pub(super) depth: ResNetDepth,
     pub(super) naming: Naming,
-    /// Channels of the stem.
+    /// Number of channels of the stem.
     pub(super) width: usize,
-    /// Groups of the 3×3 convolution of a bottleneck.
+    /// Number of groups of the 3×3 convolution of a bottleneck.
     pub(super) groups: usize,
-    /// Channels of such a group in the first stage, if the stem has 64 channels.
+    /// Number of channels of such a group in the first stage, if the stem has 64 channels.
     pub(super) group_width: usize,
-    /// Frames that the stem's kernel sees.
+    /// Number of frames that the stem's kernel sees.
     pub(super) stem_frames: usize,
-    /// Frames that the first kernel of each block sees, by stage.
+    /// Number of frames that the first kernel of each block sees, by stage.
     pub(super) frames: [usize; 4],
 }
 
 impl Backbone {
-    /// The plain form for images.
+    /// Returns the plain form for images.
     pub(super) fn of_images(depth: ResNetDepth, naming: Naming) -> Self {
         let frames = [1; 4];
         Self { depth, naming, width: 64, groups: 1, group_width: 64, stem_frames: 1, frames }
     }
 
-    /// The slow path of SlowFast, with kernels of three frames in the last two stages.
+    /// Returns the slow path of SlowFast, with kernels of three frames in the last two stages.
     pub(super) fn slow(depth: ResNetDepth, naming: Naming) -> Self {
         Self { frames: [1, 1, 3, 3], ..Self::of_images(depth, naming) }
     }
 
-    /// Channels behind a stage, counted from one; behind the stem for zero.
+    /// Returns the number of channels after a stage, counted from one. Zero is the stem.
     pub(super) fn channels(&self, stage: usize) -> usize {
         match stage {
             0 => self.width,
@@ -90,13 +92,13 @@ impl Backbone {
         }
     }
 
-    /// The stem and all stages.
+    /// Adds the stem and all stages.
     pub(super) fn whole(&self, graph: &mut Graph, image: Value) -> Value {
         let stem = self.stem(graph, image);
         (1..=4).fold(stem, |x, stage| self.stage(graph, stage, x))
     }
 
-    /// 7×7, stride 2; max pool 3×3, stride 2.
+    /// Adds the stem: 7×7, stride 2, then max pool 3×3, stride 2.
     pub(super) fn stem(&self, graph: &mut Graph, image: Value) -> Value {
         let kernel = [self.stem_frames, 7, 7];
         let stem = self.layer(self.naming.stem(), self.width, kernel).stride([1, 2, 2]);
@@ -104,7 +106,7 @@ impl Backbone {
         graph.max_pool(x, Window { stride: [1, 2, 2], ..Window::same([1, 3, 3]) })
     }
 
-    /// The blocks of a stage, counted from one.
+    /// Adds the blocks of a stage, counted from one.
     pub(super) fn stage(&self, graph: &mut Graph, stage: usize, mut x: Value) -> Value {
         let outputs = self.channels(stage);
         for block in 0..self.depth.blocks()[stage - 1] {
@@ -129,8 +131,9 @@ impl Backbone {
         x
     }
 
-    /// t×1×1 to a quarter of the channels (or what groups and their width ask for), 1×3×3, and last 1×1×1,
-    /// for the caller to add.
+    /// Adds a bottleneck: t×1×1, 1×3×3 and 1×1×1. The first has a quarter of the channels, or the
+    /// number given by groups and their width. The last convolution is returned for the caller to
+    /// add.
     fn bottleneck(&self, graph: &mut Graph, at: Block, x: Value) -> (Value, Convolution) {
         let Block { stage, index, outputs, stride } = at;
         let names = |number| self.naming.convolution(stage, index, number);
@@ -142,7 +145,8 @@ impl Backbone {
         (y, self.layer(names(3), outputs, [1, 1, 1]))
     }
 
-    /// t×3×3, and last t×3×3, for the caller to add.
+    /// Adds a basic block: t×3×3, and t×3×3. The last convolution is returned for the caller to
+    /// add.
     fn basic(&self, graph: &mut Graph, at: Block, x: Value) -> (Value, Convolution) {
         let Block { stage, index, outputs, stride } = at;
         let names = |number| self.naming.convolution(stage, index, number);
@@ -151,13 +155,13 @@ impl Backbone {
         (y, self.layer(names(2), outputs, kernel))
     }
 
-    /// A convolution with its ReLU.
+    /// Returns a convolution with its ReLU.
     fn layer(&self, names: Names, outputs: usize, kernel: [usize; 3]) -> Convolution {
         names.convolution(outputs, kernel, self.naming.axes()).activation(Activation::Relu)
     }
 }
 
-/// A block's place and shape.
+/// A block's position and shape.
 #[derive(Clone, Copy)]
 struct Block {
     stage: usize,

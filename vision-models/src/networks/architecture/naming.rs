@@ -1,23 +1,24 @@
-//! What the layers are called in each kind of checkpoint.
+//! The names of the layers in each kind of checkpoint.
 
 use crate::engine::Convolution;
 
-/// What a convolution and its batch norm are called.
+/// The names of a convolution and its batch norm.
 #[derive(Clone, Debug)]
 pub(super) struct Names {
-    /// Of the convolution, without `.weight`.
+    /// Name of the convolution, without `.weight`.
     convolution: String,
-    /// Of its batch norm, without `.weight`.
+    /// Name of its batch norm, without `.weight`.
     norm: String,
 }
 
 impl Names {
-    /// Names behind a common prefix.
+    /// Creates names with a common prefix.
     pub(super) fn new(prefix: &str, convolution: &str, norm: &str) -> Self {
         Self { convolution: format!("{prefix}{convolution}"), norm: format!("{prefix}{norm}") }
     }
 
-    /// A convolution of these names: PyTorch's `Conv3d`, or `Conv2d` where kernels have two axes.
+    /// Returns a convolution with these names: PyTorch's `Conv3d`, or `Conv2d` if kernels have two
+    /// axes.
     pub(super) fn convolution(self, outputs: usize, kernel: [usize; 3], axes: Axes) -> Convolution {
         let [_, rows, columns] = kernel;
         match axes {
@@ -28,22 +29,22 @@ impl Names {
     }
 }
 
-/// How many axes a checkpoint's kernels have.
+/// The number of axes of a checkpoint's kernels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Axes {
     /// Rows and columns.
     Two,
-    /// Frames, too.
+    /// Frames, rows and columns.
     Three,
 }
 
-/// Whose names a checkpoint uses. Stages count from one, blocks from zero, a block's convolutions
-/// from one.
+/// The naming scheme of a checkpoint. Stages and a block's convolutions count from one, blocks from
+/// zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Naming {
-    /// `layer1.0.conv1`, behind a prefix.
+    /// `layer1.0.conv1`, with a prefix.
     Torchvision(&'static str),
-    /// `backbone.layer1.0.conv1.conv`, the prefix being `backbone.`
+    /// `backbone.layer1.0.conv1.conv`, where the prefix is `backbone.`
     MmAction2(&'static str),
     /// `blocks.1.res_blocks.0.branch2.conv_a`
     PyTorchVideo,
@@ -52,12 +53,12 @@ pub(super) enum Naming {
 }
 
 impl Naming {
-    /// How many axes the kernels have.
+    /// Returns the number of axes of the kernels.
     pub(super) fn axes(self) -> Axes {
         if matches!(self, Self::Torchvision(_)) { Axes::Two } else { Axes::Three }
     }
 
-    /// The first convolution.
+    /// Returns the names of the first convolution.
     pub(super) fn stem(self) -> Names {
         match self {
             Self::Torchvision(prefix) => Names::new(prefix, "conv1", "bn1"),
@@ -68,7 +69,7 @@ impl Naming {
         }
     }
 
-    /// The `number`-th convolution of a residual block.
+    /// Returns the names of the `number`-th convolution of a residual block.
     pub(super) fn convolution(self, stage: usize, block: usize, number: usize) -> Names {
         match self {
             Self::Torchvision(prefix) => Names::new(
@@ -90,7 +91,7 @@ impl Naming {
         }
     }
 
-    /// The projection of a residual block's shortcut.
+    /// Returns the names of the projection of a residual block's shortcut.
     pub(super) fn shortcut(self, stage: usize, block: usize) -> Names {
         match self {
             Self::Torchvision(prefix) => {
@@ -107,7 +108,7 @@ impl Naming {
         }
     }
 
-    /// The prefix of a PyTorchVideo block.
+    /// Returns the prefix of a PyTorchVideo block.
     fn block(self, block: usize) -> String {
         match self {
             Self::PyTorchVideoPathway(pathway) => {

@@ -2,25 +2,25 @@
 
 use crate::engine::{Activation, Convolution, Graph, Value, Window};
 
-/// Whose names a checkpoint of OpenPose's body network has.
+/// The naming scheme of a checkpoint of OpenPose's body network.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OpenPoseForm {
-    /// Those of the Caffe model: `conv1_1.weight`.
+    /// The names of the Caffe model: `conv1_1.weight`.
     Caffe,
-    /// The same behind the modules of its best-known port to PyTorch: `model0.conv1_1.weight`.
+    /// The same with the module names of its best-known port to PyTorch: `model0.conv1_1.weight`.
     Modules,
 }
 
 impl OpenPoseForm {
     pub(in crate::networks) const ALL: [Self; 2] = [Self::Caffe, Self::Modules];
 
-    /// The form of the one checkpoint whose names these could be.
+    /// Returns the only form that could have these names.
     pub(crate) fn guess(names: &[&str]) -> Self {
         let is_module = names.iter().any(|name| name.split('.').any(|part| part == "model0"));
         if is_module { Self::Modules } else { Self::Caffe }
     }
 
-    /// A layer's name, given its module: stage and branch, 0 and 0 for the front.
+    /// Returns a layer's name, given its module: stage and branch, 0 and 0 for the front.
     fn name(self, [stage, branch]: [usize; 2], layer: &str) -> String {
         match (self, stage) {
             (Self::Caffe, _) => layer.to_owned(),
@@ -30,14 +30,17 @@ impl OpenPoseForm {
     }
 }
 
-/// Stages that look at maps again and again.
+/// Number of stages that refine the maps.
 const STAGES: usize = 6;
-/// Channels of the two branches: two for each of nineteen limbs; eighteen joints and what is none.
+/// Channels of the two branches: two for each of nineteen limbs, and one for each of eighteen
+/// joints and the background.
 const BRANCHES: [usize; 2] = [38, 19];
 
-/// Ten layers of VGG-19 and two more, then six stages of two branches. Z. Cao, T. Simon, S.-E. Wei and Y. Sheikh,
-/// "Realtime multi-person 2D pose estimation using part affinity fields", CVPR 2017, Fig. 3, with the COCO
-/// model's eighteen joints. Its outputs are the fields and the joints' maps, an eighth of the image's size.
+/// Builds ten layers of VGG-19 and two more, then six stages of two branches. The outputs are the
+/// fields of the limbs and the joints' maps, an eighth of the image's size.
+///
+/// Z. Cao, T. Simon, S.-E. Wei and Y. Sheikh, "Realtime multi-person 2D pose estimation using part
+/// affinity fields", CVPR 2017, Fig. 3, with the COCO model's eighteen joints.
 pub(in crate::networks) fn graph(form: OpenPoseForm) -> Graph {
     let mut graph = Graph::new();
     let image = graph.input(3);

@@ -1,4 +1,4 @@
-//! Residual networks of torchvision.
+//! Residual networks in torchvision's form.
 
 use crate::engine::{Graph, Pooling};
 use crate::error::Error;
@@ -6,8 +6,8 @@ use crate::error::Error;
 use super::backbone::{Backbone, ResNetDepth};
 use super::naming::Naming;
 
-/// The parameters of a residual network of torchvision: its depth, and the groups of its bottlenecks with
-/// their width.
+/// The parameters of a residual network in torchvision's form: its depth, and the number and width
+/// of its bottlenecks' groups.
 ///
 /// ```
 /// use vision_models::{NetworkKind, ResNetDepth, ResNetForm};
@@ -37,12 +37,13 @@ impl ResNetForm {
     /// `wide_resnet101_2`.
     pub const WIDE_101_2: Self = Self::grouped(ResNetDepth::OneHundredOne, 1, 128);
 
-    /// A network whose bottlenecks have so many groups (the cardinality) of this width in the first stage:
-    /// torchvision's `groups` and `width_per_group`. 1 and 64 are the plain network.
+    /// Creates a network whose bottlenecks have this many groups (the cardinality) of this width in
+    /// the first stage: torchvision's `groups` and `width_per_group`. The plain network has 1 and
+    /// 64.
     ///
     /// # Errors
-    /// [`Error::Value`] for groups or widths that are zero or above 4096, and for basic blocks, which have
-    /// neither.
+    /// [`Error::Value`] if groups or width are zero or above 4096, or the network has basic blocks,
+    /// which have neither.
     pub fn new(depth: ResNetDepth, groups: usize, group_width: usize) -> Result<Self, Error> {
         const MOST: u16 = 4096;
         let refuse = |name, value: usize, expected| Error::value(name, value, expected);
@@ -63,24 +64,25 @@ impl ResNetForm {
         Self { depth, groups, group_width }
     }
 
-    /// How many layers there are.
+    /// Returns the depth.
     pub fn depth(self) -> ResNetDepth {
         self.depth
     }
 
-    /// Groups of the 3×3 convolution of each bottleneck.
+    /// Returns the number of groups of the 3×3 convolution of each bottleneck.
     pub fn groups(self) -> usize {
         self.groups.into()
     }
 
-    /// Channels of such a group in the first stage; they double from stage to stage.
+    /// Returns the number of channels of such a group in the first stage. It doubles from stage to
+    /// stage.
     pub fn group_width(self) -> usize {
         self.group_width.into()
     }
 }
 
 impl From<ResNetDepth> for ResNetForm {
-    /// The plain network.
+    /// Returns the plain network.
     fn from(depth: ResNetDepth) -> Self {
         Self::grouped(depth, 1, 64)
     }

@@ -1,26 +1,26 @@
-//! The pose network of simple baselines.
+//! The pose network of "Simple baselines".
 
 use crate::engine::{Activation, Convolution, Graph};
 
 use super::backbone::{Backbone, ResNetDepth};
 use super::naming::Naming;
 
-/// Whose checkpoint of the simple baseline it is: the names differ, and so does the order of the colours that
-/// the network was trained with.
+/// The origin of a checkpoint of the simple baseline. It decides the names, and the order of
+/// colours in training.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SimpleBaselineForm {
-    /// Microsoft's, `human-pose-estimation.pytorch`: the network sees blue, green, red.
+    /// Microsoft's `human-pose-estimation.pytorch`. The network reads blue, green, red.
     Microsoft,
-    /// mmpose's before version 1.0, behind `backbone.` and `keypoint_head.`.
+    /// mmpose's before version 1.0, with the prefixes `backbone.` and `keypoint_head.`.
     MmPose0,
-    /// mmpose's since version 1.0, behind `backbone.` and `head.`.
+    /// mmpose's since version 1.0, with the prefixes `backbone.` and `head.`.
     MmPose1,
 }
 
 impl SimpleBaselineForm {
     pub(in crate::networks) const ALL: [Self; 3] = [Self::Microsoft, Self::MmPose0, Self::MmPose1];
 
-    /// What stands before the names of backbone and head.
+    /// Returns the prefixes of backbone and head.
     fn prefixes(self) -> (&'static str, &'static str) {
         match self {
             Self::Microsoft => ("", ""),
@@ -29,7 +29,7 @@ impl SimpleBaselineForm {
         }
     }
 
-    /// The form of the one checkpoint whose names these could be.
+    /// Returns the only form that could have these names.
     pub(crate) fn guess(names: &[&str]) -> Self {
         let has =
             |module: &str| names.iter().any(|name| name.split('.').any(|part| part == module));
@@ -43,8 +43,9 @@ impl SimpleBaselineForm {
     }
 }
 
-/// A ResNet-50, three transposed convolutions and a map for each of COCO's seventeen joints. B. Xiao, H. Wu and
-/// Y. Wei, "Simple baselines for human pose estimation and tracking", ECCV 2018, Sec. 2.
+/// Builds a ResNet-50, three transposed convolutions and a map for each of COCO's seventeen joints.
+/// B. Xiao, H. Wu and Y. Wei, "Simple baselines for human pose estimation and tracking", ECCV 2018,
+/// Sec. 2.
 pub(in crate::networks) fn graph(form: SimpleBaselineForm) -> Graph {
     let (backbone, head) = form.prefixes();
     let mut graph = Graph::new();

@@ -1,4 +1,4 @@
-//! SlowFast: a slow path that sees few frames, and a thin fast one that sees them all.
+//! SlowFast: a slow path that sees few frames, and a thin fast path that sees all of them.
 
 use crate::engine::{Activation, Convolution, Frames, Graph, Pooling};
 use crate::error::Error;
@@ -6,22 +6,24 @@ use crate::error::Error;
 use super::backbone::{Backbone, ResNetDepth};
 use super::naming::{Names, Naming};
 
-/// Frames of a clip of PyTorchVideo's: the windows of the head leave no choice.
+/// Frames of a clip for PyTorchVideo's network. The windows of its head fix it.
 const FRAMES: usize = 32;
-/// Channels of the slow path to one of the fast path (1/β).
+/// Ratio of the channels of the slow path to those of the fast path (1/β).
 const THINNESS: usize = 8;
-/// Channels of a lateral connection to one of the fast path.
+/// Ratio of the channels of a lateral connection to those of the fast path.
 const LATERAL: usize = 2;
 
-/// Which SlowFast a checkpoint holds.
+/// The variant of SlowFast that a checkpoint holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SlowFastForm {
-    /// PyTorchVideo's `slowfast_r50`: clips of 32 frames, of which the slow path takes eight, spread evenly
-    /// from the first to the last.
+    /// PyTorchVideo's `slowfast_r50`: clips of 32 frames. The slow path takes eight of them, spread
+    /// evenly from the first to the last.
     PyTorchVideo,
-    /// mmaction2's `8x8`: the slow path takes every fourth frame of the clip, the lateral kernels see seven.
+    /// mmaction2's `8x8`: the slow path takes every fourth frame of the clip, and the lateral
+    /// kernels see seven.
     MmAction2EveryFourth(ResNetDepth),
-    /// mmaction2's `4x16`: the slow path takes every eighth frame of the clip, the lateral kernels see five.
+    /// mmaction2's `4x16`: the slow path takes every eighth frame of the clip, and the lateral
+    /// kernels see five.
     MmAction2EveryEighth(ResNetDepth),
 }
 
@@ -33,7 +35,7 @@ impl SlowFastForm {
         }
     }
 
-    /// Frames of the fast path to one of the slow path (α).
+    /// Ratio of the frames of the fast path to those of the slow path (α).
     fn slowness(self) -> usize {
         match self {
             Self::PyTorchVideo | Self::MmAction2EveryFourth(_) => 4,
@@ -41,10 +43,10 @@ impl SlowFastForm {
         }
     }
 
-    /// Checks the frames of a clip.
+    /// Checks the number of frames of a clip.
     ///
     /// # Errors
-    /// [`Error::Size`] for frames that the two paths cannot share.
+    /// [`Error::Size`] if the two paths cannot share the frames.
     pub(in crate::networks) fn check_frames(self, frames: usize) -> Result<(), Error> {
         let slowness = self.slowness();
         let expected = match self {
@@ -58,7 +60,7 @@ impl SlowFastForm {
         }
     }
 
-    /// Names of the slow and the fast path.
+    /// Returns the names of the slow and the fast path.
     fn naming(self) -> [Naming; 2] {
         match self {
             Self::PyTorchVideo => [0, 1].map(Naming::PyTorchVideoPathway),
@@ -66,7 +68,8 @@ impl SlowFastForm {
         }
     }
 
-    /// From the fast path into the slow one, behind a stage, counted from zero for the stem.
+    /// Returns the connection from the fast path to the slow path after a stage. The stem is stage
+    /// zero.
     fn lateral(self, stage: usize, inputs: usize) -> Convolution {
         let outputs = LATERAL * inputs;
         let layer = if self == Self::PyTorchVideo {

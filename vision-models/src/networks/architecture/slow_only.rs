@@ -5,17 +5,17 @@ use crate::engine::{Graph, Pooling};
 use super::backbone::{Backbone, ResNetDepth};
 use super::naming::Naming;
 
-/// Which SlowOnly a checkpoint holds. The backbones differ in depth and names, the heads in what
-/// they pool.
+/// The variant of SlowOnly that a checkpoint holds. The variants differ in depth, names and
+/// pooling.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SlowOnlyForm {
-    /// mmaction2's with a ResNet-50; the mean over all frames and positions.
+    /// mmaction2's with a ResNet-50. It pools the mean over all frames and positions.
     MmAction2,
     /// mmaction2's with a ResNet-18.
     MmAction2Depth18,
     /// mmaction2's with a ResNet-101.
     MmAction2Depth101,
-    /// PyTorchVideo's `slow_r50`; the mean of the windows of 8 × 7 × 7, which differs from
+    /// PyTorchVideo's `slow_r50`. It pools the mean of the windows of 8 × 7 × 7, which differs from
     /// mmaction2's unless the clip has 8 frames of 224 × 224.
     PyTorchVideo,
 }

@@ -1,7 +1,7 @@
-//! From the operators of a file to the engine's graph.
+//! Converts the operators of a file to the engine's graph.
 //!
-//! What the engine has no layer for is one of its convolutions: a padding that no convolution takes in, a function
-//! or an addition by itself is one of 1 × 1 that multiplies by one.
+//! Operators for which the engine has no layer become convolutions of 1 × 1 that multiply by one.
+//! These are a padding that no convolution can include, and a function or an addition by itself.
 
 use std::collections::BTreeMap;
 
@@ -14,10 +14,10 @@ use super::operators::operate;
 use super::values::{Known, Shape, Written, Zeros};
 use super::weights::{Source, Weight};
 
-/// The most that all activations of a network take together (bytes), were none to share memory.
+/// Largest size of all activations of a network, without sharing of memory (bytes).
 const MOST_ACTIVATIONS: usize = 1 << 31;
 
-/// The graph so far.
+/// The graph as far as it is built.
 #[derive(Debug)]
 pub(super) struct Lowering<'a> {
     pub(super) model: Model<'a>,
@@ -26,7 +26,7 @@ pub(super) struct Lowering<'a> {
     pub(super) weights: BTreeMap<String, Weight>,
     pub(super) input: Shape,
     pub(super) outputs: Vec<Shape>,
-    /// What each tensor is, once it is written.
+    /// The meaning of each tensor that is written.
     written: Vec<Option<Written>>,
     /// How often each tensor is read.
     reads: Vec<usize>,
@@ -35,10 +35,10 @@ pub(super) struct Lowering<'a> {
 }
 
 impl<'a> Lowering<'a> {
-    /// Builds the graph of a file that gives some of its outputs, in this order; all if none are named.
+    /// Builds the graph for some outputs of a file, in this order. All outputs if none are given.
     ///
     /// # Errors
-    /// [`Error::Checkpoint`].
+    /// [`Error::Checkpoint`] if the file is rejected.
     pub(super) fn of(file: &'a [u8], kept: &[usize]) -> Result<Self, Error> {
         let model = Model::of(file)?;
         let mut budget = Budget::of_file(file.len() as u64);
@@ -59,7 +59,7 @@ impl<'a> Lowering<'a> {
         for &end in &ends {
             reads[end] += 1;
         }
-        // What no output depends on is left out.
+        // Operators that no output needs are left out.
         let mut needed = vec![false; model.operators()];
         for (index, needed) in needed.iter_mut().enumerate().rev() {
             let operator = model.operator(index)?;
@@ -94,7 +94,7 @@ impl<'a> Lowering<'a> {
         Ok(lowering)
     }
 
-    /// Takes down what an operator has written, if it is what the file says.
+    /// Records what an operator has written, if it agrees with the file.
     pub(super) fn write(&mut self, tensor: usize, written: Written) -> Result<(), Error> {
         let refuse = |model: &Model<'_>, problem: String| Err(refused(model.name(tensor), problem));
         if self.written[tensor].is_some() {
@@ -121,19 +121,21 @@ impl<'a> Lowering<'a> {
         Ok(())
     }
 
-    /// What a tensor is.
+    /// Returns the meaning of a tensor, if it is written.
     pub(super) fn written(&self, tensor: usize) -> Option<&Written> {
         self.written[tensor].as_ref()
     }
 
-    /// A convolution that nothing else reads and that is not in the graph yet: with what follows it, it may be one.
+    /// Returns a convolution that only one operator reads and that is not in the graph yet. It may
+    /// be joined with that operator.
     pub(super) fn lone_convolution(&self, tensor: usize) -> Option<&Written> {
         let alone = self.reads[tensor] == 1;
         self.written(tensor)
             .filter(|written| alone && matches!(written, Written::Convolution { .. }))
     }
 
-    /// The tensor of the file that holds the elements of a tensor, decoded or not; `None` for one that is computed.
+    /// Returns the tensor of the file that holds a tensor's elements, decoded or not. `None` for a
+    /// computed one.
     pub(super) fn source(&self, tensor: usize) -> Option<usize> {
         match self.written(tensor) {
             None => Some(tensor),
@@ -142,10 +144,10 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// The elements of a tensor that the file holds. The budget pays for them.
+    /// Returns the elements of a tensor in the file. Their memory counts towards the budget.
     ///
     /// # Errors
-    /// [`Error::Checkpoint`] for one that is computed.
+    /// [`Error::Checkpoint`] if the tensor is computed.
     pub(super) fn constant(&mut self, tensor: usize) -> Result<Constant, Error> {
         let constant = match self.source(tensor) {
             Some(source) => Constant::of(&self.model, source, &mut self.budget)?,
@@ -155,10 +157,10 @@ impl<'a> Lowering<'a> {
         constant.ok_or_else(|| refused(self.model.name(tensor), problem))
     }
 
-    /// The activation that a tensor is; what is not in the graph yet is then.
+    /// Returns the activation of a tensor, and adds it to the graph if it is not there yet.
     ///
     /// # Errors
-    /// [`Error::Checkpoint`] for one that no operator before has written.
+    /// [`Error::Checkpoint`] if no previous operator has written the tensor.
     pub(super) fn activation(&mut self, tensor: usize) -> Result<Known, Error> {
         let known = match self.written(tensor).cloned() {
             Some(Written::Activation(known)) => return Ok(known),
@@ -178,15 +180,15 @@ impl<'a> Lowering<'a> {
         Ok(known)
     }
 
-    /// The activations that all these tensors are.
+    /// Returns the activations of all these tensors.
     ///
     /// # Errors
-    /// As of [`Self::activation`].
+    /// Those of [`Self::activation`].
     pub(super) fn known(&mut self, tensors: &[Option<usize>]) -> Result<Vec<Known>, Error> {
         tensors.iter().flatten().map(|&tensor| self.activation(tensor)).collect()
     }
 
-    /// Adds a weight, which the budget pays for.
+    /// Adds a weight. Its memory counts towards the budget.
     pub(super) fn weight(
         &mut self,
         name: String,
@@ -201,7 +203,7 @@ impl<'a> Lowering<'a> {
         Ok(())
     }
 
-    /// A convolution of 1 × 1 that multiplies every channel by one.
+    /// Returns a convolution of 1 × 1 that multiplies every channel by one.
     pub(super) fn identity(
         &mut self,
         name: String,
@@ -212,7 +214,7 @@ impl<'a> Lowering<'a> {
         Ok(Convolution::image(name, channels, [1, 1]).groups(channels).activation(activation))
     }
 
-    /// Zeros around an activation.
+    /// Adds zeros around an activation.
     fn padded(
         &mut self,
         tensor: usize,
@@ -234,14 +236,14 @@ impl<'a> Lowering<'a> {
     }
 }
 
-/// Zeros before and after rows and columns, as the engine has them.
+/// Returns the engine's padding for zeros before and after rows and columns.
 pub(super) fn paddings(zeros: [[usize; 2]; 2]) -> ([usize; 3], [isize; 3]) {
     let [[top, bottom], [left, right]] = zeros;
     let more = |before: usize, after: usize| after.cast_signed() - before.cast_signed();
     ([0, top, left], [0, more(top, bottom), more(left, right)])
 }
 
-/// The size that the file says a computed tensor has.
+/// Returns the size of a computed tensor as given in the file.
 pub(super) fn declared(model: &Model<'_>, tensor: usize) -> Result<Shape, Error> {
     let head = model.head(tensor)?;
     let refuse = |problem: String| refused(model.name(tensor), problem);

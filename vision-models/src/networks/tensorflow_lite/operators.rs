@@ -1,4 +1,4 @@
-//! What each operator of a file becomes.
+//! Conversion of each operator of a file.
 
 use crate::engine::{Activation, Alignment, Convolution, Window};
 use crate::error::Error;
@@ -9,7 +9,7 @@ use super::lowering::{Lowering, declared, paddings};
 use super::values::{Known, Shape, Written};
 use super::weights::Source;
 
-/// The operators that are read, as `BuiltinOperator` numbers them.
+/// The supported operators, with their numbers in `BuiltinOperator`.
 const KNOWN: [(i32, &str); 15] = [
     (0, "ADD"),
     (2, "CONCATENATION"),
@@ -28,14 +28,14 @@ const KNOWN: [(i32, &str); 15] = [
     (124, "DENSIFY"),
 ];
 
-/// An operator that is being lowered.
+/// An operator that is being converted.
 struct At<'a> {
     operator: Operator<'a>,
-    /// What errors and weights call it.
+    /// The operator's name for errors and weights.
     name: String,
 }
 
-/// Adds what an operator does to the graph.
+/// Adds the layers of an operator to the graph.
 ///
 /// # Errors
 /// [`Error::Checkpoint`] with the operator's number and name.
@@ -77,7 +77,7 @@ impl At<'_> {
         refused(format_args!("operator {}", self.name), problem.into())
     }
 
-    /// The operand of this number.
+    /// Returns the operand of this number.
     fn input(&self, index: usize) -> Result<usize, Error> {
         let tensor = self.operator.inputs.get(index).copied().flatten();
         tensor.ok_or_else(|| self.refuse(format!("operand {index} is missing")))
@@ -98,13 +98,13 @@ impl At<'_> {
         self.operator.option(field, OptionKind::Word)
     }
 
-    /// A count that is at least one; one where it is left out.
+    /// Returns a count that is at least one. One if it is missing.
     fn count(&self, field: usize) -> Result<usize, Error> {
         let count = self.word(field)?.max(1);
         usize::try_from(count).map_err(|_| self.refuse(format!("option {field} is {count}")))
     }
 
-    /// The function that is part of the operator.
+    /// Returns the function that is part of the operator.
     fn activation(&self, field: usize) -> Result<Activation, Error> {
         match self.byte(field)? {
             0 => Ok(Activation::None),
@@ -114,7 +114,7 @@ impl At<'_> {
         }
     }
 
-    /// Zeros before and after an axis: as many as give an output for each step, or none.
+    /// Returns the zeros before and after an axis: enough for an output at each step, or none.
     fn zeros(&self, size: usize, [span, stride]: [usize; 2]) -> Result<[usize; 2], Error> {
         match self.byte(0)? {
             0 => {
@@ -128,7 +128,8 @@ impl At<'_> {
         }
     }
 
-    /// The window over rows and columns of an input: what its output's size is for [`Window::output`].
+    /// Returns the window over rows and columns of an input, whose output size is
+    /// [`Window::output`].
     fn window(
         &self,
         input: Shape,
@@ -151,16 +152,16 @@ impl At<'_> {
         })
     }
 
-    /// The size behind a window.
+    /// Returns the size after a window.
     fn behind(&self, window: &Window, size: [usize; 3]) -> Result<[usize; 3], Error> {
         let fits = window.output(size).filter(|size| !size.contains(&0));
         fits.ok_or_else(|| self.refuse(format!("its {window:?} does not fit {size:?}")))
     }
 }
 
-/// CONV_2D and DEPTHWISE_CONV_2D.
+/// Converts CONV_2D and DEPTHWISE_CONV_2D.
 fn convolve(lowering: &mut Lowering<'_>, at: &At<'_>, depthwise: bool) -> Result<Written, Error> {
-    // The options differ in the depthwise one's multiplier, which the kernel says as well.
+    // The options differ only in the depthwise multiplier, which the kernel's shape gives too.
     let later = usize::from(depthwise);
     let activation = at.activation(3 + later)?;
     let (stride, dilation) =
@@ -172,7 +173,7 @@ fn convolve(lowering: &mut Lowering<'_>, at: &At<'_>, depthwise: bool) -> Result
     if kernel.shape.contains(&0) {
         return Err(at.refuse(format!("the kernel of shape {:?} is empty", kernel.shape)));
     }
-    // A padding before it is part of it.
+    // A preceding padding becomes part of the convolution.
     let mut input = at.input(0)?;
     let mut before = [[0; 2]; 2];
     if let Some(Written::Padded { input: inner, zeros: [rows, columns, [0, 0]], .. }) =
@@ -218,7 +219,7 @@ fn convolve(lowering: &mut Lowering<'_>, at: &At<'_>, depthwise: bool) -> Result
     Ok(Written::Convolution { layer, input: value, shape })
 }
 
-/// The bias of each output of an operator, or one for all.
+/// Returns the bias of each output of an operator, or one for all.
 fn bias(
     lowering: &mut Lowering<'_>,
     at: &At<'_>,
@@ -233,11 +234,11 @@ fn bias(
     lowering.weight(format!("{}.bias", at.name), vec![outputs], Source::InOrder(constant))
 }
 
-/// ADD: of two activations, or of an activation and a constant for each channel.
+/// Converts ADD: of two activations, or of an activation and a constant for each channel.
 fn add(lowering: &mut Lowering<'_>, at: &At<'_>) -> Result<Written, Error> {
     let activation = at.activation(0)?;
     let [one, other] = [at.input(0)?, at.input(1)?];
-    // The constant may stand first.
+    // The constant may be the first operand.
     for [input, term] in [[one, other], [other, one]] {
         if lowering.written(term).is_none_or(|term| matches!(term, Written::Constant(_))) {
             let Known { value, shape } = lowering.activation(input)?;
@@ -254,7 +255,7 @@ fn add(lowering: &mut Lowering<'_>, at: &At<'_>) -> Result<Written, Error> {
         let (shape, second) = (shape.image(), second.image());
         return Err(at.refuse(format!("{shape:?} and {second:?} are added")));
     }
-    // A convolution without a function adds what it makes to the other.
+    // A convolution without a function can add its output to the other activation.
     for [first, second] in [[one, other], [other, one]] {
         if let Some(Written::Convolution { layer, input, .. }) = lowering.lone_convolution(first)
             && layer.is_linear()
@@ -271,7 +272,8 @@ fn add(lowering: &mut Lowering<'_>, at: &At<'_>) -> Result<Written, Error> {
     Ok(Written::Activation(Known { value, shape }))
 }
 
-/// A function by itself: of the convolution before, if nothing else reads that.
+/// Converts a function by itself. It becomes part of the preceding convolution if nothing else
+/// reads that.
 fn activate(
     lowering: &mut Lowering<'_>,
     at: &At<'_>,
@@ -289,7 +291,7 @@ fn activate(
     Ok(Written::Convolution { layer, input: value, shape })
 }
 
-/// The slopes of PRELU: one for each channel, or one for all.
+/// Returns the slopes of PRELU: one for each channel, or one for all.
 fn slopes(lowering: &mut Lowering<'_>, at: &At<'_>) -> Result<Activation, Error> {
     let input = at.input(0)?;
     let shape = lowering.written(input).and_then(Written::shape);
@@ -319,14 +321,15 @@ fn max_pool(lowering: &mut Lowering<'_>, at: &At<'_>) -> Result<Written, Error> 
     Ok(Written::Convolution { layer, input: pooled, shape })
 }
 
-/// CONCATENATION: of channels, or of elements that follow each other once the axes are reshaped.
+/// Converts CONCATENATION: of channels, or of elements that are contiguous after reshaping the
+/// axes.
 fn concatenate(lowering: &mut Lowering<'_>, at: &At<'_>) -> Result<Written, Error> {
     if at.activation(1)? != Activation::None {
         return Err(at.refuse("a function behind a concatenation is not read"));
     }
     let rank = lowering.model.head(at.output()?)?.shape.len();
     let (axis, known) = (at.word(0)?, lowering.known(&at.operator.inputs)?);
-    // Of the last of four axes.
+    // The index among four axes, counted from the last.
     let from_end = if axis < 0 {
         axis.unsigned_abs() as usize
     } else {
@@ -366,7 +369,7 @@ fn concatenate(lowering: &mut Lowering<'_>, at: &At<'_>) -> Result<Written, Erro
     Ok(Written::Activation(Known { value, shape }))
 }
 
-/// DEPTH_TO_SPACE: each channel of the input is a pixel of a square of the output.
+/// Converts DEPTH_TO_SPACE: each channel of the input is a pixel of a square of the output.
 fn depth_to_space(lowering: &mut Lowering<'_>, at: &At<'_>) -> Result<Written, Error> {
     let side = at.count(0)?;
     let Known { value, shape } = lowering.activation(at.input(0)?)?;
@@ -418,7 +421,7 @@ fn resize(lowering: &mut Lowering<'_>, at: &At<'_>) -> Result<Written, Error> {
     Ok(Written::Activation(Known { value, shape }))
 }
 
-/// PAD, with zeros: waits for a convolution that it becomes part of.
+/// Converts PAD with zeros. It waits for a convolution that it can become part of.
 fn pad(lowering: &mut Lowering<'_>, at: &At<'_>) -> Result<Written, Error> {
     let input = at.input(0)?;
     let numbers: [i32; 8] = lowering.constant(at.input(1)?)?.whole(&lowering.model)?;
@@ -429,7 +432,7 @@ fn pad(lowering: &mut Lowering<'_>, at: &At<'_>) -> Result<Written, Error> {
         return Err(at.refuse(format!("zeros {numbers:?} are asked for")));
     };
     let zeros = [rows, columns, channels];
-    // It is computed from what is computed already.
+    // The input must be an activation.
     let known = lowering.activation(input)?;
     let more = |size: usize, [before, after]: [usize; 2]| size.saturating_add(before + after);
     let [frames, height, width] = known.shape.size;

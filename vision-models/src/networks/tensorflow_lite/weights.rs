@@ -7,33 +7,33 @@ use crate::error::Error;
 use crate::weights::tensorflow_lite::{Constant, Model};
 use crate::weights::{Tensor, TensorSource, no_tensor};
 
-/// A weight, and where its elements are from.
+/// A weight and the source of its elements.
 #[derive(Clone, Debug)]
 pub(super) struct Weight {
-    /// As the engine has it.
+    /// Shape in the engine.
     pub(super) shape: Vec<usize>,
     pub(super) source: Source,
 }
 
-/// Where the elements of a weight are from.
+/// The source of a weight's elements.
 #[derive(Clone, Debug)]
 pub(super) enum Source {
-    /// In their order, again and again until the shape is full.
+    /// Elements in their order, repeated until the shape is full.
     InOrder(Constant),
-    /// Outputs × rows × columns × inputs, to outputs × inputs × rows × columns.
+    /// Outputs × rows × columns × inputs, reordered to outputs × inputs × rows × columns.
     Kernel(Constant),
-    /// Rows × columns × outputs, to outputs × rows × columns.
+    /// Rows × columns × outputs, reordered to outputs × rows × columns.
     Depthwise(Constant),
     /// One everywhere.
     Ones,
-    /// Outputs × inputs: one where an input goes to the output of so many more.
+    /// Outputs × inputs: one where the output's number is the input's plus this offset.
     Ahead(usize),
     /// Inputs × outputs × rows × columns: one where an input goes to a pixel of the square.
     DepthToSpace,
 }
 
 impl Weight {
-    /// How many elements it has; the most for more than memory has.
+    /// Returns the number of elements. Saturates beyond the size of memory.
     pub(super) fn elements(&self) -> usize {
         self.shape.iter().fold(1, |product: usize, &axis| product.saturating_mul(axis))
     }
@@ -67,7 +67,7 @@ impl Weight {
     }
 }
 
-/// Matrices of rows × columns, each turned.
+/// Returns matrices of rows × columns, each transposed.
 fn transposed(values: &[f32], rows: usize, columns: usize) -> Vec<f32> {
     let mut turned = Vec::with_capacity(values.len());
     for matrix in values.chunks_exact((rows * columns).max(1)) {
@@ -78,7 +78,7 @@ fn transposed(values: &[f32], rows: usize, columns: usize) -> Vec<f32> {
     turned
 }
 
-/// All weights, read from the file as they are asked for.
+/// All weights, read from the file on demand.
 pub(super) struct Weights {
     file: Vec<u8>,
     weights: BTreeMap<String, Weight>,
@@ -89,7 +89,7 @@ impl Weights {
         Self { file, weights }
     }
 
-    /// The file that they are read from.
+    /// Returns the file from which they are read.
     pub(super) fn into_file(self) -> Vec<u8> {
         self.file
     }

@@ -1,32 +1,32 @@
-//! From the detector's numbers to people: anchors, boxes, and which of them are one person.
+//! Converts the detector's numbers to people: anchors, boxes, and their merging.
 
 use nalgebra::Point2;
 use ndarray::ArrayView2;
 
 use super::region::PoseRegion;
 
-/// Rows and columns of what the detector sees.
+/// Rows and columns of the detector's input.
 pub(super) const INPUT: usize = 224;
-/// Pixels from one anchor to the next, and how many share a place.
+/// Pixels from one anchor to the next, and the number of anchors at each position.
 const ANCHORS: [(usize, usize); 3] = [(8, 2), (16, 2), (32, 6)];
-/// How many anchors there are.
+/// Number of anchors.
 pub(super) const COUNT: usize = 2254;
 /// A box's centre and size, then four points.
 pub(super) const NUMBERS: usize = 12;
-/// Boxes that share so much of their area are of one person.
+/// Boxes that share this part of their area belong to one person.
 const OVERLAP: f64 = 0.3;
 
-/// A person, in parts of the detector's input.
+/// A person, in fractions of the detector's input.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Detection {
     score: f64,
     /// Left, top, right, bottom.
     sides: [f64; 4],
-    /// Between the hips, and at the edge of the circle around the person.
+    /// The middle of the hips, and a point on the circle around the person.
     points: [Point2<f64>; 2],
 }
 
-/// The centre of every anchor, in order.
+/// Returns the centre of every anchor, in order.
 fn anchors() -> impl Iterator<Item = Point2<f64>> {
     ANCHORS.into_iter().flat_map(|(step, count)| {
         let side = INPUT / step;
@@ -37,7 +37,8 @@ fn anchors() -> impl Iterator<Item = Point2<f64>> {
     })
 }
 
-/// The people whose score is at least `least`, the surest first: the region of each, in parts of the detector's input.
+/// Returns the regions of the people whose score is at least `least`, in falling order of score, in
+/// fractions of the detector's input.
 pub(super) fn decode(
     boxes: ArrayView2<'_, f32>,
     scores: ArrayView2<'_, f32>,
@@ -60,7 +61,8 @@ pub(super) fn decode(
     merged(found).iter().map(|person| PoseRegion::around(&person.points)).collect()
 }
 
-/// The mean of all detections that share much of their area with the surest of them, weighted by their scores.
+/// Merges detections that overlap much with the best of them into their mean, weighted by the
+/// scores.
 fn merged(mut found: Vec<Detection>) -> Vec<Detection> {
     found.sort_by(|one, other| other.score.total_cmp(&one.score));
     let mut people = Vec::new();
@@ -76,13 +78,13 @@ fn merged(mut found: Vec<Detection>) -> Vec<Detection> {
             });
         }
         people.push(person);
-        // A box without an area shares none, even with itself.
+        // A box without an area overlaps no box, not even itself.
         found = others.into_iter().filter(|other| *other != surest).collect();
     }
     people
 }
 
-/// The part of the area of both that two boxes share.
+/// Returns the share of their joint area that two boxes have in common.
 fn overlap(one: &Detection, other: &Detection) -> f64 {
     let area =
         |[left, top, right, bottom]: [f64; 4]| (right - left).max(0.0) * (bottom - top).max(0.0);
@@ -99,7 +101,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn there_are_as_many_anchors_as_the_detector_has() {
+    fn the_number_of_anchors_is_the_detectors() {
         let anchors: Vec<_> = anchors().collect();
         assert_eq!(anchors.len(), COUNT);
         assert_eq!(anchors[1], Point2::new(0.5, 0.5) / 28.0);
@@ -107,12 +109,12 @@ mod tests {
         assert_eq!(anchors[COUNT - 1], Point2::new(6.5, 6.5) / 7.0);
     }
 
-    /// Two boxes of one person and one of another.
+    /// Tests two boxes of one person and one of another.
     #[test]
     fn what_overlaps_is_one_person() {
         let mut boxes = Array2::zeros((COUNT, NUMBERS));
         let mut scores = Array2::from_elem((COUNT, 1), -9.0);
-        // The middle of the hips is at the anchor, the circle's edge above it.
+        // The middle of the hips is at the anchor, and the point on the circle is above it.
         for (anchor, logit, up) in [(0, 3.0, -40.0), (1, 3.0, -50.0), (COUNT - 1, 1.0, -60.0)] {
             boxes[[anchor, 2]] = 30.0;
             boxes[[anchor, 3]] = 30.0;

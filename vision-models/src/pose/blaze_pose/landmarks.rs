@@ -1,4 +1,4 @@
-//! From the numbers of the network of landmarks to points of the body.
+//! Converts the numbers of the landmark network to points of the body.
 
 use nalgebra::{Point2, Point3, Vector2};
 use ndarray::{ArrayView1, ArrayView3};
@@ -8,51 +8,60 @@ use crate::confidence::Confidence;
 
 use super::region::PoseRegion;
 
-/// Rows and columns of what the network sees.
+/// Rows and columns of the network's input.
 pub(super) const INPUT: usize = 256;
-/// Points that the network gives: those of the body, and six that help.
+/// Number of the network's points: those of the body, and six auxiliary ones.
 pub(super) const COUNT: usize = 39;
 /// Numbers of a point: x, y, depth, visibility, presence.
 pub(super) const NUMBERS: usize = 5;
-/// Cells around a point that are looked at in its map, to each side.
+/// Cells to each side of a point that are read in its map.
 const AROUND: usize = 3;
-/// The least height of a map that moves a point.
+/// Smallest height of a map that moves a point.
 const LEAST: f64 = 0.5;
-/// The points that say where the circle around the body is.
+/// The points that define the circle around the body.
 const CIRCLE: [usize; 2] = [33, 34];
 
-/// A point of the body, of the thirty-three of BlazePose.
+/// A point of the body, one of BlazePose's thirty-three.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Landmark {
-    /// In the image (pixels), the centre of the pixel at the top left at 0, 0.
+    /// Position in the image (pixels). The centre of the pixel at the top left is 0, 0.
     pub position: Point2<f64>,
-    /// How much farther from the camera it is than the middle of the hips, as many pixels as it is at their distance.
+    /// Additional distance from the camera relative to the middle of the hips, in pixels at the
+    /// hips' distance.
     pub depth: f64,
-    /// From the middle of the hips (m): x to the right in the image, y downwards, z away from the camera.
+    /// Position relative to the middle of the hips (m): x to the right in the image, y downwards, z
+    /// away from the camera.
     pub metric: Point3<f64>,
-    /// How probably it is in the image and nothing hides it.
+    /// Probability that the point is in the image and not hidden.
     pub visibility: Confidence,
-    /// How probably it is in the image.
+    /// Probability that the point is in the image.
     pub presence: Confidence,
 }
 
 /// A person as BlazePose sees them.
 ///
-/// The landmarks are, in order: the nose; of the left eye, then of the right one the inner corner, the middle and the
-/// outer corner; the ears; the corners of the mouth; shoulders, elbows, wrists; little fingers, index fingers and thumbs;
-/// hips, knees, ankles, heels and tips of the feet. Left is before right, as the person has them.
+/// The landmarks are in this order:
+/// - the nose
+/// - of the left eye, then of the right eye: the inner corner, the middle and the outer corner
+/// - the ears, and the corners of the mouth
+/// - shoulders, elbows, wrists
+/// - little fingers, index fingers and thumbs
+/// - hips, knees, ankles, heels and tips of the feet
+///
+/// Left is before right, as the person has them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Landmarks {
     /// The thirty-three points.
     pub points: [Landmark; 33],
-    /// How probably there is a person in the region.
+    /// Probability that there is a person in the region.
     pub score: Confidence,
-    /// The circle around the body: between the hips, and a point on it in the direction of the head. What
-    /// [`PoseRegion::around`] makes the next region of.
+    /// The circle around the body: its centre between the hips, and a point on it in the direction
+    /// of the head. [`PoseRegion::around`] makes the next region from it.
     pub circle: [Point2<f64>; 2],
 }
 
-/// The joints of BODY_25 that are landmarks. Small toes are none; toes are the tips of the feet.
+/// The joints of BODY_25 that are landmarks. There are no small toes. Big toes are the tips of the
+/// feet.
 const JOINTS: [(Body25, usize); 21] = [
     (Body25::Nose, 0),
     (Body25::LeftEye, 2),
@@ -78,8 +87,9 @@ const JOINTS: [(Body25, usize); 21] = [
 ];
 
 impl Landmarks {
-    /// The joints in the image, each as sure as it is visible. Neck and mid hip are the middles of shoulders and hips;
-    /// big toes are the tips of the feet, and there are no small toes.
+    /// Returns the joints in the image. Their confidence is the visibility. Neck and mid hip are
+    /// the midpoints of shoulders and hips. Big toes are the tips of the feet, and there are no
+    /// small toes.
     pub fn image_body(&self) -> ImageBody {
         let mut body = ImageBody::default();
         for (joint, index) in JOINTS {
@@ -92,17 +102,17 @@ impl Landmarks {
     }
 }
 
-/// What the network says of a region.
+/// The network's output for a region.
 pub(super) struct Numbers<'a> {
     pub(super) points: ArrayView1<'a, f32>,
     pub(super) metric: ArrayView1<'a, f32>,
     /// Points × rows × columns.
     pub(super) maps: ArrayView3<'a, f32>,
-    /// From 0 to 1.
+    /// Score from 0 to 1.
     pub(super) score: f32,
 }
 
-/// 1 / (1 + exp(-x)).
+/// Returns 1 / (1 + exp(-x)).
 fn logistic(value: f32) -> f64 {
     1.0 / (1.0 + f64::from(-value).exp())
 }
@@ -112,7 +122,7 @@ fn confidence(value: f64) -> Confidence {
 }
 
 impl Numbers<'_> {
-    /// The person in the region.
+    /// Returns the person in the region.
     pub(super) fn decode(&self, region: &PoseRegion) -> Landmarks {
         let score = confidence(f64::from(self.score));
         let points = std::array::from_fn(|index| {
@@ -131,7 +141,8 @@ impl Numbers<'_> {
         Landmarks { points, score, circle }
     }
 
-    /// A point in its region: the mean of the cells around it in its map, where that is high enough.
+    /// Returns a point in its region: the mean of the cells around it in its map, if the map is
+    /// high enough.
     #[expect(clippy::cast_possible_truncation, reason = "rounds towards zero, as MediaPipe does")]
     fn place(&self, index: usize) -> [f64; 2] {
         let coarse =

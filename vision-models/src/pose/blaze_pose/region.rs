@@ -1,11 +1,12 @@
-//! The turned square of an image in which a network looks at one person.
+//! The rotated square of an image in which a network looks for one person.
 
 use nalgebra::{Point2, Rotation2, Vector2};
 use ndarray::{ArrayView3, ArrayViewMut3};
 
 use crate::error::Error;
 
-/// The square in which landmarks are looked for, in pixels; the centre of the pixel at the top left is at 0, 0.
+/// The square in which landmarks are searched, in pixels. The centre of the pixel at the top left
+/// is at 0, 0.
 ///
 /// ```
 /// use vision_models::{PoseRegion, nalgebra::Point2};
@@ -17,24 +18,24 @@ use crate::error::Error;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PoseRegion {
-    /// Its centre, between the hips.
+    /// Centre, between the hips.
     pub centre: Point2<f64>,
-    /// The length of its sides.
+    /// Length of the sides.
     pub side: f64,
-    /// The turn from the image's rows to its own, from x towards y (rad): of somebody who lies with their head to the
-    /// right, π/2.
+    /// Rotation from the image's rows to the square's, from x towards y (rad). It is π/2 for a
+    /// person who lies with the head to the right.
     pub angle: f64,
 }
 
-/// How much larger than the circle around the person a region is.
+/// Ratio of the region's size to the circle around the person.
 const WIDENING: f64 = 1.25;
 
 impl PoseRegion {
-    /// Regions are not larger than this, nor farther away (pixels).
+    /// Largest size and distance of a region (pixels).
     const MAX_PIXELS: f64 = 1e6;
 
-    /// The region around a person of whom these points are known: between the hips, and on the circle around the body,
-    /// in the direction of the head.
+    /// Creates the region around a person from two points: the middle of the hips, and a point on
+    /// the circle around the body in the direction of the head.
     pub fn around([hips, edge]: &[Point2<f64>; 2]) -> Self {
         let up = edge - hips;
         let angle = if up == Vector2::zeros() { 0.0 } else { up.x.atan2(-up.y) };
@@ -44,7 +45,7 @@ impl PoseRegion {
     /// Checks the numbers.
     ///
     /// # Errors
-    /// [`Error::Value`] for numbers that are not finite or above a million, and for a region without an area.
+    /// [`Error::Value`] if a number is not finite or above a million, or the region has no area.
     pub fn validate(&self) -> Result<(), Error> {
         let Self { centre, side, angle } = *self;
         let near = [centre.x, centre.y, side].into_iter().all(|x| x.abs() <= Self::MAX_PIXELS);
@@ -55,23 +56,24 @@ impl PoseRegion {
         Err(Error::value("a person's region", got, "finite numbers of at most a million pixels"))
     }
 
-    /// Where a place in the region is in the image; its corners are at 0, 0 and 1, 1.
+    /// Returns a position of the region in the image. The region's corners are at 0, 0 and 1, 1.
     pub(super) fn place(&self, [u, v]: [f64; 2]) -> Point2<f64> {
         self.centre + self.turn(Vector2::new(u - 0.5, v - 0.5) * self.side)
     }
 
-    /// A direction in the region, in the image.
+    /// Returns a direction of the region in the image.
     pub(super) fn turn(&self, direction: Vector2<f64>) -> Vector2<f64> {
         Rotation2::new(self.angle) * direction
     }
 
-    /// The same region, moved and scaled as places of the region are.
+    /// Converts this region from coordinates of `whole` to coordinates of the image.
     pub(super) fn within(&self, whole: &Self) -> Self {
         let centre = whole.place([self.centre.x, self.centre.y]);
         Self { centre, side: self.side * whole.side, angle: self.angle + whole.angle }
     }
 
-    /// The part of the area of both that two regions share, were they not turned.
+    /// Returns the share of their joint area that two regions have in common, ignoring their
+    /// rotation.
     pub(super) fn overlap(&self, other: &Self) -> f64 {
         let apart = (self.centre - other.centre).abs();
         let along = |apart: f64| {
@@ -81,8 +83,8 @@ impl PoseRegion {
         shared / (self.side.powi(2) + other.side.powi(2) - shared)
     }
 
-    /// Fills channels × rows × columns with the colours of the region, interpolated linearly between whole levels. What
-    /// is outside the image is as its edge, or black.
+    /// Fills channels × rows × columns with the colours of the region, interpolated linearly
+    /// between integer levels. Positions outside the image take the colour of its edge, or black.
     pub(super) fn sample(
         &self,
         image: &ArrayView3<'_, u8>,
@@ -107,20 +109,20 @@ impl PoseRegion {
     }
 }
 
-/// What is outside an image.
+/// The colour outside an image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Edge {
     /// The nearest pixel.
     Nearest,
-    /// Nothing.
+    /// Black.
     Black,
 }
 
-/// Steps from one pixel to the next between which is interpolated: OpenCV's, without which the networks see other
-/// images than MediaPipe's do.
+/// Steps of the interpolation from one pixel to the next. OpenCV has this number, and MediaPipe's
+/// networks get their images from OpenCV.
 const STEPS: i64 = 32;
 
-/// An image between its pixels.
+/// An image that can be read between its pixels.
 struct Sampled<'a> {
     image: &'a ArrayView3<'a, u8>,
     edge: Edge,
@@ -135,7 +137,7 @@ impl<'a> Sampled<'a> {
         Self { image, edge, last }
     }
 
-    /// The colours at a place between the pixels, in whole levels.
+    /// Returns the colours at a position between the pixels, in integer levels.
     #[expect(clippy::cast_possible_truncation, reason = "regions are near the image")]
     fn colours(&self, at: &Point2<f64>) -> [u8; 3] {
         let [x, y] = [at.x, at.y].map(|place| (place * STEPS as f64).round_ties_even() as i64);
@@ -175,7 +177,7 @@ mod tests {
 
     #[test]
     fn the_head_is_up_in_the_region() {
-        // Who lies with the head to the right.
+        // A person who lies with the head to the right.
         let lying = PoseRegion::around(&[Point2::new(50.0, 60.0), Point2::new(90.0, 60.0)]);
         assert!((lying.angle - FRAC_PI_2).abs() < 1e-12 && (lying.side - 100.0).abs() < 1e-12);
         let above = lying.place([0.5, 0.0]);
@@ -188,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn a_region_of_the_whole_image_is_the_image() {
+    fn the_whole_image_as_region_is_the_image() {
         let image = Array3::from_shape_fn((4, 4, 3), |(row, column, channel)| {
             u8::try_from(10 * row + 50 * column + channel).unwrap_or(0)
         });

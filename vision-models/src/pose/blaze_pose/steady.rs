@@ -1,14 +1,15 @@
-//! The circle around a person, steadied over time.
+//! Smooths the circle around a person over time.
 //!
-//! The one-euro filter of G. Casiez, N. Roussel and D. Vogel, "1 € filter: a simple speed-based low-pass filter for noisy
-//! input in interactive systems", CHI 2012, with MediaPipe's parameters: a region that stands still where the person
-//! does, and follows at once where they move.
+//! The one-euro filter of G. Casiez, N. Roussel and D. Vogel, "1 € filter: a simple speed-based
+//! low-pass filter for noisy input in interactive systems", CHI 2012, with MediaPipe's parameters.
+//! A region rests while the person does, and follows a moving person without delay.
 
 use std::f64::consts::TAU;
 
 use nalgebra::{Point2, SVector};
 
-/// The lowest cutoff (Hz), how it grows with the speed (in diameters of the circle), and the cutoff of the speed (Hz).
+/// Lowest cutoff (Hz), its growth with the speed (in diameters of the circle), and the cutoff of
+/// the speed (Hz).
 const CUTOFF: f64 = 0.01;
 const BETA: f64 = 10.0;
 const SPEED_CUTOFF: f64 = 1.0;
@@ -22,18 +23,19 @@ pub(super) struct Steady {
     last: Option<Last>,
 }
 
-/// Both points' coordinates.
+/// The last state of both points' coordinates.
 #[derive(Clone, Debug)]
 struct Last {
     time: f64,
     raw: SVector<f64, 4>,
-    /// Diameters a second.
+    /// Speed in diameters per second.
     speed: SVector<f64, 4>,
     filtered: SVector<f64, 4>,
 }
 
 impl Steady {
-    /// The steadied circle for the one that is seen at a time (s). Without a later time than before it stays as it is seen.
+    /// Returns the smoothed circle at a time (s). If the time is not later than the previous one,
+    /// it returns the circle itself.
     pub(super) fn update(&mut self, time: f64, [centre, edge]: Circle) -> Circle {
         let raw = SVector::from([centre.x, centre.y, edge.x, edge.y]);
         let seen = |speed| Last { time, raw, speed, filtered: raw };
@@ -68,19 +70,19 @@ mod tests {
     }
 
     #[test]
-    fn what_stands_is_steadied_and_what_moves_is_followed() {
+    fn standing_circles_are_smoothed_and_moving_ones_followed() {
         let mut steady = Steady::default();
         assert_eq!(steady.update(0.0, circle(10.0)), circle(10.0));
-        // A jitter of a pixel.
+        // A jitter of one pixel.
         let [centre, _] = steady.update(0.04, circle(11.0));
         assert!((10.0..10.2).contains(&centre.x), "{centre}");
-        // A step of a metre each second, where the circle is about two wide.
+        // Moves by 50 pixels per second: one metre per second if the circle is two metres wide.
         for frame in 0_i32..50 {
             let (x, time) = (11.0 + 2.0 * f64::from(frame), 0.08 + 0.04 * f64::from(frame));
             let [centre, _] = steady.update(time, circle(x));
             assert!(frame < 20 || (centre.x - x).abs() < 6.0, "{centre} for {x}");
         }
-        // Times that stand still: as it is seen.
+        // If the time does not advance, the circle is not smoothed.
         assert_eq!(steady.update(0.0, circle(10.0)), circle(10.0));
     }
 }

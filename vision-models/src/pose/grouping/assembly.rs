@@ -1,4 +1,4 @@
-//! People from connected joints.
+//! Assembles people from connected joints.
 
 use nalgebra::Point2;
 
@@ -9,11 +9,11 @@ use super::limbs::Connection;
 use super::peaks::Peak;
 use super::{Coco18, GroupingSettings};
 
-/// Joints that belong together: for each of the eighteen the number of its maximum.
+/// Joints of one person: for each of the eighteen, the number of its maximum.
 #[derive(Clone, Copy, Debug, Default)]
 struct Person {
     joints: [Option<usize>; 18],
-    /// The sum of the scores of the connections.
+    /// Sum of the scores of the connections.
     connections: f64,
 }
 
@@ -28,7 +28,7 @@ impl Person {
         self.joints[joint] == Some(peak)
     }
 
-    /// Whether the two have no joint of the same kind.
+    /// Returns true if the two have no joint of the same kind.
     fn is_apart_from(&self, other: &Self) -> bool {
         self.joints.iter().zip(&other.joints).all(|(one, other)| one.is_none() || other.is_none())
     }
@@ -41,8 +41,8 @@ impl Person {
     }
 }
 
-/// Joins joints along the connections, the best first. A connection that would give a person two joints of one
-/// kind is left out.
+/// Joins joints along the connections, the best first. A connection that would give a person two
+/// joints of one kind is left out.
 pub(super) fn assemble(
     peaks: &[Vec<Peak>],
     connections: Vec<Connection>,

@@ -1,4 +1,4 @@
-//! Which joints the limbs' fields connect.
+//! Finds the joints that the limbs' fields connect.
 
 use ndarray::{ArrayView2, ArrayView3, Axis};
 
@@ -28,18 +28,19 @@ const LIMBS: [([usize; 2], usize); 19] = [
     ([5, 17], 26),
 ];
 
-/// Samples of the field along a line.
+/// Number of samples of the field along a line.
 const SAMPLES: u32 = 10;
 
-/// Two joints that a limb connects: the joint's number, and its maximum's among that joint's.
+/// Two joints that a limb connects: the joint's number, and the number of its maximum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Connection {
     pub(super) ends: [(usize, usize); 2],
-    /// The mean of the field along the line (eq. 10).
+    /// Mean of the field along the line (eq. 10).
     pub(super) score: f64,
 }
 
-/// The connections of all limbs, the best first. Each limb has the best pairs, no joint in two of them.
+/// Returns the connections of all limbs, the best first. The best pairs of each limb are taken,
+/// each joint once.
 pub(super) fn connect(
     peaks: &[Vec<Peak>],
     fields: &ArrayView3<'_, f32>,
@@ -73,8 +74,9 @@ fn sort(connections: &mut [Connection]) {
     connections.sort_by(|one, other| other.score.total_cmp(&one.score));
 }
 
-/// The mean of the field's part along the line between two joints, less for lines of more than half the image's
-/// height; `None` where too little of the field points along it.
+/// Returns the mean component of the field along the line between two joints. It is reduced for
+/// lines longer than half the image's height. `None` if too little of the field points along the
+/// line.
 fn score(
     field: &[ArrayView2<'_, f32>; 2],
     from: [f64; 2],
@@ -101,7 +103,7 @@ fn score(
     is_limb.then_some(score)
 }
 
-/// A map's value between cells; beyond the edge that of the edge.
+/// Returns a map's value between cells. Beyond the edge it is the edge's value.
 fn interpolate(map: &ArrayView2<'_, f32>, [x, y]: [f64; 2]) -> f64 {
     let (rows, columns) = map.dim();
     let split = |at: f64, count: usize| {

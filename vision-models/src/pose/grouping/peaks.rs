@@ -1,8 +1,8 @@
-//! The maxima of the joints' maps.
+//! Finds the maxima of the joints' maps.
 
 use ndarray::{ArrayView2, ArrayView3, Axis};
 
-/// The most maxima of a joint that are kept: more people than any image has where they can be told apart.
+/// Largest number of maxima per joint, more than the people who can be distinguished in an image.
 const MOST: usize = 64;
 
 /// A maximum of a joint's map.
@@ -13,7 +13,7 @@ pub(super) struct Peak {
     pub(super) height: f64,
 }
 
-/// The maxima of the eighteen joints, the highest first.
+/// Returns the maxima of the eighteen joints, the highest first.
 pub(super) fn find(joints: &ArrayView3<'_, f32>, least: f64) -> Vec<Vec<Peak>> {
     joints.axis_iter(Axis(0)).take(18).map(|map| find_in(&map, least)).collect()
 }
@@ -29,7 +29,7 @@ fn find_in(map: &ArrayView2<'_, f32>, least: f64) -> Vec<Peak> {
     peaks
 }
 
-/// Whether no neighbour is higher; of equal neighbours the first is the maximum.
+/// Returns true if no neighbour is higher. The first of equal neighbours is the maximum.
 fn is_highest(map: &ArrayView2<'_, f32>, (row, column): (usize, usize), height: f32) -> bool {
     let near = |at: usize| at.saturating_sub(1)..=at + 1;
     near(row).all(|y| {
@@ -41,12 +41,13 @@ fn is_highest(map: &ArrayView2<'_, f32>, (row, column): (usize, usize), height: 
     })
 }
 
-/// Where the maximum lies between cells: that of the Gaussian through it and its two neighbours, along each axis.
+/// Returns the position of the maximum between cells: that of the Gaussian through it and its two
+/// neighbours, along each axis.
 fn refine(map: &ArrayView2<'_, f32>, (row, column): (usize, usize)) -> [f64; 2] {
     let logarithm = |y: Option<usize>, x: Option<usize>| {
         let value = f64::from(*map.get((y?, x?))?);
         let height = f64::from(map[(row, column)]);
-        // What is far below the maximum says little.
+        // A value far below the maximum gives little information.
         Some(value.max(1e-3 * height).ln())
     };
     let centre = f64::from(map[(row, column)]).ln();

@@ -1,4 +1,4 @@
-//! The machine that a pickle is a program for.
+//! The stack machine that runs a pickle.
 
 mod stack;
 
@@ -12,14 +12,14 @@ use crate::weights::error::{beyond, in_pickle};
 use crate::weights::input::Input;
 use crate::weights::pickle::value::{Global, Id, Value};
 
-/// More values than any checkpoint has: enough for 100,000 tensors.
+/// Largest number of values, enough for 100,000 tensors.
 const MAX_VALUES: usize = 1 << 21;
 
-/// Runs one pickle, up to its `STOP`. The values it makes are the ones of [`Value`]; what it asks to
-/// import, call or build beyond those becomes [`Value::Inert`].
+/// Runs one pickle up to its `STOP`. It creates the values of [`Value`]. Any other import, call or
+/// object becomes [`Value::Inert`].
 ///
 /// # Errors
-/// [`Error::Checkpoint`].
+/// [`Error::Checkpoint`] if the pickle is rejected.
 pub(in crate::weights) fn run<R: BufRead>(
     input: &mut Input<R>,
     budget: &mut Budget,
@@ -53,8 +53,8 @@ pub(super) struct Machine<'a, R> {
 }
 
 impl<R: BufRead> Machine<'_, R> {
-    /// Does one opcode; gives the result at `STOP`.
-    #[allow(clippy::too_many_lines, clippy::match_same_arms)] // a line an opcode, in groups
+    /// Executes one opcode. Returns the result at `STOP`.
+    #[allow(clippy::too_many_lines, clippy::match_same_arms)] // one line per opcode, in groups
     fn step(&mut self) -> Result<Option<Id>, Error> {
         let opcode = self.input.byte("pickle")?;
         match opcode {
@@ -147,7 +147,7 @@ impl<R: BufRead> Machine<'_, R> {
                 self.push(Value::Inert)?;
             }
             b'o' => self.inert_from_mark()?,
-            b'b' => self.discard(1)?, // the state of an object: attributes, which weights have none of
+            b'b' => self.discard(1)?, // attributes of an object, which weights do not have
             0x82 => self.inert(1)?,
             0x83 => self.inert(2)?,
             0x84 => self.inert(4)?,
@@ -179,7 +179,7 @@ impl<R: BufRead> Machine<'_, R> {
         self.push(Value::Int(i64::from(value)))
     }
 
-    /// An integer of any length, two's complement, little-endian.
+    /// Reads an integer of any length, two's complement, little-endian.
     fn long<const SIZE: usize>(&mut self) -> Result<(), Error> {
         let length = self.unsigned::<SIZE>()?;
         self.take_bytes(length)?;
@@ -215,14 +215,14 @@ impl<R: BufRead> Machine<'_, R> {
         self.inert(length)
     }
 
-    /// Takes the memory of bytes off the budget that are read, and then kept as a text. More than
-    /// there are will not be read.
+    /// Charges the memory of bytes that are read and then kept as a text. More bytes than there are
+    /// will not be read.
     fn take_bytes(&mut self, length: u64) -> Result<(), Error> {
         let length = usize::try_from(length.min(self.input.remaining())).unwrap_or(usize::MAX);
         self.budget.take(length.saturating_mul(2).saturating_add(2 * size_of::<usize>()))
     }
 
-    /// A value whose bytes are of no interest.
+    /// Adds a value whose bytes are ignored.
     fn inert(&mut self, length: u64) -> Result<(), Error> {
         self.input.skip(length, "value")?;
         self.push(Value::Inert)
@@ -282,7 +282,7 @@ impl<R: BufRead> Machine<'_, R> {
     fn store(&mut self, index: u64) -> Result<(), Error> {
         let top = self.top()?;
         Self::within_limit(self.memo.len())?;
-        // A table that is from 7/16 to 7/8 full, and there twice while it grows.
+        // A hash table that is between 7/16 and 7/8 full, and in memory twice while it grows.
         self.budget.take(4 * size_of::<(u64, Id)>())?;
         self.memo.insert(index, top);
         Ok(())
@@ -309,7 +309,7 @@ impl<R: BufRead> Machine<'_, R> {
         self.push(Global::from_name(module, name).map_or(Value::Inert, Value::Global))
     }
 
-    /// What stands for an object outside the pickle: in a checkpoint, a storage.
+    /// Reads a reference to an object outside the pickle, which is a storage in a checkpoint.
     fn persistent(&mut self) -> Result<(), Error> {
         let id = self.pop()?;
         let storage = self.storage(id)?;
@@ -344,15 +344,15 @@ impl<R: BufRead> Machine<'_, R> {
         Ok(bytes.iter().rev().fold(0, |value, &byte| value << 8 | u64::from(byte)))
     }
 
-    /// Counts what is copied from one value to another: a pickle can ask for the same copy again
-    /// and again in a few bytes.
+    /// Counts copies from one value to another. A pickle can request the same copy many times in a
+    /// few bytes.
     pub(super) fn charge(&mut self, copied: usize) -> Result<(), Error> {
         self.budget.take(3 * size_of::<(Id, Id)>() * copied)?;
         self.copied = self.copied.saturating_add(copied);
         Self::within_limit(self.copied)
     }
 
-    /// Takes memory off the budget for what a value points to.
+    /// Charges the memory to which a value points.
     pub(super) fn charge_bytes(&mut self, bytes: usize) -> Result<(), Error> {
         self.budget.take(bytes)
     }

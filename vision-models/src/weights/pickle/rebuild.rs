@@ -1,4 +1,4 @@
-//! The few objects of a checkpoint that mean something, made from their pickled arguments.
+//! Creates the few objects that a checkpoint needs from their pickled arguments.
 
 use std::{io::BufRead, rc::Rc};
 
@@ -7,12 +7,12 @@ use crate::error::Error;
 use crate::weights::pickle::value::{Global, Id, Storage, Value, View};
 use crate::weights::shape::MAX_AXES;
 
-/// More bytes than the key of any storage has.
+/// Longest key of a storage (bytes).
 const MAX_KEY: usize = 64;
 
 impl<R: BufRead> Machine<'_, R> {
-    /// A storage from what a checkpoint calls it: `("storage", class, key, device, elements)`, in
-    /// files of before PyTorch 0.4 with a sixth item for a storage that is a part of another.
+    /// Creates a storage from its description: `("storage", class, key, device, elements)`. Files
+    /// from before PyTorch 0.4 have a sixth item, for a storage that is a part of another.
     pub(super) fn storage(&mut self, id: Id) -> Result<Value, Error> {
         const FORM: &str = "(\"storage\", class, key, device, elements)";
         self.charge_bytes(2 * size_of::<Storage>() + 2 * MAX_KEY)?;
@@ -25,7 +25,7 @@ impl<R: BufRead> Machine<'_, R> {
         if !matches!(self.value(tag), Value::Text(tag) if &**tag == "storage") {
             return Err(self.expected(FORM));
         }
-        // `None` is inert, too.
+        // `None` is inert too.
         if !rest.iter().all(|&part| matches!(self.value(part), Value::Inert)) {
             return Err(self.expected("a storage that is no part of another"));
         }
@@ -41,7 +41,7 @@ impl<R: BufRead> Machine<'_, R> {
         Ok(Value::Storage(Rc::new(Storage { key, element, elements })))
     }
 
-    /// What the callable named by `global` would make of its arguments.
+    /// Returns the object that the callable named by `global` would create from its arguments.
     pub(super) fn rebuild(&mut self, global: Global, arguments: Id) -> Result<Id, Error> {
         let Value::Tuple(arguments) = self.value(arguments) else {
             return Err(self.expected("a tuple of arguments"));
@@ -66,7 +66,7 @@ impl<R: BufRead> Machine<'_, R> {
         }
     }
 
-    /// An ordered dict of Python 2: a list of lists of a key and a value.
+    /// Creates an ordered dict of Python 2: a list of lists of a key and a value.
     fn dict(&mut self, pairs: Id) -> Result<Id, Error> {
         const FORM: &str = "a list of keys and values";
         let length = match self.value(pairs) {

@@ -1,11 +1,12 @@
-//! What a pickle makes, as far as a state dict needs it.
+//! The values of a pickle, as far as a state dict needs them.
 
 use std::rc::Rc;
 
 use crate::weights::element::ElementType;
 
-/// A value's place among all values of a pickle. Values refer to each other by it, so that a value
-/// that occurs many times is stored once, and no depth of nesting can exhaust the stack.
+/// The index of a value among all values of a pickle. Values refer to each other by their index. A
+/// value that occurs many times is therefore stored once, and no depth of nesting can exhaust the
+/// stack.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::weights) struct Id(pub(super) usize);
 
@@ -21,11 +22,11 @@ pub(in crate::weights) enum Value {
     Global(Global),
     Storage(Rc<Storage>),
     Tensor(Box<View>),
-    /// Anything else. Nothing is done with it.
+    /// Any other value. It is not used.
     Inert,
 }
 
-/// The names that mean something. No other name of a pickle is ever looked up, and these are
+/// The names that have a meaning. All other names in a pickle are ignored, and these are
 /// interpreted here, not called.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::weights) enum Global {
@@ -51,7 +52,7 @@ impl Global {
     }
 }
 
-/// The memory that tensors are views of.
+/// The memory of which tensors are views.
 #[derive(Debug, PartialEq, Eq)]
 pub(in crate::weights) struct Storage {
     pub(in crate::weights) key: Rc<str>,
@@ -59,7 +60,7 @@ pub(in crate::weights) struct Storage {
     pub(in crate::weights) elements: usize,
 }
 
-/// A tensor: where its elements lie in a storage.
+/// A tensor: the position of its elements in a storage.
 #[derive(Clone, Debug)]
 pub(in crate::weights) struct View {
     pub(in crate::weights) storage: Rc<Storage>,

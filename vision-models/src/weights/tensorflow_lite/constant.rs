@@ -1,4 +1,4 @@
-//! The numbers in a file of TensorFlow Lite.
+//! Constants in a file of TensorFlow Lite.
 
 use crate::error::Error;
 use crate::weights::budget::Budget;
@@ -8,7 +8,7 @@ use crate::weights::shape::elements;
 
 use super::{Model, TensorHead, sparse};
 
-/// A tensor whose elements the file holds.
+/// A tensor whose elements are in the file.
 #[derive(Clone, Debug)]
 pub(crate) struct Constant {
     pub(crate) tensor: usize,
@@ -17,10 +17,14 @@ pub(crate) struct Constant {
 }
 
 impl Constant {
-    /// The constant that a tensor is; `None` for one that is computed. The budget pays for its elements.
+    /// Returns the constant of a tensor, or `None` for a computed tensor. The budget is charged for
+    /// its elements.
     ///
     /// # Errors
-    /// [`Error::Checkpoint`] beyond the budget, for elements of a type that no layer has, and for more or fewer than the shape has.
+    /// [`Error::Checkpoint`] if one of these is wrong:
+    /// - The budget is exceeded.
+    /// - The elements have a type that no layer has.
+    /// - The number of elements is not the shape's.
     pub(crate) fn of(
         model: &Model<'_>,
         tensor: usize,
@@ -63,15 +67,15 @@ impl Constant {
         Ok(Some(Self { tensor, shape, element }))
     }
 
-    /// How many elements it has, zeros of a sparse one included.
+    /// Returns the number of elements, including the zeros of a sparse tensor.
     pub(crate) fn elements(&self) -> usize {
         elements(&self.shape).unwrap_or(usize::MAX)
     }
 
-    /// The elements, in order.
+    /// Returns the elements, in order.
     ///
     /// # Errors
-    /// [`Error::Checkpoint`] for a sparse one whose places lie outside it.
+    /// [`Error::Checkpoint`] if positions of a sparse tensor lie outside it.
     pub(crate) fn read(&self, model: &Model<'_>) -> Result<Vec<f32>, Error> {
         let head = model.head(self.tensor)?;
         let bytes = model.elements(&head)?;
@@ -85,10 +89,10 @@ impl Constant {
         }
     }
 
-    /// A few whole numbers, such as a shape.
+    /// Returns a few integers, such as a shape.
     ///
     /// # Errors
-    /// [`Error::Checkpoint`] for other elements, or another count of them.
+    /// [`Error::Checkpoint`] if the elements have another type or number.
     pub(crate) fn whole<const COUNT: usize>(
         &self,
         model: &Model<'_>,

@@ -1,6 +1,6 @@
-//! The tables of a file of TensorFlow Lite, as its `schema.fbs` numbers their fields.
+//! The tables of a file of TensorFlow Lite, with the field numbers of its `schema.fbs`.
 //!
-//! Every access is checked against the file by `planus`, and what does not fit is an error.
+//! `planus` checks every access against the file. An invalid one is an error.
 
 use planus::errors::ErrorKind;
 use planus::table_reader::Table as Reader;
@@ -9,7 +9,7 @@ use planus::{SliceWithStartOffset, TableRead, Vector, VectorRead};
 use crate::error::Error;
 use crate::weights::error::refused;
 
-/// Where a file says what it is.
+/// The identifier of the file format.
 const IDENTIFIER: &[u8] = b"TFL3";
 
 /// Returns true for the first bytes of a file of TensorFlow Lite.
@@ -28,16 +28,16 @@ impl<'a> TableRead<'a> for Table<'a> {
 }
 
 impl<'a> Table<'a> {
-    /// The first table of a file.
+    /// Returns the first table of a file.
     ///
     /// # Errors
-    /// [`Error::Checkpoint`].
+    /// [`Error::Checkpoint`] if it is invalid.
     pub(super) fn root(file: &'a [u8]) -> Result<Self, Error> {
         let buffer = SliceWithStartOffset { buffer: file, offset_from_start: 0 };
         <Self as TableRead>::from_buffer(buffer, 0).map_err(|error| refused("model", error))
     }
 
-    /// A field, if it is there.
+    /// Returns a field, if it exists.
     fn get<T: TableRead<'a>>(&self, field: usize, name: &'static str) -> Result<Option<T>, Error> {
         self.0.access(field, name, "field").map_err(|error| {
             let place = format!("{name} at byte {}", error.source_location.byte_offset);
@@ -45,7 +45,7 @@ impl<'a> Table<'a> {
         })
     }
 
-    /// A number; its default if it is left out.
+    /// Returns a number, or its default if it is missing.
     pub(super) fn number<T: TableRead<'a> + Default>(
         &self,
         field: usize,
@@ -54,12 +54,12 @@ impl<'a> Table<'a> {
         self.get(field, name).map(Option::unwrap_or_default)
     }
 
-    /// A table within the table.
+    /// Returns a table within the table.
     pub(super) fn table(&self, field: usize, name: &'static str) -> Result<Option<Self>, Error> {
         self.get(field, name)
     }
 
-    /// Numbers; none if they are left out.
+    /// Returns numbers, or none if they are missing.
     pub(super) fn numbers<T: VectorRead<'a>>(
         &self,
         field: usize,
@@ -69,12 +69,12 @@ impl<'a> Table<'a> {
         Ok(vector.unwrap_or_else(Vector::new_empty))
     }
 
-    /// Bytes; none if they are left out.
+    /// Returns bytes, or none if they are missing.
     pub(super) fn bytes(&self, field: usize, name: &'static str) -> Result<&'a [u8], Error> {
         self.number(field, name)
     }
 
-    /// Tables; none if they are left out.
+    /// Returns tables, or none if they are missing.
     pub(super) fn tables(&self, field: usize, name: &'static str) -> Result<Tables<'a>, Error> {
         let tables = self.get::<Tables<'a>>(field, name)?;
         let none = SliceWithStartOffset { buffer: &[], offset_from_start: 0 };
@@ -85,14 +85,14 @@ impl<'a> Table<'a> {
 /// A vector of tables.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Tables<'a> {
-    /// From the first offset on to the end of the file.
+    /// The bytes from the first offset to the end of the file.
     offsets: SliceWithStartOffset<'a>,
     count: usize,
 }
 
 impl<'a> TableRead<'a> for Tables<'a> {
     fn from_buffer(buffer: SliceWithStartOffset<'a>, offset: usize) -> Result<Self, ErrorKind> {
-        // As of numbers, whose length is checked there.
+        // Read as a vector of numbers, whose length is checked.
         let count = Vector::<u32>::from_buffer(buffer, offset)?.len();
         let start = <u32 as TableRead>::from_buffer(buffer, offset)? as usize;
         let offsets = buffer.advance(offset)?.advance(start)?.advance(size_of::<u32>())?;
@@ -105,10 +105,10 @@ impl<'a> Tables<'a> {
         self.count
     }
 
-    /// The table of this number.
+    /// Returns the table of this number.
     ///
     /// # Errors
-    /// [`Error::Checkpoint`] if there are not so many, or it does not fit.
+    /// [`Error::Checkpoint`] if there is no such table, or it is invalid.
     pub(super) fn get(&self, index: usize, name: &str) -> Result<Table<'a>, Error> {
         if index >= self.count {
             let problem = format!("there are {} of them", self.count);

@@ -1,7 +1,8 @@
-//! Tensors of which the file holds only what is not zero: what `DENSIFY` spreads.
+//! Sparse tensors: the file holds only the elements that are not zero. `DENSIFY` expands them.
 //!
-//! Each axis, in the order in which it is traversed, is dense, or lists where its elements are: those of the i-th
-//! entry of the axis before are from `segments[i]` to `segments[i + 1]` among the `indices`.
+//! Each axis, in the order of traversal, is dense or lists the positions of its elements. The
+//! elements of the i-th entry of the previous axis are from `segments[i]` to `segments[i + 1]` in
+//! `indices`.
 
 use planus::Vector;
 
@@ -9,13 +10,13 @@ use crate::error::Error;
 
 use super::schema::Table;
 
-/// An axis as it is traversed.
+/// An axis in the order of traversal.
 enum Axis<'a> {
     Dense(usize),
     Sparse { segments: Indices<'a>, indices: Indices<'a> },
 }
 
-/// An axis with its place in the dense tensor.
+/// An axis with its position in the dense tensor.
 struct Level<'a> {
     axis: Axis<'a>,
     length: usize,
@@ -30,7 +31,7 @@ enum Indices<'a> {
 }
 
 impl<'a> Indices<'a> {
-    /// The union of index vectors whose type and value are at these fields.
+    /// Reads the union of index vectors whose type and value are in these fields.
     fn of(table: &Table<'a>, field: usize) -> Result<Self, String> {
         let text = |error: Error| error.to_string();
         let name = "indices of a sparse axis";
@@ -54,8 +55,8 @@ impl<'a> Indices<'a> {
     }
 }
 
-/// How many elements a sparse tensor of this shape stores, at most one more than `stored`; what is wrong with the
-/// places where they are to be.
+/// Returns the number of stored elements of a sparse tensor of this shape, at most one more than
+/// `stored`. The error says what is wrong with their positions.
 pub(super) fn check(table: &Table<'_>, shape: &[usize], stored: usize) -> Result<usize, String> {
     let mut count = 0;
     let mut visit = |_| {
@@ -66,7 +67,7 @@ pub(super) fn check(table: &Table<'_>, shape: &[usize], stored: usize) -> Result
     Ok(count)
 }
 
-/// The dense tensor.
+/// Returns the dense tensor.
 pub(super) fn spread(
     table: &Table<'_>,
     shape: &[usize],
@@ -120,7 +121,8 @@ fn levels<'a>(table: &Table<'a>, shape: &[usize]) -> Result<Vec<Level<'a>>, Stri
     Ok(levels)
 }
 
-/// Visits the place of every stored element, in order, below an entry of the axis before and its place.
+/// Visits the position of every stored element, in order, below an entry of the previous axis and
+/// its position.
 fn walk(
     levels: &[Level<'_>],
     [entry, place]: [usize; 2],

@@ -1,4 +1,4 @@
-//! Settings and inputs out of range are named.
+//! Settings and inputs that are out of range are named.
 
 use super::*;
 

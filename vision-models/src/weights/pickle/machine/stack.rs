@@ -17,7 +17,7 @@ impl<R: BufRead> Machine<'_, R> {
         self.cut_off(mark)
     }
 
-    /// Takes all values from `start` on off the stack.
+    /// Removes all values from `start` on from the stack.
     pub(super) fn cut_off(&mut self, start: usize) -> Result<Vec<Id>, Error> {
         let count = self.stack.len().saturating_sub(start);
         self.budget.take(size_of::<Id>() * count)?;
@@ -47,7 +47,7 @@ impl<R: BufRead> Machine<'_, R> {
         self.stack.get(index).copied().ok_or_else(|| self.problem("the stack is empty"))
     }
 
-    /// Where the topmost `count` values start, which must not reach below the last mark.
+    /// Returns where the topmost `count` values start. They must not reach below the last mark.
     pub(super) fn floor_for(&self, count: usize) -> Result<usize, Error> {
         let mark = self.marks.last().copied().unwrap_or(0);
         self.stack
