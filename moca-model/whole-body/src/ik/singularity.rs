@@ -37,9 +37,9 @@ use crate::vector::{dot, subtract};
 ///
 /// Where they come to the end of the reach (cₖ > 0), 100 |rₖ| is replaced by a speed. It is the speed from which they
 /// can stop within σₖ/cₖ, at 20 1/s and 5 rad/s². There the rest gₖ is not given up. Instead rows √λ dᵀ q̇ = 0 are
-/// added. The pairs λ, d are the positive eigenvalues and the eigenvectors of −Σ gₖ uₖ · y″ / (20 1/s), without what
-/// this level and those above determine. That is Newton's step towards the least distance, at which the level rests
-/// without oscillating.
+/// added. The pairs λ, d are the positive eigenvalues and the eigenvectors of −Σ gₖ uₖ · y″ / (20 1/s). Directions of
+/// this level and those above are removed from them. That is Newton's step towards the least distance, at which the
+/// level rests without oscillating.
 ///
 /// Where y″ is not known, the part (μ²/(σₖ² + μ²))³ of rₖ is given up. This is damped least squares (Nakamura and
 /// Hanafusa, Journal of Dynamic Systems, Measurement and Control 108, 1986), iterated twice. Well-conditioned

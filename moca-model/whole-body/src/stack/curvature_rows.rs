@@ -9,10 +9,10 @@ use crate::tasks::curvature::Curvature;
 /// curvature.
 ///
 /// A level with these rows minimises ½ ‖J q̇ − b‖² + ½ q̇ᵀ H⁺ q̇. That replaces the Gauss-Newton step by Newton's step,
-/// which levels with a remaining error need. See Pfeiffer, Escande, Kheddar, "Singularity resolution in equality and
-/// inequality constrained hierarchical task-space control by adaptive nonlinear least squares", IEEE Robotics and
-/// Automation Letters 3(4), 2018. At the end of the robot's reach, the rows take the motions that would leave it from
-/// the levels below. Rows without curvature are free.
+/// which levels with a remaining error need (Pfeiffer, Escande, Kheddar, IEEE Robotics and Automation Letters 3(4),
+/// 2018). The paper is "Singularity resolution in equality and inequality constrained hierarchical task-space control
+/// by adaptive nonlinear least squares". At the end of the robot's reach, the rows take the motions that would leave it
+/// from the levels below. Rows without curvature are free.
 #[derive(Debug, Clone)]
 pub(crate) struct CurvatureRows {
     pub(crate) curvature: Curvature,

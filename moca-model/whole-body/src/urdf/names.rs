@@ -56,7 +56,7 @@ mod tests {
     }
 
     #[test]
-    fn the_nearest_comes_first_and_long_lists_are_cut() {
+    fn nearest_name_comes_first_and_lists_are_cut() {
         let known = ["base", "panda_hand", "panda_link1"];
         assert_eq!(nearest("panda_hnad", known.into_iter()), "panda_hand, panda_link1, base");
         let many: Vec<_> = (0..23).map(|number| number.to_string()).collect();

@@ -119,7 +119,7 @@ proptest! {
 
     /// Whatever other levels there are, and however many rows they have.
     #[test]
-    fn levels_of_different_sizes_are_damped_as_if_alone(
+    fn damping_of_a_level_ignores_other_levels(
         above in 1_usize..8, own in 1_usize..6, closeness in 1e-6..0.1_f64,
         entries in prop::collection::vec(-1.0..1.0_f64, 6 * 6),
         b in prop::collection::vec(-1.0..1.0_f64, 6),

@@ -50,8 +50,8 @@ impl JointIntervals {
     ///
     /// A velocity along the heading rotates with the base, by v ω Δt a period. A limit of the wheels keeps |v ω| ≤ 0.6
     /// a, which leaves 0.8 a along the heading at any yaw. In front of position limits v and ω can shrink evenly to
-    /// zero in a time T. The base then moves v T/2 along an arc that turns by ω T/2. The distance towards a wall is at
-    /// most (v T/2) (k + ω T/2), where k is the cosine between its normal and the heading.
+    /// zero in a time T. The base then moves v T/2 along an arc that turns by ω T/2 in total. The distance towards a
+    /// wall is at most (v T/2) (k + ω T/2), where k is the cosine between its normal and the heading.
     ///
     /// `longest` is the time in which the base must be able to stop \[s\].
     pub(crate) fn keep_heading(
