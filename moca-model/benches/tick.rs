@@ -1,7 +1,8 @@
 //! Comparison of a tick with all features and a tick without them, by turns in one run.
 //!
-//! All features are a person who drills on an object that the robot holds, protective distances and contacts with rows
-//! for 40 pairs, self-collision, and torques. The other tick is the paper's stack by velocities for the same person.
+//! One tick has a person who drills on an object that the robot holds, torques, self-collision, protective distances
+//! and contacts with rows for 40 pairs. The other tick is the paper's stack by velocities for the same person.
+//! person.
 //!
 //! Run `cargo bench -p moca-model --bench tick [-- TICKS]`.
 //!

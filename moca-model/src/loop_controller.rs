@@ -24,10 +24,10 @@ const REFUSED: u32 = 20;
 /// Camera frames come from another thread through a channel that never makes the loop wait. Their times are on the
 /// clock of the loop. Commands contain q* and q̇* of all joints and the torques of those that take them.
 ///
-/// The robot stands for the first 60 ms, and the last joint with a torque drive is pushed to and fro by 15 % of its
-/// effort. The delay of its response determines springs and dampers. A robot that responds more than 4.5 ms late gives
-/// an [`Error::AnswersLate`]. [`AnswerDelay::Known`](crate::AnswerDelay::Known) skips this. During this time the arm is
-/// held by soft springs.
+/// The robot stands for the first 60 ms. Its arm is held by soft springs, and the last joint with a torque drive is
+/// pushed to and fro by 15 % of its effort. The delay of its response determines springs and dampers. A robot that
+/// responds more than 4.5 ms late gives an [`Error::AnswersLate`]. [`AnswerDelay::Known`](crate::AnswerDelay::Known)
+/// skips this.
 ///
 /// ```
 /// use ergo_map::ErgonomicsQuadratic;

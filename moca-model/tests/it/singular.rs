@@ -76,8 +76,8 @@ fn reach(singularity: Option<SingularitySettings>) -> Reach {
     reach
 }
 
-/// An arm that cannot reach its workspace oscillates at the end of its reach. With the slowdown it hardly does, and
-/// comes as near.
+/// An arm that cannot reach its workspace oscillates at the end of its reach. The slowdown nearly stops that, and the
+/// tool comes as near.
 #[test]
 fn arm_is_slow_at_its_reach_limit() {
     let settings = SingularitySettings::default();
