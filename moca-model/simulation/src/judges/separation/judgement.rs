@@ -1,7 +1,7 @@
 //! Judge of the robot's distance from the true person.
 //!
-//! A pair of a robot's and a person's capsule is **in breach** in a tick if the robot moves towards the person, v_r >
-//! 0, within the protective distance
+//! A pair is a capsule of the robot and one of the person. It is **in breach** in a tick if the robot moves towards the
+//! person, v_r > 0, within the protective distance
 //!
 //! S_p = v_h (T_r + T_s) + v_r T_r + S_s + C + Z_r.
 //!
