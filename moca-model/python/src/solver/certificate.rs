@@ -81,7 +81,7 @@ impl Residuals {
         self.0.distance
     }
 
-    /// The largest residual.
+    /// The violation, or the distance to the optimum if that is larger. If there is no distance, the largest residual.
     #[getter]
     fn worst(&self) -> f64 {
         self.0.worst()

@@ -43,7 +43,7 @@ type Part = fn(&JointLimits) -> f64;
 /// time_to_full_speed : float
 ///     Time in which joints without an acceleration limit reach their speed limit [s]; inf for no limit.
 /// ignore_unusable_limits : bool
-///     Whether implausible limits are ignored with a warning instead of raising an error.
+///     Whether unusable limits are ignored with a warning instead of raising an error.
 ///
 /// SI units, radians. Twists are linear then angular.
 #[pyclass(frozen, module = "ahqp.whole_body")]
