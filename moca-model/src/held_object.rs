@@ -57,7 +57,7 @@ pub struct WorkFace {
 /// let object = HeldObject::default();
 /// let settings = HandSettings::default();
 /// let hand = object.tool_from_hand(&settings, Some(Tool::Drill))?;
-/// The hand is in front of the object by the length of the drill.
+/// // In front of the object by the length of the drill.
 /// assert!((hand.x - (0.06 + 0.2)).abs() < 1e-12);
 /// # Ok::<(), moca_model::Error>(())
 /// ```

@@ -101,7 +101,7 @@ pub fn moca() -> Result<Model, Error> {
 /// use moca_model::{MOCA_ARM_MOUNT, MOCA_URDF, moca_description};
 /// use nalgebra::Isometry3;
 ///
-/// An arm that is mounted 10 cm further to the front:
+/// // An arm mounted 10 cm further to the front:
 /// let mut description = moca_description();
 /// let mount = Isometry3::translation(0.1, 0.0, 0.38212);
 /// description.origins.push((MOCA_ARM_MOUNT.into(), mount));

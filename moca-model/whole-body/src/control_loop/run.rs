@@ -81,7 +81,7 @@ const NEAR: f64 = 0.05;
 ///     StopCause,
 /// };
 ///
-/// A robot of one joint that follows its command exactly.
+/// /// A robot of one joint that moves as it is told.
 /// struct Wheel(f64);
 ///
 /// impl RobotSide for Wheel {

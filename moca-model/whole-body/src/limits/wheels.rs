@@ -31,12 +31,12 @@ use crate::tasks::task::{Limit, Task};
 /// ```
 /// use whole_body::limits::WheelLimit;
 ///
-/// A mecanum base whose wheels reach 3.46 m/s. Its lever of 0.427 m is the sum of half the distances between its axles
-/// and between its wheels.
+/// // A mecanum base whose wheels reach 3.46 m/s, with a lever of 0.427 m: the sum of half the
+/// // distances between its axles and between its wheels.
 /// let summit = WheelLimit::mecanum(3.46, 0.427);
 /// // Three omni wheels 0.2 m from the centre.
 /// let omni = WheelLimit::omni(1.0, 0.2, &[0.0, 2.0944, -2.0944]);
-/// Two driven wheels 0.5 m apart. The base cannot move sideways.
+/// // Two driven wheels 0.5 m apart: it cannot move sideways.
 /// let tiago = WheelLimit::differential(1.0, 0.5);
 /// # let _ = (summit, omni, tiago);
 /// ```

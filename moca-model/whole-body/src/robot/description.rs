@@ -12,14 +12,14 @@ use super::limits::{LimitOverride, MissingAcceleration, UnusableLimits};
 /// ```
 /// use whole_body::{Base, Description};
 ///
-/// An arm of a larger robot with open fingers.
+/// // An arm of a larger robot, its fingers open.
 /// let arm = Description {
 ///     root: Some("panda_link0".into()),
 ///     tips: vec!["panda_tcp".into()],
 ///     held: vec![("panda_finger_joint1".into(), 0.04)],
 ///     ..Description::default()
 /// };
-/// A robot with legs, whose root link moves freely.
+/// // Legs: the root link moves freely.
 /// let humanoid = Description { base: Base::Floating, ..Description::default() };
 /// # let _ = (arm, humanoid);
 /// ```

@@ -15,7 +15,7 @@ use crate::spatial::{Motion, Pose};
 /// use nalgebra::Matrix6xX;
 /// use whole_body::{Axes, Data, Description, Error, Model};
 ///
-/// The speed of `frame` when the joints move at `v`.
+/// /// How fast `frame` moves where the joints move at `v`.
 /// fn speed(model: &Model, frame: &str, q: &[f64], v: &[f64]) -> Result<f64, Error> {
 ///     let mut data = Data::new(model);
 ///     let mut jacobian = Matrix6xX::zeros(model.velocity_count());

@@ -21,7 +21,7 @@ use crate::robot::model::Model;
 /// use whole_body::tasks::{QuadraticTask, TaskInput, TaskQuadratic};
 /// use whole_body::{Error, Model};
 ///
-/// Minimises the kinetic energy ½ q̇ᵀ M q̇.
+/// /// Least kinetic energy ½ q̇ᵀ M q̇.
 /// #[derive(Debug, Clone)]
 /// struct LeastEnergy { mass: DMatrix<f64>, none: DVector<f64> }
 ///

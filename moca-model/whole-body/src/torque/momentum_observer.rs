@@ -60,7 +60,7 @@ impl Default for ObserverSettings {
 /// let mut observer = MomentumObserver::new(&model, settings)?;
 /// let mut data = Data::new(&model);
 /// for _ in 0..500 {
-/// The motor exerts 3 Nm each millisecond, and the robot is at rest because somebody holds it.
+///     // Each millisecond. The motor gives 3 Nm, and the robot stands still: somebody holds it.
 ///     let mut moving = data.pose(&model, &[0.1])?.moving(&[0.0])?;
 ///     observer.update(&mut moving, &[3.0], 1e-3)?;
 /// }

@@ -32,7 +32,7 @@ const REMEMBERED: usize = 16;
 /// let measured = JointState { position: &[0.0], velocity: &[1.0] };
 /// prediction.update(measured, &[1.0], 0.0, 5e-3, 1e-3)?;
 /// for tick in 1..=4 {
-/// No measurement comes, and the command slows down by 0.01 rad/s a tick.
+///     // Nothing comes, and the command slows down by 0.01 rad/s a tick.
 ///     let age = 1e-3 * f64::from(tick);
 ///     prediction.update(measured, &[1.0 - 0.01 * f64::from(tick)], age, 5e-3, 1e-3)?;
 /// }

@@ -28,7 +28,7 @@ pub enum Following {
 ///
 /// let mut held = Resynchronisation::new(vec![0.1])?;
 /// let mut desired = [0.3];
-/// The first tick starts from the measured position.
+/// held.hold(&mut desired, &[0.25], false)?; // the first tick starts from what is measured
 /// assert_eq!(desired, [0.25]);
 /// desired[0] += 0.05;
 /// assert_eq!(held.hold(&mut desired, &[0.25], false)?, Following::Follows);
