@@ -38,8 +38,9 @@ pub struct Measured<'a> {
 /// and torque rate, the base velocities. The term g(q) is left out if the robot adds it itself
 /// ([`Compensation`](whole_body::torque::Compensation)).
 ///
-/// Tasks are computed with the measured base and the commanded arm, whose q* is within the leash of q. So the arm's
-/// spring and damper do not form a feedback loop with the tasks. The tool corrects for the true place of the base.
+/// Tasks are computed at the commanded arm, whose q* is within the leash of q, and at the commanded base, which
+/// approaches its measured place. So the arm's spring and damper do not form a feedback loop with the tasks. The tool
+/// corrects for the true place of the base.
 ///
 /// A [`MomentumObserver`] estimates the external torque. The force at the tool that explains it goes to the supervisor
 /// each tick. Above its limit the robot stops and yields: q* is q until the force is gone.
@@ -257,7 +258,7 @@ impl TorqueController {
         self.controller.settings().period
     }
 
-    /// The true age of the robot's measured state \[s\]: the time since a measurement with news.
+    /// Age of the robot's measured state \[s\]: the time since a measurement that differed from the one before.
     pub fn measurement_age(&self) -> f64 {
         self.watch.age()
     }
