@@ -68,7 +68,7 @@ impl Model {
     }
 }
 
-/// Returns the encoding of a text that is not UTF-8, by its byte order mark or its first character, `<`.
+/// Returns the name of a UTF-16 or UTF-32 encoding, by the byte order mark or the first character, `<`.
 fn other_encoding(bytes: &[u8]) -> Option<&'static str> {
     match bytes {
         [0xff, 0xfe, 0, 0, ..] | [0, 0, 0xfe, 0xff, ..] | [b'<', 0, 0, 0, ..] => Some("UTF-32"),
