@@ -1,4 +1,4 @@
-//! What the program `actions` is made of: the paper's recognition of actions (Experiment 2).
+//! Parts of the program `actions`: the paper's recognition of actions (Experiment 2).
 
 pub mod cut;
 pub mod evaluate;

@@ -1,4 +1,4 @@
-//! What the program `infer` is made of: a network, and what it does with images, clips and arrays.
+//! Parts of the program `infer`: a network, and its use for images, clips and arrays.
 
 pub mod arrays;
 pub mod clips;

@@ -1,4 +1,4 @@
-//! What the programs `surface` and `actions` share.
+//! Parts that the programs `surface` and `actions` share.
 
 pub mod cut_options;
 pub mod head_options;

@@ -1,4 +1,4 @@
-//! What the programs of this package are made of.
+//! Parts of the programs of this package.
 
 pub mod actions;
 pub mod experiment;

@@ -1,4 +1,4 @@
-//! A person's map: built with progress until an interrupt, or read from a file.
+//! A person's map, built with a progress bar until an interrupt, or read from a file.
 
 use std::{fs::File, path::Path, sync::Arc};
 
@@ -7,11 +7,10 @@ use ergo_map::{ErgonomicsMap, MapOptions, Person};
 
 use crate::program::Session;
 
-/// Builds the map of a person with this many threads, or as many as the machine has cores; shows
-/// the progress.
+/// Builds the map of a person with this number of threads, or with one for each core. Shows the progress.
 ///
 /// # Errors
-/// Options that make no map; an interrupt.
+/// Invalid options; an interrupt.
 pub fn build_map(
     session: &Session,
     person: &Person,
@@ -38,11 +37,11 @@ pub fn build_map(
 /// Reads the map that `ergo_map` has saved in this file.
 ///
 /// # Errors
-/// A file that cannot be read, or holds no whole map; both name the file.
+/// The name of a file that cannot be read or does not contain a complete map.
 pub fn read_map(path: impl AsRef<Path>) -> anyhow::Result<ErgonomicsMap> {
     let path = path.as_ref();
     let shown = path.display();
-    // The system's own words for why a file cannot be opened; the map's error only has their kind.
+    // The system's own message says why a file cannot be opened. The map's error only has the kind.
     File::open(path).with_context(|| format!("cannot read {shown}"))?;
     ErgonomicsMap::load(path).with_context(|| shown.to_string())
 }

@@ -1,5 +1,4 @@
-//! What every program here does in the same way: how it begins and ends, prints, writes files,
-//! shows progress and is interrupted.
+//! Common behaviour of all programs: beginning and ending, output, files, progress and interrupts.
 //!
 //! A program is a `clap` parser that implements [`Program`]; its `main` is one call:
 //!
@@ -50,8 +49,8 @@
 //! - Results go to standard output, everything else to standard error. Both are written without
 //!   `println!`, which panics when the other end is closed.
 //! - Outputs are checked before the work: [`check_folder`] and [`OutputFile::create`] come first.
-//! - Long work asks [`Interrupt::requested`] now and then, and keeps and prints what it has.
-//! - `--output`, `--json`, `--threads`, `--seed` and `--quiet` mean the same everywhere.
+//! - Long work checks [`Interrupt::requested`] now and then. After an interrupt it keeps and prints its results so far.
+//! - `--output`, `--json`, `--threads`, `--seed` and `--quiet` have the same meaning everywhere.
 
 mod begin;
 mod ending;

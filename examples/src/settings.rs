@@ -1,8 +1,7 @@
-//! Every setting of the controller in one TOML file.
+//! All settings of the controller in one TOML file.
 //!
-//! [`RobotSettings::to_toml`] writes all of them, each with what it means, its unit and its default, as the
-//! documentation of its field says. [`SettingsFile::read`] reads a file that holds any part of them;
-//! what it leaves out stays as it is in the settings that it is laid over.
+//! [`RobotSettings::to_toml`] writes all of them with the documentation of their fields: meaning, unit and default.
+//! [`SettingsFile::read`] reads a file with any part of them. Other settings keep their values.
 //!
 //! ```
 //! use examples::settings::{RobotSettings, SettingsFile};

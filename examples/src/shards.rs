@@ -1,9 +1,9 @@
-//! Many independent cases on many machines: each computes a shard of them and keeps the results in a file, and
-//! the program `merge` makes of these files what one machine would have printed.
+//! Many independent cases on many machines. Each machine computes a shard of them and writes the results to a file. The
+//! program `merge` computes from these files what one machine would have printed.
 //!
-//! A program that can be split numbers its cases from 0, each with a seed of its own, computes those that
-//! [`Shard::holds`], and writes a [`Part`]. What it prints is a function of all results in the order of the
-//! cases, so it is the same for any number of shards.
+//! A program with shards numbers its cases from 0, each with a seed of its own. It computes those that
+//! [`Shard::holds`], and writes a [`Part`]. Its output is a function of all results in the order of the cases, so that
+//! it does not depend on the number of shards.
 //!
 //! ```
 //! use std::collections::BTreeMap;

@@ -1,17 +1,16 @@
-//! The recording that the repository ships.
+//! The recording in the repository.
 
 use percept_recording::{Reader, RecordingError};
 
-/// The recording that the repository ships, as the `record` command makes it without options.
+/// The recording in the repository, as the `record` command makes it by default.
 const SHIPPED: &[u8] = include_bytes!("../recordings/follow.jsonl");
 
-/// The text of the recording that the repository ships.
+/// The text of the recording in the repository.
 pub fn bytes() -> &'static [u8] {
     SHIPPED
 }
 
-/// The recording that the repository ships: a person delivers an object, drills it while leading
-/// the robot about, and leaves.
+/// The recording in the repository: a person delivers an object, drills it while leading the robot around, and leaves.
 ///
 /// # Errors
 /// As [`Reader::new`]; the tests read it to the end.

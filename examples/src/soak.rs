@@ -9,25 +9,25 @@ use serde::{Deserialize, Serialize};
 
 use crate::shards::{Merged, Part, Shard};
 
-/// Name of the program, in files of shards.
+/// Name of the program in shard files.
 pub const PROGRAM: &str = "soak";
 
-/// What all shards of a soak share.
+/// The job that all shards of a soak share.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Job {
     seed: u64,
     ticks: u64,
     kinematic: bool,
-    /// As in a file of settings: JSON has no infinity.
+    /// Settings as the text of a file, since JSON has no infinity.
     settings: String,
 }
 
-/// What a soak, or a shard of it, has computed.
+/// The results of a soak, or of a shard of it.
 pub type SoakPart = Part<Job, EpisodeResult, TickTimes>;
 
 impl Job {
-    /// A soak of so many ticks, with the text of a file of settings.
+    /// Creates the job of a soak of this number of ticks, with the text of a settings file.
     pub fn new(seed: u64, ticks: u64, drive: Drive, settings: String) -> Self {
         Self { seed, ticks, kinematic: drive == Drive::Kinematic, settings }
     }
@@ -38,10 +38,10 @@ pub fn episodes(soak: &Soak, shard: Shard) -> Vec<EpisodePlan> {
     soak.episodes().into_iter().filter(|plan| shard.holds(plan.number)).collect()
 }
 
-/// Runs the episodes of a shard; `each` is told how many ticks are done, and may end it there.
+/// Runs the episodes of a shard. `each` gets the number of finished ticks, and may end the run.
 ///
 /// # Errors
-/// A controller that refuses its settings or what it measures.
+/// Settings or measurements that the controller refuses.
 pub fn run(
     soak: &Soak,
     job: Job,
@@ -53,7 +53,7 @@ pub fn run(
     Ok(Part { program: PROGRAM.to_owned(), job, shard, cases, results, times })
 }
 
-/// What all shards of a soak found.
+/// The summary of all shards of a soak.
 pub fn merged_summary(merged: Merged<Job, EpisodeResult, TickTimes>) -> Summary {
     let mut times = TickTimes::default();
     for of_shard in &merged.times {

@@ -1,4 +1,4 @@
-//! What the program `surface` is made of: the paper's classification of surfaces (Experiment 1).
+//! Parts of the program `surface`: the paper's classification of surfaces (Experiment 1).
 
 pub mod cut;
 pub mod evaluate;

@@ -1,3 +1,3 @@
-//! What the programs that run networks share on the command line.
+//! Command-line options that the programs with networks share.
 
 pub mod choices;

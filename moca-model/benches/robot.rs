@@ -1,6 +1,6 @@
-//! Time of one call for MOCA, n = 10, from q on.
+//! Time of single calls for MOCA, n = 10, from q on.
 //!
-//! `cargo bench -p moca-model`
+//! Run `cargo bench -p moca-model`.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 use divan::{Bencher, black_box};
@@ -12,7 +12,7 @@ fn main() {
     divan::main();
 }
 
-/// The robot, a configuration and room for results.
+/// The robot, a configuration and memory for results.
 struct Bench {
     model: Model,
     data: Data,
@@ -70,7 +70,7 @@ fn fk_jacobian_gravity(bencher: Bencher) {
     });
 }
 
-/// What a tick of the controller asks: tool, Jacobian and the bodies' places.
+/// The kinematics of a tick of the controller: tool, Jacobian and places of the bodies.
 #[divan::bench(sample_count = 500, sample_size = 100)]
 fn kinematics_of_a_tick(bencher: Bencher) {
     let bodies = moca_safety().bodies;
@@ -79,8 +79,7 @@ fn kinematics_of_a_tick(bencher: Bencher) {
     bencher.bench_local(move || robot.update(black_box(&q)).unwrap());
 }
 
-/// A tick of the controller with a person who works with the robot, by velocities alone and down to
-/// torque, both about a robot that moves.
+/// Ticks of the controller with a person who works with the moving robot, by velocities and down to torque.
 mod tick {
     use std::cell::RefCell;
 
@@ -96,10 +95,10 @@ mod tick {
     use vision_models::{Action, Body, Body25, Confidence, Keypoint, Percept, RecognisedAction};
 
     const PERIOD: f64 = 1e-3;
-    /// Ticks from a camera frame to the next.
+    /// Number of ticks between two camera frames.
     const FRAME: u32 = 50;
 
-    /// No noise.
+    /// Random numbers of a sensor without noise.
     struct Exact;
 
     impl RandomSource for Exact {

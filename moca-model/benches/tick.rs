@@ -1,14 +1,14 @@
-//! A tick with everything on beside the same with none of it, in turn, in one run.
+//! Comparison of a tick with all features and a tick without them, by turns in one run.
 //!
-//! Everything: a person who works with the robot with a drill on an object that it holds, protective distances
-//! and contacts with rows for 40 pairs, self-collision, torques. None of it: the paper's stack by velocities,
-//! for the same person.
+//! One tick has a person who drills on an object that the robot holds, torques, self-collision, protective distances
+//! and contacts with rows for 40 pairs. The other tick is the paper's stack by velocities for the same person.
+//! person.
 //!
-//! `cargo bench -p moca-model --bench tick [-- TICKS]`
+//! Run `cargo bench -p moca-model --bench tick [-- TICKS]`.
 //!
-//! With `everything` or `nothing` after the number only that one runs, for a count of its instructions:
-//! `valgrind --tool=callgrind --toggle-collect='*TorqueController::step*' …`, or `'*Controller::step*'` for `nothing`.
-//! That counts the first ticks as well, which are not timed: subtract a run with the number 0.
+//! `everything` or `nothing` after the number runs only one of them, to count its instructions: `valgrind
+//! --tool=callgrind --toggle-collect='*TorqueController::step*' …`, or `'*Controller::step*'` for `nothing`. This also
+//! counts the first ticks, which are not timed: subtract a run with the number 0.
 #![allow(clippy::unwrap_used, clippy::print_stdout, missing_docs)]
 
 use std::time::Instant;
@@ -26,12 +26,13 @@ use nalgebra::{Matrix3, Point3, Vector3};
 use vision_models::{Action, Body, Body25, Confidence, Keypoint, Percept, RecognisedAction, Tool};
 
 const PERIOD: f64 = 1e-3;
-/// Ticks from a camera frame to the next.
+/// Number of ticks between two camera frames.
 const FRAME: u32 = 50;
-/// At first working together begins, the tool comes, and memory is touched for the first time.
+/// Number of first ticks that are not timed. In them work begins, the tool approaches, and memory is used for the first
+/// time.
 const FIRST: u32 = 5_000;
 
-/// No noise.
+/// Random numbers of a sensor without noise.
 struct Exact;
 
 impl RandomSource for Exact {
@@ -52,7 +53,7 @@ fn controller(safety: SafetySettings) -> Controller {
     Controller::new(moca().unwrap(), comfort, settings, &MOCA_HOME).unwrap()
 }
 
-/// All of a person who stands before the robot, faces it, sways, and drills with the right hand.
+/// The whole body of a person who faces the robot, sways, and drills with the right hand.
 fn percept(time: f64) -> Percept {
     let mut body = Body::default();
     let sway = 0.1 * (0.8 * time).sin();
@@ -81,7 +82,7 @@ fn percept(time: f64) -> Percept {
     Percept { time, body: Some(body), action, surface: None }
 }
 
-/// A loop that says how long its tick took \[µs\].
+/// A loop that returns the time of its tick \[µs\].
 trait Loop {
     fn tick(&mut self, tick: u32) -> f64;
 }
@@ -151,7 +152,7 @@ impl Loop for Nothing {
     }
 }
 
-/// The value below which this share of all is.
+/// The quantile of this share.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,

@@ -1,4 +1,4 @@
-//! The controller and a simulated robot meet a person who stands and drills.
+//! The controller and a simulated robot meet a person who stands and uses a drill.
 #![allow(clippy::print_stdout)]
 
 use ergo_map::{ErgonomicsMap, FitOptions, MapOptions, Person};
@@ -7,7 +7,7 @@ use moca_model::{Controller, ControllerSettings, MOCA_HOME, SimulatedRobot, Spac
 use vision_models::{Action, Body, Body25, Confidence, Keypoint, Percept, RecognisedAction, Tool};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    // Once for each person.
+    // This is done once for each person.
     let person = Person::new(1.75)?;
     let map = ErgonomicsMap::build(
         &person,

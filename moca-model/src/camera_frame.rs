@@ -1,13 +1,13 @@
-//! What a camera frame shows of everybody.
+//! Camera frames that show all people in view.
 
 use hrsw_safety::MOST_OTHERS;
 use vision_models::{Body, Percept};
 
-/// One more than the robot can keep away from, which then stops.
+/// Number of stored people: one more than the robot can keep away from, at which it stops.
 const ROOM: usize = MOST_OTHERS + 1;
 
-/// A camera frame: the person who works with the robot, and the other people in view. Of fixed size, so that it goes
-/// from thread to thread without an allocation.
+/// A camera frame: the person who works with the robot, and the other people in view. Its size is fixed, so that it
+/// passes between threads without an allocation.
 ///
 /// ```
 /// use moca_model::CameraFrame;
@@ -32,8 +32,8 @@ impl From<Percept> for CameraFrame {
 }
 
 impl CameraFrame {
-    /// The same with other people in view, in place of those before. Of more than five it holds five, one more than
-    /// [`Controller::observe_people`](crate::Controller::observe_people) has room for, so that the robot stops.
+    /// Sets the other people in view. At most five are kept, one more than
+    /// [`Controller::observe_people`](crate::Controller::observe_people) has room for, so that a crowd stops the robot.
     #[must_use]
     pub fn with_others(mut self, bodies: &[Body]) -> Self {
         self.count = bodies.len().min(ROOM);

@@ -1,4 +1,4 @@
-//! What the controller sends each tick.
+//! The command of a tick.
 
 use ahqp_core::Status;
 use hrsw_safety::{Fault, SafetyState};
@@ -7,13 +7,13 @@ use vision_models::Intention;
 
 use crate::interaction::{Phase, Transition};
 
-/// How a tick went.
+/// The outcome of a tick.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Outcome {
     /// The hierarchy was solved.
     Solved(Status),
-    /// There was no solution, or no tick could be computed; the robot brakes within its limits.
+    /// The tick had no solution or could not be computed. The robot brakes within its limits.
     Braking,
 }
 
@@ -24,59 +24,58 @@ impl Outcome {
     }
 }
 
-/// What the base does.
+/// The motion of the base.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BaseMotion {
-    /// It stands, or comes to rest: the arm alone keeps the tool.
+    /// The base stands or comes to rest. The arm alone holds the tool's place.
     Stands,
-    /// It moves as the stack asks for.
+    /// The base moves as the stack asks.
     Drives(DriveReason),
 }
 
-/// Why the base drives.
+/// The reason why the base drives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DriveReason {
-    /// The shared workspace moves, the object turns, or nobody is there whom the base stands for.
+    /// The shared workspace moves, the object turns, or nobody works with the robot.
     PersonMoves,
-    /// The tool is too far from its place at the posture, or the arm alone too near to a singular configuration.
+    /// The tool is too far from its place at the posture, or the arm alone is too near to a singular configuration.
     Reach,
-    /// Somebody is nearer than they may be.
+    /// A person is nearer than allowed.
     Separation,
 }
 
-/// The command of one tick (χ* of the paper's Sec. III-E), and what led to it.
+/// The command of one tick (χ* of the paper's Sec. III-E) and the state that led to it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Command {
     /// q̇* of all joints \[m/s or rad/s\].
     pub joint_velocity: Vec<f64>,
-    /// q* of all joints, the integral of q̇*, but within the leash of the measured configuration
-    /// \[m or rad\]; the arm's part goes to the joint impedance.
+    /// q* of all joints, the integral of q̇*, within the leash of the measured configuration \[m or rad\]. The arm's
+    /// part goes to the joint impedance.
     pub joint_position: Vec<f64>,
     /// The base's velocity in its own frame, (ẋ, ẏ, θ̇) \[m/s, rad/s\]; zero for a robot
     /// without a base.
     pub base_twist: [f64; 3],
-    /// Whether the base stands, or why it does not.
+    /// Whether the base stands, or why it drives.
     pub base_motion: BaseMotion,
     /// x_d.
     pub desired: Isometry3<f64>,
-    /// ẋ_d: linear then angular, world axes \[m/s, rad/s\].
+    /// ẋ_d, linear, then angular, in world axes \[m/s, rad/s\].
     pub desired_twist: Vector6<f64>,
     /// The slack of the workspace's coordinates \[m, rad\].
     pub slack: Vector6<f64>,
-    /// What the person wants.
+    /// The person's intention.
     pub intention: Intention,
-    /// What robot and person are at.
+    /// The phase of the interaction.
     pub phase: Phase,
-    /// How that changed in this tick, if it did.
+    /// The change of the phase in this tick, if there was one.
     pub transition: Option<Transition>,
     /// The share of ergonomics in the third level, 0 to 1.
     pub activation: f64,
-    /// How much the robot may do.
+    /// The safety state.
     pub safety: SafetyState,
-    /// How the tick went.
+    /// The outcome of the tick.
     pub outcome: Outcome,
-    /// What went wrong since the command before; of several faults the one that asks for the worst
-    /// state.
+    /// The fault since the last command, if there was one. The fault with the strictest safety state counts.
     pub fault: Option<Fault>,
 }
 

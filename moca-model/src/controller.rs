@@ -1,4 +1,4 @@
-//! The control loop: percepts in at camera rate, commands out once a millisecond.
+//! The controller, which takes percepts at camera rate and returns commands once a millisecond.
 
 mod base_drive;
 mod coming_to_rest;
@@ -39,10 +39,10 @@ use turning::HandTurn;
 /// Ergonomic collaboration with a person: AHQP over the robot, the shared workspace and the
 /// person's ergonomics.
 ///
-/// Ticks and camera frames are timed on one clock, in seconds from any origin. Whatever goes wrong
-/// in the loop is a [`Fault`]: the supervisor of [`safety`](Self::safety) hears of it at once, and
-/// the robot slows down or stops as [`Fault::state`] says, always within its limits. A stop that
-/// waits for somebody ends with [`Supervisor::acknowledge`](hrsw_safety::Supervisor::acknowledge).
+/// Ticks and camera frames are timed on one clock, in seconds from any origin. Problems in the loop are a [`Fault`],
+/// which is reported to the supervisor of [`safety`](Self::safety) at once. The robot then slows down or stops as
+/// [`Fault::state`] says, always within its limits. A stop that needs an acknowledgement ends with
+/// [`Supervisor::acknowledge`](hrsw_safety::Supervisor::acknowledge).
 ///
 /// ```
 /// use ergo_map::ErgonomicsQuadratic;
@@ -63,7 +63,7 @@ pub struct Controller {
     robot: Kinematics,
     settings: ControllerSettings,
     comfort: ErgonomicsQuadratic,
-    /// That of the posture; none where a robot is singular everywhere, or there.
+    /// Manipulability at the posture; `None` if the robot is singular everywhere or there.
     usual_manipulability: Option<f64>,
     clock: LoopClock,
     leash: Leash,
@@ -72,53 +72,53 @@ pub struct Controller {
     stack: CollaborationStack,
     joint_limits: Vec<JerkLimits>,
     desired_limits: [JerkLimits; 6],
-    /// The same for coming to rest, of the joints and of ẋ_d.
+    /// Limits for coming to rest, of the joints and of ẋ_d.
     joint_braking: Vec<JerkLimits>,
     desired_braking: Vec<JerkLimits>,
-    /// Where tasks are computed: as measured, but as commanded for joints that follow positions.
+    /// Configuration at which tasks are computed: commanded for joints that follow positions, measured for others.
     reference: Vec<f64>,
-    /// Which joints do.
+    /// Whether each joint follows positions.
     follows_position: Vec<bool>,
-    /// The time from the tick before the last one to that \[s\].
+    /// Time between the last two ticks before this one \[s\].
     elapsed_before: f64,
-    /// q̇* before the last tick, and how fast it changed in it.
+    /// q̇* before the last tick, and its rate of change in it.
     last_velocity: Vec<f64>,
     acceleration: Vec<f64>,
-    /// Of the joints, then of ẋ_d.
+    /// Velocity intervals of the joints, then of ẋ_d.
     intervals: Vec<VelocityInterval>,
-    /// Of the joints that are to return within their limits.
+    /// Velocity intervals of the joints that must return within their limits.
     returns: Vec<VelocityInterval>,
-    /// Of the joints, as near to rest as the intervals allow.
+    /// Joint velocities as near to rest as the intervals allow.
     braking: Vec<f64>,
     command: Command,
-    /// What was reported since the last command, the worst of it.
+    /// The worst fault that was reported since the last command.
     fault: Option<Fault>,
-    /// What the robot holds for the person to work on.
+    /// The object that the robot holds for the person to work on.
     object: Option<HeldObject>,
-    /// The side of it that the person sees, or is about to.
+    /// The side of the object that the person sees, or will see after a turn.
     shown: BoxSide,
     base_drive: Option<BaseDrive>,
-    /// What the base may do without haste.
+    /// Velocity intervals of the base while safety does not need more.
     gentle: Vec<VelocityInterval>,
     hand_turn: HandTurn,
     seen_surface: SeenSurface,
     interaction: Interaction,
-    /// In the last tick.
+    /// Change of the phase in the last tick.
     transition: Option<Transition>,
-    /// Whether the force from outside was measured since the last command.
+    /// Whether the external force was measured since the last command.
     feels: bool,
-    /// The base's, as measured last \[rad\].
+    /// Last measured yaw of the base \[rad\].
     yaw: f64,
     speed: f64,
-    /// Whether the last velocities keep the distances from people.
+    /// Whether the last velocities keep the protective distances.
     keeps_separation: bool,
-    /// Whether they come near to what the rows of separation allow.
+    /// Whether they are close to the limits of the separation rows.
     at_limit: bool,
     goal_share: GoalShare,
 }
 
 impl Controller {
-    /// With the person's ergonomics in their own frame and the robot's configuration.
+    /// Creates a controller with the person's ergonomics in their own frame, for a robot at this configuration.
     ///
     /// # Errors
     /// Settings out of range, or a configuration that does not fit the robot.
@@ -211,20 +211,19 @@ impl Controller {
         })
     }
 
-    /// Replaces the person's ergonomics, for another person.
+    /// Sets the ergonomics of another person.
     pub fn set_comfort(&mut self, comfort: ErgonomicsQuadratic) {
         self.comfort = comfort;
     }
 
-    /// The command for the period that begins at `now` \[s\], with the robot at the
-    /// `configuration` measured \[m or rad\]. Allocates nothing.
+    /// Computes the command for the period that begins at `now` \[s\], with the robot at the measured `configuration`
+    /// \[m or rad\]. Allocates nothing.
     ///
-    /// A tick that cannot be computed brakes every joint at its limit and says so in
-    /// [`Command::outcome`] and [`Command::fault`]: for a time that cannot be used, a measurement
-    /// that is not finite, a hierarchy that cannot be solved.
+    /// A tick that cannot be computed brakes every joint at its limit, and [`Command::outcome`] and [`Command::fault`]
+    /// say so. Causes are an invalid time, a measurement that is not finite, and a hierarchy that cannot be solved.
     ///
     /// # Errors
-    /// [`Error::WrongSize`] for a configuration of the wrong size. The supervisor then knows, and
+    /// [`Error::WrongSize`] for a configuration of the wrong size. The supervisor is then informed, and
     /// [`command`](Self::command) brakes as well.
     pub fn step(&mut self, now: f64, configuration: &[f64]) -> Result<&Command, Error> {
         let size = check_size("configuration", configuration, self.braking.len());
@@ -239,7 +238,7 @@ impl Controller {
         let period = self.settings.period;
         let before = std::mem::replace(&mut self.elapsed_before, tick.elapsed);
         let times = TickTimes::new(tick.elapsed, before, &self.settings);
-        // The robot went on at the last velocities for as long as this tick took to come.
+        // The robot moved at the last velocities until this tick came.
         self.integrate(tick.elapsed - period);
         let in_time = !matches!(tick.fault, Some(Fault::Clock(_) | Fault::EarlyTick));
         let measured = size.is_ok() && self.measure(configuration, tick.elapsed);
@@ -257,7 +256,7 @@ impl Controller {
         size.map(|()| &self.command)
     }
 
-    /// Computes the velocities of a tick; returns false if they cannot be computed.
+    /// Computes the velocities of a tick. Returns false if they cannot be computed.
     fn control(&mut self, times: TickTimes) -> bool {
         let elapsed = times.elapsed;
         if self.watch(elapsed).is_err() {
@@ -284,7 +283,7 @@ impl Controller {
         true
     }
 
-    /// Rest when nothing has been seen for too long, by way of a shrinking velocity limit.
+    /// Lowers the speed scale to zero when nothing has been seen for too long, and raises it again otherwise.
     fn advance_speed(&mut self, elapsed: f64) {
         let stale = &self.settings.stale;
         let step = elapsed / stale.ramp;
@@ -292,7 +291,7 @@ impl Controller {
         self.speed = (self.speed + if seen { step } else { -step }).clamp(0.0, 1.0);
     }
 
-    /// How much of the third level is ergonomics in this tick.
+    /// Updates the share of ergonomics in the third level.
     fn advance_activation(&mut self, elapsed: f64) {
         let conditions = GoalConditions {
             wanted: self.settings.goal == Goal::Ergonomics && self.space.is_shared(),
@@ -303,7 +302,7 @@ impl Controller {
         self.command.activation = self.goal_share.advance(conditions, elapsed, time);
     }
 
-    /// Whether the base stands in this tick.
+    /// Decides whether the base stands in this tick.
     fn decide_base(&mut self) {
         let Some(drive) = &mut self.base_drive else { return };
         let hindered = self.command.safety == SafetyState::Retreat || !self.keeps_separation;
@@ -340,12 +339,12 @@ impl Controller {
         }
         let twist = self.command.desired_twist.as_slice();
         let motion = Motion { position: &[0.0; 6], velocity: twist, acceleration: &[0.0; 6] };
-        // Not slowed by safety: the desired pose goes along with a robot that stops.
+        // Safety does not slow down the desired pose, which moves along with a robot that stops.
         write_intervals(&self.desired_limits, motion, self.speed, times, desired);
     }
 
-    /// The share of their speeds that the joints but the base's may use so near to a singular configuration; all of
-    /// them where the robot leaves somebody.
+    /// The speed scale of all joints but the base's near a singular configuration. It is 1 where the robot retreats
+    /// from a person.
     fn singularity_scale(&self) -> f64 {
         let leaves = self.command.safety == SafetyState::Retreat;
         let known = self.settings.singularity.filter(|_| !leaves).zip(self.usual_manipulability);
@@ -354,7 +353,8 @@ impl Controller {
         })
     }
 
-    /// How fast q̇* changed in `step` \[s\]; where it had to change for longer, as fast as it may.
+    /// Updates the acceleration from the change of q̇* in `step` \[s\]. If q̇* had to change for longer, the limit is
+    /// used.
     fn remember_acceleration(&mut self, step: f64) {
         let change = self.command.joint_velocity.iter().zip(&self.last_velocity);
         let all = self.acceleration.iter_mut().zip(change).zip(&self.joint_limits);
@@ -400,7 +400,7 @@ impl Controller {
         Ok(status)
     }
 
-    /// Moves the commanded state on by `time` \[s\] at the commanded velocities.
+    /// Integrates the commanded state over `time` \[s\] at the commanded velocities.
     fn integrate(&mut self, time: f64) {
         if time == 0.0 {
             return;
@@ -412,7 +412,7 @@ impl Controller {
         }
     }
 
-    /// What the command says beside velocities and positions.
+    /// Writes the parts of the command other than velocities and positions.
     fn finish(&mut self) {
         let command = &mut self.command;
         command.intention = self.space.intention();
@@ -433,7 +433,7 @@ impl Controller {
         &self.command
     }
 
-    /// The robot at the configuration measured last: tool, Jacobian, bodies.
+    /// The robot at the last measured configuration: tool, Jacobian, bodies.
     pub fn robot(&self) -> &Kinematics {
         &self.robot
     }
@@ -443,7 +443,7 @@ impl Controller {
         &self.space
     }
 
-    /// The same, to give the workspace another place or shape.
+    /// The shared workspace, to set its place or shape.
     pub fn space_mut(&mut self) -> &mut SharedSpace {
         &mut self.space
     }
@@ -458,7 +458,7 @@ impl Controller {
         &self.safety
     }
 
-    /// The same, to acknowledge a stop.
+    /// Separation and supervision, to acknowledge a stop.
     pub fn safety_mut(&mut self) -> &mut Safety {
         &mut self.safety
     }
@@ -468,8 +468,8 @@ impl Controller {
         &self.settings
     }
 
-    /// x_a at the last configuration: the pose of the hand of who works on what the tool holds, with the
-    /// tool's axes; of a tool that holds nothing its own.
+    /// x_a at the last configuration: the pose of the person's hand that works on the held object, with the tool's
+    /// axes. It is the tool's pose if the tool holds nothing.
     pub fn actual(&self) -> Isometry3<f64> {
         self.robot.world_from_hand()
     }

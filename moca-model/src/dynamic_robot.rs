@@ -1,4 +1,4 @@
-//! A robot whose arm takes torques, for want of a real one.
+//! A simulated robot whose arm takes torques.
 
 use whole_body::control_loop::{RobotMode, RobotStatus};
 use whole_body::simulation::{
@@ -13,31 +13,30 @@ use crate::held_object::HeldObject;
 use crate::robot::moca::MOCA_BASE_JOINTS;
 use crate::torque::Measured;
 
-/// How a [`DynamicRobot`] is driven and measured.
+/// Drives and sensors of a [`DynamicRobot`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct DynamicRobotSettings {
-    /// How many joints come first that follow velocities. Default the three of MOCA's base.
+    /// Number of the first joints, which follow velocities. Default the three of MOCA's base.
     pub base_joints: usize,
-    /// Time constant with which they do \[s\]. Default 0.03.
+    /// Time constant of these joints \[s\]. Default 0.03.
     pub base_time_constant: f64,
-    /// Of what turns in front of the gears of the others, seen at the joint \[kg m²\]. Default 0.1, as in
-    /// MuJoCo Menagerie's Panda.
+    /// Inertia of the rotors of the other joints at the joint \[kg m²\]. Default 0.1, as in MuJoCo Menagerie's Panda.
     pub rotor_inertia: f64,
-    /// Noise of measured positions, of the base \[m, rad\] and of the arm \[rad\]. Default 2e-5, 2e-5.
+    /// Noise of measured positions of the base \[m, rad\] and of the arm \[rad\]. Default 2e-5, 2e-5.
     pub position_noise: [f64; 2],
-    /// Noise of measured velocities, likewise. Default 1e-3, 2e-3.
+    /// Noise of measured velocities of base and arm. Default 1e-3, 2e-3.
     pub velocity_noise: [f64; 2],
     /// Noise of measured torques \[Nm\]. Default 0.05.
     pub torque_noise: f64,
-    /// How many ticks measurements are late. Default 1.
+    /// Delay of measurements in ticks. Default 1.
     pub delay: usize,
-    /// The share of packets that are lost, in each direction. Default 0.001.
+    /// Share of packets that are lost in each direction. Default 0.001.
     pub loss: f64,
-    /// After how many commands lost in a row the robot stops by itself. Default 20, as a Panda does.
+    /// Number of lost commands in a row at which the robot stops by itself. Default 20, as of a Panda.
     pub stops_after: u32,
 }
 
-/// How an arm brakes that has stopped by itself, against its velocity \[Nm s/rad\].
+/// Damping by which an arm brakes that has stopped by itself \[Nm s/rad\].
 const BRAKE: f64 = 50.0;
 
 impl Default for DynamicRobotSettings {
@@ -57,7 +56,7 @@ impl Default for DynamicRobotSettings {
 }
 
 impl DynamicRobotSettings {
-    /// Exact and at once: without noise, delay and losses.
+    /// Creates settings without noise, delay and losses.
     pub fn ideal() -> Self {
         Self {
             position_noise: [0.0; 2],
@@ -84,10 +83,11 @@ impl DynamicRobotSettings {
     }
 }
 
-/// MOCA as rigid bodies: the arm under torques, with friction and rotors, on a base that follows
-/// velocities with a lag; measured with noise, late, over a line that loses packets. Where a command is
-/// lost the base goes on at constant acceleration and torques hold; after too many in a row the robot
-/// brakes by itself, and stands until it is recovered.
+/// MOCA as rigid bodies: the arm under torques with friction and rotors, on a base that follows velocities with a lag.
+///
+/// Measurements are noisy and late, and packets get lost. If a command is lost, the base continues at constant
+/// acceleration and torques stay constant. After too many losses in a row the robot brakes by itself and stands until
+/// it is recovered.
 ///
 /// ```
 /// use moca_model::{DynamicRobot, DynamicRobotSettings, MOCA_HOME, moca};
@@ -114,17 +114,17 @@ pub struct DynamicRobot {
     /// Velocities of the base and torques of the arm in this period.
     obeyed: Vec<f64>,
     model: Model,
-    /// Where a robot is that brakes by itself, and its gravity.
+    /// Configuration of a robot that brakes by itself, and its gravity.
     position: Vec<f64>,
     gravity: Vec<f64>,
-    /// As measured last, of the arm.
+    /// Last measured torques of the arm.
     torque: Vec<Option<f64>>,
-    /// Whether the last command was taken; none before the first.
+    /// Whether the last command was taken; `None` before the first.
     took_command: Option<bool>,
 }
 
 impl DynamicRobot {
-    /// At rest at `position`, n \[m or rad\], carrying itself.
+    /// Creates a robot at rest at `position`, n \[m or rad\], that supports itself.
     ///
     /// # Errors
     /// [`Error::FloatingBase`]; [`Error::Robot`] for settings out of range.
@@ -158,10 +158,10 @@ impl DynamicRobot {
         })
     }
 
-    /// Measures the robot as it is; see [`measured`](Self::measured).
+    /// Measures the present state; see [`measured`](Self::measured).
     ///
     /// # Errors
-    /// None.
+    /// Never.
     pub fn measure(&mut self, random: &mut impl RandomSource) -> Result<(), Error> {
         self.sensors.measure(&self.simulation, random)?;
         let arm = self.torque.iter_mut().zip(self.sensors.torque()).skip(self.base_joints);
@@ -169,7 +169,7 @@ impl DynamicRobot {
         Ok(())
     }
 
-    /// What was measured last.
+    /// The last measurement.
     pub fn measured(&self) -> Measured<'_> {
         Measured {
             position: self.sensors.position(),
@@ -179,11 +179,11 @@ impl DynamicRobot {
         }
     }
 
-    /// Moves for `period` \[s\]: the base at the command's velocities, in the world's axes, the arm under
-    /// `torque`, with wrenches from outside that hold on.
+    /// Moves the robot for `period` \[s\] under constant external wrenches. The base follows the command's velocities
+    /// in the world's axes, the arm is driven by `torque`.
     ///
     /// # Errors
-    /// [`Error::Robot`] for numbers that are not finite, or sizes that are wrong.
+    /// [`Error::Robot`] for numbers that are not finite, or for wrong sizes.
     pub fn step(
         &mut self,
         command: &Command,
@@ -195,7 +195,7 @@ impl DynamicRobot {
         self.drive(&command.joint_velocity, torque, external, period, random)
     }
 
-    /// The same with the velocities of all joints in place of a command.
+    /// Moves the robot for a period with the velocities of all joints in place of a command.
     ///
     /// # Errors
     /// As [`step`](Self::step).
@@ -215,7 +215,7 @@ impl DynamicRobot {
         self.go_on(arrives, external, period)
     }
 
-    /// Moves for `period` \[s\] without a command: the last one is bridged as one that was lost.
+    /// Moves the robot for `period` \[s\] without a command, as if it had been lost.
     ///
     /// # Errors
     /// As [`step`](Self::step).
@@ -238,7 +238,7 @@ impl DynamicRobot {
         Ok(self.simulation.step(&self.obeyed, external, period)?)
     }
 
-    /// The base slows down at its limit, the arm carries itself against its velocity.
+    /// Slows the base down at its limit, and brakes the arm by damping while it supports itself.
     fn brake(&mut self, period: f64) -> Result<(), Error> {
         let Self { model, simulation, position, gravity, obeyed, .. } = self;
         position.copy_from_slice(simulation.position());
@@ -255,7 +255,7 @@ impl DynamicRobot {
         Ok(())
     }
 
-    /// From now on this share of the commands is lost.
+    /// Sets the share of commands that are lost.
     ///
     /// # Errors
     /// [`Error::Setting`] for a share that is not from 0 to 1.
@@ -267,19 +267,19 @@ impl DynamicRobot {
         Ok(())
     }
 
-    /// What the robot says of itself: whether it has stopped, and whether it took the last command.
+    /// The status that the robot reports: whether it has stopped, and whether it took the last command.
     pub fn status(&self) -> RobotStatus {
         let stopped = self.line.is_stopped();
         let mode = if stopped { RobotMode::Stopped } else { RobotMode::Running };
         RobotStatus { mode: Some(mode), took_command: self.took_command }
     }
 
-    /// A robot that has stopped by itself takes commands again, once somebody has seen to it.
+    /// Recovers a robot that has stopped by itself, so that it takes commands again.
     pub fn recover(&mut self) {
         self.line.recover();
     }
 
-    /// The robot's frame `tool` holds an object from now on.
+    /// Attaches an object to the robot's frame `tool`.
     ///
     /// # Errors
     /// [`Error::Robot`], as [`Data::attach`](whole_body::Data::attach).
@@ -288,12 +288,12 @@ impl DynamicRobot {
         Ok(self.simulation.data_mut().attach(&model, &payload)?)
     }
 
-    /// The robot as it truly is.
+    /// The true state of the robot.
     pub fn simulation(&self) -> &RigidBodySimulation {
         &self.simulation
     }
 
-    /// The same, for contacts and payloads.
+    /// The simulation, to add contacts and payloads.
     pub fn simulation_mut(&mut self) -> &mut RigidBodySimulation {
         &mut self.simulation
     }

@@ -1,4 +1,4 @@
-//! What can be wrong with what this crate is given.
+//! Errors of this crate.
 
 use hrsw_safety::FrameFault;
 use thiserror::Error;
@@ -7,7 +7,7 @@ use whole_body::{Base, Model};
 
 use crate::held_object::BoxSide;
 
-/// What was wrong, where, and what would be right.
+/// What is wrong, where, and what would be right.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -20,7 +20,7 @@ pub enum Error {
         value: f64,
     },
 
-    /// A limit or parameter that must be positive is not.
+    /// A limit or parameter is not positive.
     #[error("{what} is {value}; it must be positive")]
     NotPositive {
         /// Which one.
@@ -49,7 +49,7 @@ pub enum Error {
         got: usize,
     },
 
-    /// The robot's base floats.
+    /// The robot has a floating base.
     #[error(
         "robot `{robot}` is on a floating base, whose q has more entries than its q̇; take a fixed or \
          a planar one"
@@ -59,7 +59,7 @@ pub enum Error {
         robot: String,
     },
 
-    /// A body of the robot hangs beside the way to the tool.
+    /// A body of the robot is on a link beside the chain to the tool.
     #[error(
         "the joints that move link `{link}` are not the first on the way to tool `{tool}`, so that \
          the tool's Jacobian does not say how a body on it moves; hold them, or leave the body out"
@@ -93,20 +93,20 @@ pub enum Error {
         expected: &'static str,
     },
 
-    /// The robot answers to torques too late to be controlled.
+    /// The robot responds to torques too late to be controlled.
     #[error(
         "the robot answers {:.1} ms late; springs and dampers swing beyond {:.1} ms, so shorten the line to the robot \
          or run the loop beside it",
         1e3 * delay, 1e3 * longest
     )]
     AnswersLate {
-        /// How late \[s\].
+        /// The delay \[s\].
         delay: f64,
-        /// The longest delay that is allowed \[s\].
+        /// The longest allowed delay \[s\].
         longest: f64,
     },
 
-    /// The robot does not answer to torques.
+    /// The robot does not respond to torques.
     #[error(
         "joint `{joint}` does not move when {torque} Nm push it; release its brakes, and check that the interface takes \
          torques"
@@ -114,22 +114,22 @@ pub enum Error {
     NoAnswer {
         /// The joint that was pushed.
         joint: String,
-        /// By how much \[Nm\].
+        /// The torque of the push \[Nm\].
         torque: f64,
     },
 
-    /// The robot has another number of joints than the part that is to control it.
+    /// The robot has another number of joints than one of its parts expects.
     #[error("{what} has {found} entries, but the robot has {expected} joints")]
     JointCount {
-        /// The offending item.
+        /// The part.
         what: &'static str,
-        /// How many entries it has.
+        /// The number of its joints.
         found: usize,
-        /// The robot's joints.
+        /// The number of the robot's joints.
         expected: usize,
     },
 
-    /// A camera frame counts as no data, because of its time.
+    /// A camera frame counts as no data because of its time.
     #[error(
         "{fault}: it is stamped {stamp} s, {}; stamp frames when they are taken, on the clock of the \
          ticks, and give each once and in order",
@@ -146,7 +146,7 @@ pub enum Error {
         newest: Option<f64>,
     },
 
-    /// A camera frame counts as no data, because it shows what no person can be.
+    /// A camera frame counts as no data because it shows an impossible body.
     #[error("{fault}: {body}")]
     Body {
         /// What is wrong with the frame.
@@ -167,7 +167,7 @@ pub enum Error {
     #[error(transparent)]
     Workspace(#[from] hrsw::Error),
 
-    /// A safety setting, the clock's, or people as a camera frame shows them were refused.
+    /// A safety setting, a setting of the clock, or the people of a camera frame were refused.
     #[error(transparent)]
     Safety(#[from] hrsw_safety::Error),
 
@@ -185,12 +185,12 @@ fn present(now: Option<f64>, newest: Option<f64>) -> String {
     format!("the last tick {}, the newest frame {}", time(now), time(newest))
 }
 
-/// An error unless `value` is finite; `what` is asked for only then.
+/// Returns an error unless `value` is finite. `what` is called only then.
 pub(crate) fn check_finite(value: f64, what: impl FnOnce() -> String) -> Result<(), Error> {
     if value.is_finite() { Ok(()) } else { Err(Error::NotFinite { what: what(), value }) }
 }
 
-/// An error unless `slice` has `expected` elements.
+/// Returns an error unless `slice` has `expected` elements.
 pub(crate) fn check_size(what: &'static str, slice: &[f64], expected: usize) -> Result<(), Error> {
     if slice.len() == expected {
         Ok(())
@@ -199,7 +199,7 @@ pub(crate) fn check_size(what: &'static str, slice: &[f64], expected: usize) -> 
     }
 }
 
-/// n, the size of q and q̇; an error where they differ.
+/// Returns n, the size of q and q̇, or an error if they differ.
 pub(crate) fn check_plain(model: &Model) -> Result<usize, Error> {
     if model.base() == Base::Floating {
         return Err(Error::FloatingBase { robot: model.name().to_owned() });
@@ -207,7 +207,7 @@ pub(crate) fn check_plain(model: &Model) -> Result<usize, Error> {
     Ok(model.velocity_count())
 }
 
-/// An error unless `value` is positive; infinity is.
+/// Returns an error unless `value` is positive; infinity counts as positive.
 pub(crate) fn check_positive(value: f64, what: &str) -> Result<(), Error> {
     if value > 0.0 { Ok(()) } else { Err(Error::NotPositive { what: what.to_owned(), value }) }
 }

@@ -1,4 +1,4 @@
-//! What the robot holds for the person to work on, and where the person's hand is then.
+//! The object that the robot holds for the person to work on, and the place of the person's hand.
 
 use hrsw::Capsule;
 use nalgebra::{Isometry3, Matrix3, Point3, Unit, UnitQuaternion, Vector3};
@@ -39,16 +39,16 @@ impl BoxSide {
     }
 }
 
-/// A side of the object that somebody works on.
+/// A side of the object to work on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct WorkFace {
-    /// Where it is.
+    /// The side.
     pub side: BoxSide,
-    /// What is to be done with it.
+    /// The surface that it has.
     pub surface: Surface,
 }
 
-/// The object that the robot holds: a box of even density.
+/// The object that the robot holds: a box of uniform density.
 ///
 /// ```
 /// use moca_model::{HandSettings, HeldObject};
@@ -65,12 +65,12 @@ pub struct WorkFace {
 pub struct HeldObject {
     /// Its edges \[m\]. Default 0.12 × 0.2 × 0.15.
     pub size: Vector3<f64>,
-    /// \[kg\]. Default 1.
+    /// Mass \[kg\]. Default 1.
     pub mass: f64,
-    /// Its middle and its axes in the frame of the robot's tool. Default 0.05 m below the fingertips.
+    /// Pose of its middle and axes in the frame of the robot's tool. Default 0.05 m below the fingertips.
     pub tool_from_object: Isometry3<f64>,
-    /// The sides to work on; the first is the one that the robot shows the person. Default the drilled
-    /// surface in front, the smooth one behind.
+    /// The sides to work on. The robot shows the first one to the person. Default the drilled surface in front and the
+    /// smooth one behind.
     pub faces: Vec<WorkFace>,
 }
 
@@ -88,18 +88,18 @@ impl Default for HeldObject {
     }
 }
 
-/// Where the hand of a person is who works on the object: how far in front of it.
+/// The distance of the hand of a person who works on the object from its surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct HandSettings {
-    /// With bare hands \[m\]. Default 0.
+    /// Distance without a hand tool \[m\]. Default 0.
     pub bare: f64,
-    /// With a drill \[m\]. Default 0.2.
+    /// Distance with a drill \[m\]. Default 0.2.
     pub drill: f64,
-    /// With a polisher \[m\]. Default 0.12.
+    /// Distance with a polisher \[m\]. Default 0.12.
     pub polisher: f64,
-    /// How fast the hand is taken to move when the tool changes \[m/s\]. Default 0.25.
+    /// Assumed speed of the hand when the hand tool changes \[m/s\]. Default 0.25.
     pub speed: f64,
 }
 
@@ -110,7 +110,7 @@ impl Default for HandSettings {
 }
 
 impl HandSettings {
-    /// With this tool, or with none \[m\].
+    /// The distance with this hand tool, or without one \[m\].
     pub fn distance(&self, tool: Option<Tool>) -> f64 {
         match tool {
             None => self.bare,
@@ -172,7 +172,7 @@ impl HeldObject {
         }
     }
 
-    /// Where the hand is that works on the side that is shown, in the frame of the robot's tool \[m\].
+    /// The place of the hand that works on the side shown, in the frame of the robot's tool \[m\].
     ///
     /// # Errors
     /// [`Error::NoFace`].
@@ -185,7 +185,7 @@ impl HeldObject {
         Ok(self.before(face.side, settings.distance(tool)))
     }
 
-    /// The middle of the side that is shown, in the frame of the robot's tool \[m\].
+    /// The middle of the side shown, in the frame of the robot's tool \[m\].
     ///
     /// # Errors
     /// [`Error::NoFace`].
@@ -203,16 +203,16 @@ impl HeldObject {
         Unit::new_unchecked(self.tool_from_object.rotation * side.normal())
     }
 
-    /// A point so far out of the box in this direction of the tool's axes, from its middle, in the tool's
-    /// frame \[m\].
+    /// The point at this distance from the box in a direction of the tool's axes, from its middle, in the tool's frame
+    /// \[m\].
     pub(crate) fn towards(&self, direction: &Unit<Vector3<f64>>, distance: f64) -> Vector3<f64> {
         let normal = self.tool_from_object.rotation.inverse() * **direction;
         let half = 0.5 * self.size.dot(&normal.abs());
         (self.tool_from_object * Point3::from(normal * (half + distance))).coords
     }
 
-    /// The rotation of the tool, in its own axes, after which a side is where the first face was: by half
-    /// a turn about the tool's z axis, where that can do it.
+    /// The rotation of the tool, in its own axes, that brings a side to the place of the first one. It is half a turn
+    /// about the tool's z axis, where that suffices.
     pub(crate) fn turn_to_show(&self, side: BoxSide) -> UnitQuaternion<f64> {
         let shown = self.faces.first().map_or(BoxSide::Front, |face| face.side);
         let (from, to) = (self.out_of(side), self.out_of(shown));
@@ -223,7 +223,7 @@ impl HeldObject {
         })
     }
 
-    /// What is to be done with a side, if anything.
+    /// The surface of a side, if it has one.
     pub(crate) fn surface_of(&self, side: BoxSide) -> Option<Surface> {
         self.faces.iter().find(|face| face.side == side).map(|face| face.surface)
     }
@@ -233,7 +233,7 @@ impl HeldObject {
         self.faces.iter().find(|face| face.surface == surface).map(|face| face.side)
     }
 
-    /// Takes it that this side has this surface: the sides exchange theirs if another was taken to have it.
+    /// Sets the surface of a side. If another side had it, the two exchange their surfaces.
     pub(crate) fn identify(&mut self, side: BoxSide, surface: Surface) {
         let Some(at) = self.faces.iter().position(|face| face.side == side) else { return };
         let other = self.faces.iter().position(|face| face.surface == surface);
@@ -255,7 +255,7 @@ impl HeldObject {
         let half = self.size * 0.5;
         let longest = half.imax();
         let across = (half.norm_squared() - half[longest] * half[longest]).max(0.0).sqrt();
-        // A little wider than the box, so that round ends hold its corners without much length.
+        // The capsule is a little wider than the box, so that its round ends contain the corners without much length.
         let radius = 1.04 * across;
         let reach = (half[longest] - (radius * radius - across * across).sqrt()).max(0.0);
         let mut along = Vector3::zeros();
@@ -264,7 +264,7 @@ impl HeldObject {
         Ok(Capsule::new(end(-along), end(along), radius)?)
     }
 
-    /// What the robot feels of it, carried by the tool's frame.
+    /// The payload of the object, carried by the tool's frame.
     pub fn payload(&self, tool: FrameId) -> Payload {
         let squares = self.size.component_mul(&self.size) * (self.mass / 12.0);
         let moments = Vector3::repeat(squares.sum()) - squares;

@@ -1,22 +1,21 @@
-//! From recognised actions to what the person wants.
+//! Filter from recognised actions to the person's intention.
 
 use vision_models::{Intention, RecognisedAction};
 
 use crate::error::Error;
 
-/// When an action counts.
+/// Thresholds and times of the intention filter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct IntentionSettings {
-    /// Confidence from which on an action may change the intention \[-\]. Default 0.6.
+    /// Least confidence with which an action may change the intention \[-\]. Default 0.6.
     pub enter: f64,
-    /// Confidence down to which an action still confirms the present intention \[-\]. Default 0.4.
+    /// Least confidence with which an action confirms the present intention \[-\]. Default 0.4.
     pub keep: f64,
-    /// How long a new intention must be seen before it replaces the present one \[s\].
-    /// Default 0.2.
+    /// Time for which a new intention must be seen before it replaces the present one \[s\]. Default 0.2.
     pub dwell: f64,
-    /// How long the person must be seen apart before working together ends \[s\]. Default 0.6.
+    /// Time for which the person must be seen apart before working together ends \[s\]. Default 0.6.
     pub release: f64,
 }
 
@@ -74,7 +73,7 @@ pub struct IntentionFilter {
 }
 
 impl IntentionFilter {
-    /// A filter that starts apart.
+    /// Creates a filter whose first intention is apart.
     ///
     /// # Errors
     /// [`Error::Setting`] for settings out of range.
@@ -84,18 +83,18 @@ impl IntentionFilter {
         Ok(Self { settings, present: apart, candidate: apart, since: None })
     }
 
-    /// What the person wants.
+    /// The person's intention.
     pub fn intention(&self) -> Intention {
         self.present
     }
 
-    /// Apart again, as at the start.
+    /// Resets the intention to apart.
     pub fn forget(&mut self) {
         (self.present, self.candidate) = (Intention::Apart, Intention::Apart);
         self.since = None;
     }
 
-    /// Takes the action recognised in the frame at `time` \[s\], if any.
+    /// Takes the action recognised in the frame at `time` \[s\], if there is one.
     pub fn update(&mut self, time: f64, action: Option<&RecognisedAction>) {
         let Some(action) = action else { return };
         let seen = Intention::from(action.action);
@@ -109,7 +108,7 @@ impl IntentionFilter {
         if confidence < self.settings.enter {
             return;
         }
-        // A change of walking direction does not undo the evidence that work has begun.
+        // A change of walking direction does not reset the evidence that work has begun.
         let begins = seen.is_together() && !self.present.is_together();
         let since = match self.since {
             Some(since) if seen == self.candidate => since,

@@ -1,124 +1,123 @@
-//! What the robot does about what the person wants (the paper's Experiments 3 and 4).
+//! State machine of the interaction (the paper's Experiments 3 and 4).
 
 use vision_models::{Intention, Surface, WalkingDirection};
 
 use crate::held_object::BoxSide;
 
-/// What robot and person are at.
+/// The phase of the interaction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Phase {
     /// Nobody works with the robot.
     #[default]
     Apart,
-    /// Nobody uses a tool, and the robot turns what it holds to its camera, which has not seen yet which
-    /// surface is where.
+    /// Nobody uses a hand tool. The robot turns its object towards its camera, which has not identified the surfaces.
     Looking,
-    /// Somebody has straightened the arm towards a robot that holds nothing: it comes.
+    /// A person has extended the arm towards a robot that holds nothing, and the robot approaches.
     Handover,
-    /// The tool is where the person offers the object: the gripper may close, and whoever closes it calls
+    /// The robot's tool is at the offered object. The gripper may close; then call
     /// [`Controller::hold`](crate::Controller::hold).
     Grasping,
-    /// The object turns, to show the side that the person's tool is for.
+    /// The object turns to show the side that the person's hand tool is for.
     Turning {
         /// The side that the person is to see.
         to: BoxSide,
     },
-    /// The person works on the object where they stand.
+    /// The person works on the object while standing.
     Working,
-    /// They lead the robot while they work.
+    /// The person leads the robot while working.
     Walking {
-        /// In their own frame.
+        /// Direction in the person's own frame.
         direction: WalkingDirection,
     },
 }
 
-/// Why a phase ends.
+/// The reason of a transition.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Reason {
-    /// The person straightens the arm: takes part in the work.
+    /// The person extends the arm and takes part in the work.
     Engages,
-    /// No side of what the robot holds has been seen, nor faces the camera.
+    /// No side of the object has been identified, and none faces the camera.
     Hidden,
-    /// The camera has seen one.
+    /// The camera has identified a side.
     Seen,
     /// The person does something else.
     Leaves,
-    /// The tool has come into the shared workspace.
+    /// The tool has reached the shared workspace.
     Arrived,
     /// The gripper has closed.
     Grasped,
     /// The object was taken away.
     Released,
-    /// The side that is shown is not the one that the person's tool is for.
+    /// The side shown is not the one that the person's hand tool is for.
     WrongSurface {
-        /// What the person sees.
+        /// The surface that the person sees.
         shown: Surface,
-        /// What their tool is for.
+        /// The surface that the hand tool is for.
         needed: Surface,
     },
-    /// The object shows the side that it was turned to.
+    /// The object shows the side that was needed.
     RightSurface,
-    /// The person begins to walk, or changes direction.
+    /// The person begins to walk or changes direction.
     Walks,
-    /// The person stands.
+    /// The person stands still.
     Stands,
 }
 
-/// A change of the phase.
+/// A transition between phases.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Transition {
-    /// On the clock of the ticks \[s\].
+    /// Time on the clock of the ticks \[s\].
     pub time: f64,
     /// The phase that ends.
     pub from: Phase,
     /// The phase that begins.
     pub to: Phase,
-    /// Why.
+    /// The reason.
     pub reason: Reason,
 }
 
-/// What the on-board camera knows of the object.
+/// The on-board camera's knowledge of the object.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Sight {
-    /// Which surface is where; or there is no camera, or no object.
+    /// The surfaces are identified; or there is no camera, or no object.
     Known,
-    /// Not yet, but a side faces it.
+    /// The surfaces are not identified, but a side faces the camera.
     Facing,
-    /// Not yet, and no side faces it.
+    /// The surfaces are not identified, and no side faces the camera.
     Hidden,
 }
 
-/// What the guards look at.
+/// Inputs of the conditions of transitions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Situation {
-    /// On the clock of the ticks \[s\].
+    /// Time on the clock of the ticks \[s\].
     pub(crate) time: f64,
-    /// What the person wants; apart while the shared workspace is nobody's.
+    /// The person's intention; apart while the shared workspace belongs to nobody.
     pub(crate) intention: Intention,
-    /// Whether the robot holds something.
+    /// Whether the robot holds an object.
     pub(crate) holds: bool,
-    /// The surface that is shown, or that the object turns to show, and the one that the person's tool is
-    /// for, with its side: where they differ.
+    /// The surface shown now or after the present turn, the surface that the person's hand tool is for, and its side;
+    /// `None` if they agree.
     pub(crate) mismatch: Option<(Surface, Surface, BoxSide)>,
-    /// Whether the desired pose lies within the shared workspace, turned to where it is to be.
+    /// Whether the desired pose is within the shared workspace, which has reached its orientation.
     pub(crate) arrived: bool,
-    /// What the on-board camera knows.
+    /// The on-board camera's knowledge.
     pub(crate) sight: Sight,
 }
 
-/// The phase, and how it changed last.
+/// The phase and the last transition.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Interaction {
     phase: Phase,
 }
 
 impl Interaction {
-    /// What robot and person are at.
+    /// The phase of the interaction.
     pub(crate) fn phase(self) -> Phase {
         self.phase
     }
 
-    /// Goes on to the next phase if the guard of one holds; at most one a tick.
+    /// Makes at most one transition whose condition holds, and returns it.
     pub(crate) fn advance(&mut self, situation: &Situation) -> Option<Transition> {
         let (to, reason) = next(self.phase, situation)?;
         let from = std::mem::replace(&mut self.phase, to);
@@ -126,7 +125,7 @@ impl Interaction {
     }
 }
 
-/// The phase after this one, if a guard holds, and why.
+/// The next phase and the reason, if a condition holds.
 fn next(phase: Phase, situation: &Situation) -> Option<(Phase, Reason)> {
     let &Situation { intention, holds, mismatch, arrived, sight, .. } = situation;
     let idle = intention.tool().is_none() && intention.walking().is_none();
@@ -140,7 +139,7 @@ fn next(phase: Phase, situation: &Situation) -> Option<(Phase, Reason)> {
     if !intention.is_together() {
         return (phase != Phase::Apart).then_some((Phase::Apart, Reason::Leaves));
     }
-    // Only who works with the robot has it turn what it holds.
+    // The object only turns for a person who works with the robot.
     let turn = mismatch
         .map(|(shown, needed, to)| (Phase::Turning { to }, Reason::WrongSurface { shown, needed }));
     let work = match intention.walking() {
@@ -198,7 +197,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn nothing_turns_for_somebody_who_is_apart_or_with_nothing_held(
+        fn object_only_turns_for_a_working_person(
             situations in prop::collection::vec(situations(), 1..60),
         ) {
             let mut interaction = Interaction::default();
@@ -225,7 +224,7 @@ mod tests {
         ) {
             let mut interaction = Interaction::default();
             for situation in &before { interaction.advance(situation); }
-            // What is shown is the right side once the robot has begun to turn it.
+            // The right side counts as shown once the robot has begun to turn to it.
             let lasting = Situation { mismatch: None, ..last };
             for _ in 0..4 { interaction.advance(&lasting); }
             let phase = interaction.phase();
@@ -235,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn an_object_goes_from_hand_to_hand_and_is_turned() {
+    fn phases_follow_handover_work_and_turning() {
         let mut interaction = Interaction::default();
         let offered = Intention::Together { walking: None, tool: None };
         let empty = Situation { intention: offered, holds: false, arrived: false, ..working() };

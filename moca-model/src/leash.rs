@@ -86,14 +86,16 @@ const PRESSED: f64 = 0.5;
 
 /// Holds q* to q, and x_d to x_a.
 ///
-/// Within the leash q* is the integral of q̇*. Once it is reached the commanded state starts anew
-/// from the measured one, tick by tick until the robot is at rest, while the velocities brake within
-/// their limits: so nothing is left that could be released. Of a robot with joints that follow positions
-/// these have to rest: without their springs the arm would sag for as long as the base brakes. Once all rest, an arm
-/// that is pressed against something starts anew once more.
+/// Within the leash, q* is the integral of q̇*. When the leash is reached, the commanded state starts anew from the
+/// measured one. This is repeated in each tick until the robot is at rest, while the velocities brake within their
+/// limits. So no difference is left that could be released.
 ///
-/// A robot that gives way to a force lets q* follow q at a share of its joints' speeds, until the tool has travelled as
-/// far as it may.
+/// Only joints that follow positions, if there are any, have to come to rest. The arm has no springs meanwhile and
+/// would sag for as long as the base brakes. Once all joints are at rest, an arm that is pressed against something
+/// starts anew once more.
+///
+/// A robot that gives way to a force lets q* follow q at a share of its joints' speeds. This ends when the tool has
+/// travelled the allowed distance.
 #[derive(Debug, Clone)]
 pub(crate) struct Leash {
     settings: LeashSettings,
@@ -160,13 +162,13 @@ impl Leash {
         Ok(following)
     }
 
-    /// Whether the robot is to give way to a force in the next tick.
+    /// Sets whether the robot gives way to a force in the next tick.
     pub(crate) fn give_way(&mut self, gives_way: bool) {
         self.gives_way = gives_way;
     }
 
-    /// q* follows q, within speed and travel; a joint that is stronger pushed than its spring may be is followed at the
-    /// end of its leash.
+    /// Lets q* follow q within speed and travel. A joint that is pushed harder than its spring allows is followed at
+    /// the end of its leash.
     fn yield_to(
         &mut self,
         command: &mut Command,
@@ -189,12 +191,12 @@ impl Leash {
         }
     }
 
-    /// The commanded configuration is the measured one, from the next tick until the robot rests.
+    /// Sets the commanded configuration to the measured one, from the next tick until the robot is at rest.
     pub(crate) fn resynchronise(&mut self) {
         self.joints.resynchronise();
     }
 
-    /// The commanded configuration is the measured one in the next tick, and goes on from there.
+    /// Sets the commanded configuration to the measured one in the next tick, and continues from there.
     pub(crate) fn restart(&mut self) {
         self.joints.restart();
     }

@@ -1,10 +1,10 @@
-//! The mobile manipulator MOCA: its model, stack of tasks and controller.
+//! The mobile manipulator MOCA: model, stack of tasks and controller.
 //!
-//! The robot is a [`Model`](whole_body::Model) of the crate [`whole_body`], which has its kinematics
-//! and dynamics; here is what is MOCA's and what collaboration with a person needs.
+//! The crate [`whole_body`] has the robot's [`Model`](whole_body::Model), kinematics and dynamics. This crate adds the
+//! data of MOCA and the collaboration with a person.
 //!
-//! A [`Controller`] takes what perception reports, 20 times a second, and the measured configuration, a thousand
-//! times, and gives [`Command`]s:
+//! A [`Controller`] takes percepts 20 times a second and the measured configuration a thousand times a second. It
+//! returns [`Command`]s:
 //!
 //! ```
 //! use ergo_map::{ErgonomicsMap, FitOptions, MapOptions, Person};

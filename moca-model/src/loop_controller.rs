@@ -1,4 +1,4 @@
-//! The controller in a loop of its own, with percepts from another thread.
+//! The controller as the law of a control loop, with percepts from another thread.
 
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
@@ -10,23 +10,24 @@ use crate::error::Error;
 use crate::torque::start::Start;
 use crate::torque::{LONGEST_INTERVAL, Measured, TorqueController};
 
-/// Camera frames that may wait for the next tick: more than come within one.
+/// Camera frames that may wait for the next tick, more than come within one.
 const WAITING: usize = 8;
-/// Commands in a row that the robot does not take, after which q* starts anew; a single one is a usual loss.
+/// Number of refused commands in a row at which q* restarts. A single one is a common loss.
 const AGAIN: u32 = 2;
-/// After which they are a fault: as long as measurements may be missing.
+/// Number of refused commands in a row that is a fault, as long as measurements may be missing.
 const LOST: u32 = 6;
-/// After which the robot has stopped: as many as stop a Panda.
+/// Number of refused commands in a row that counts as a stop of the robot, as of a Panda.
 const REFUSED: u32 = 20;
 
 /// [`TorqueController`] as the law of a [`ControlLoop`](whole_body::control_loop::ControlLoop).
 ///
-/// Camera frames come from another thread, by a channel that never makes the loop wait; their times are on the clock
-/// of the loop. Commands hold q* and q̇* of all joints and the torques of those that take them.
+/// Camera frames come from another thread through a channel that never makes the loop wait. Their times are on the
+/// clock of the loop. Commands contain q* and q̇* of all joints and the torques of those that take them.
 ///
-/// For its first 60 ms the robot stands, and the last of the joints that torque drives is pushed to and fro by 15 % of
-/// its effort: how late it answers makes the springs and dampers; a robot that answers more than 4.5 ms late is an
-/// [`Error::AnswersLate`]. [`AnswerDelay::Known`](crate::AnswerDelay::Known) leaves that out.
+/// The robot stands for the first 60 ms. Its arm is held by soft springs, and the last joint with a torque drive is
+/// pushed to and fro by 15 % of its effort. The delay of its response determines springs and dampers. A robot that
+/// responds more than 4.5 ms late gives an [`Error::AnswersLate`]. [`AnswerDelay::Known`](crate::AnswerDelay::Known)
+/// skips this.
 ///
 /// ```
 /// use ergo_map::ErgonomicsQuadratic;
@@ -56,22 +57,22 @@ pub struct LoopController {
     controller: TorqueController,
     frames: Receiver<CameraFrame>,
     stops: bool,
-    /// Until it is known how late the robot answers.
+    /// The measurement of the delay, until it is known.
     start: Option<Start>,
-    /// Commands in a row that the robot did not take.
+    /// Number of commands in a row that the robot did not take.
     refused: u32,
 }
 
 impl LoopController {
-    /// With a controller that has not made a step yet; and where its camera frames go.
+    /// Creates the law from a controller that has not made a step. Also returns the sender of its camera frames.
     pub fn new(controller: TorqueController) -> (Self, SyncSender<CameraFrame>) {
         let (sender, frames) = sync_channel(WAITING);
         let start = Start::of(&controller);
         (Self { controller, frames, stops: false, start, refused: 0 }, sender)
     }
 
-    /// What the robot says of itself: one that takes no commands has stopped, whether it says so or takes none of many.
-    /// What it did not take is not made up for.
+    /// Evaluates the status of the robot. It has stopped if it says so or takes none of many commands. Commands that it
+    /// did not take are not made up for.
     fn listen(&mut self, robot: RobotStatus) {
         match robot.took_command {
             Some(true) => self.refused = 0,
@@ -93,7 +94,7 @@ impl LoopController {
         &self.controller
     }
 
-    /// The same, to place the workspace and to acknowledge stops.
+    /// The controller, to place the workspace and to acknowledge stops.
     pub fn controller_mut(&mut self) -> &mut TorqueController {
         &mut self.controller
     }
@@ -121,7 +122,7 @@ impl ControlLaw for LoopController {
         }
         self.controller.controller_mut().set_present(now);
         while let Ok(frame) = self.frames.try_recv() {
-            // A frame that counts as no data, or shows too many people, is a fault, which the supervisor knows.
+            // A frame that counts as no data or shows too many people is a fault, which the supervisor knows.
             match self.controller.observe_people(&frame.percept, frame.others()) {
                 Ok(())
                 | Err(
@@ -136,7 +137,7 @@ impl ControlLaw for LoopController {
             }
         }
         if self.stops {
-            // Nobody can acknowledge a stop that is asked for in every tick.
+            // Nobody can acknowledge a stop that is requested in every tick.
             self.controller.controller_mut().request_stop();
         }
         self.listen(measured.robot);

@@ -1,4 +1,4 @@
-//! What the joints and the desired pose may do in the next tick.
+//! Limits of joints and desired pose for the next tick.
 
 use ahqp_core::{AcceleratedState, AugmentedState, JerkLimits, Limits, Rows, VelocityInterval};
 use whole_body::Model;
@@ -7,22 +7,22 @@ use crate::error::Error;
 use crate::robot::moca::{MOCA_AXIS_SPEED, MOCA_WHEEL_LEVER, MOCA_WHEEL_SPEED};
 use crate::settings::ControllerSettings;
 
-/// A mecanum base whose wheels limit |v_x| + |v_y| + lever |ω| in its own frame, and whose
-/// controller limits |v_x| and |v_y|.
+/// The limits of a mecanum base. Its wheels limit |v_x| + |v_y| + lever |ω| in its own frame, and its controller limits
+/// |v_x| and |v_y|.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct MecanumBase {
-    /// Largest sum \[m/s\].
+    /// Largest value of the sum \[m/s\].
     pub speed: f64,
-    /// The lever of the yaw rate \[m\].
+    /// Lever of the yaw rate \[m\].
     pub lever: f64,
-    /// Largest speed along each of its own axes \[m/s\].
+    /// Largest speed along each of the base's own axes \[m/s\].
     pub axis_speed: f64,
 }
 
 impl Default for MecanumBase {
-    /// The SUMMIT-XL STEEL's.
+    /// The limits of the SUMMIT-XL STEEL.
     fn default() -> Self {
         Self { speed: MOCA_WHEEL_SPEED, lever: MOCA_WHEEL_LEVER, axis_speed: MOCA_AXIS_SPEED }
     }
@@ -62,19 +62,19 @@ impl MecanumBase {
         Ok(())
     }
 
-    /// Rows for [`write`](Self::write).
+    /// Creates rows for [`write`](Self::write).
     pub fn rows(&self, state: AugmentedState) -> Rows {
         Rows::zeros(WHEEL_SIGNS.len() + AXIS_SIGNS.len(), state.len())
     }
 
-    /// Writes ±v_x ± v_y ± lever ω ≤ speed and ±v_x, ±v_y ≤ axis speed for base velocities in world axes (the first three
-    /// joints) at the given yaw \[rad\].
+    /// Writes ±v_x ± v_y ± lever ω ≤ speed and ±v_x, ±v_y ≤ axis speed at the given yaw \[rad\]. The base velocities
+    /// are in world axes, as the first three joints.
     ///
-    /// The velocity nearest to rest that the `intervals` of the three joints allow is always
-    /// admitted, so that turning while driving at the limit cannot make the problem infeasible.
+    /// The rows always admit the velocity nearest to rest that the `intervals` of the three joints allow. So a base
+    /// that turns while driving at the limit cannot make the problem infeasible.
     ///
     /// # Errors
-    /// [`Error::Hierarchy`] for rows that [`rows`](Self::rows) has not made.
+    /// [`Error::Hierarchy`] for rows that [`rows`](Self::rows) did not make.
     pub fn write(
         &self,
         yaw: f64,
@@ -107,7 +107,7 @@ pub(crate) fn nearest_to_rest(interval: &VelocityInterval) -> f64 {
     0.0_f64.max(interval.lower).min(interval.upper)
 }
 
-/// Where coordinates are, the velocities commanded last, and how fast those changed.
+/// Positions of coordinates, the last commanded velocities, and their rates.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Motion<'a> {
     pub(crate) position: &'a [f64],
@@ -116,7 +116,7 @@ pub(crate) struct Motion<'a> {
 }
 
 impl Motion<'_> {
-    /// Those of the first `count` coordinates, and of the others.
+    /// The motion of the first `count` coordinates, and that of the others.
     pub(crate) fn split_at(&self, count: usize) -> (Self, Self) {
         let [position, velocity, acceleration] =
             [self.position, self.velocity, self.acceleration].map(|all| all.split_at(count));
@@ -145,10 +145,10 @@ pub(crate) fn joint_limits(model: &Model) -> Result<Vec<JerkLimits>, Error> {
     limits.collect()
 }
 
-/// The same limits for coming to rest, wherever that is.
+/// The limits for coming to rest, without position limits.
 ///
 /// # Errors
-/// None, as the limits are those of `limits`.
+/// Never, since the limits come from `limits`.
 pub(crate) fn braking_limits(limits: &[JerkLimits]) -> Result<Vec<JerkLimits>, Error> {
     let limits = limits.iter().map(|limits| {
         let (velocity, acceleration) = (limits.limits().velocity(), limits.limits().acceleration());
@@ -158,9 +158,8 @@ pub(crate) fn braking_limits(limits: &[JerkLimits]) -> Result<Vec<JerkLimits>, E
     limits.collect()
 }
 
-/// Lets joints outside their position limits wait: the interval of each that the limits force
-/// back is widened to admit braking, and what they force goes to `returns`, which bounds nothing
-/// for the others.
+/// Lets joints outside their position limits wait. If the limits force such a joint back, its interval is widened to
+/// admit braking, and the forced interval goes to `returns`. Other joints have infinite intervals there.
 pub(crate) fn admit_braking(
     [limits, braking]: [&[JerkLimits]; 2],
     motion: Motion<'_>,
@@ -183,25 +182,25 @@ pub(crate) fn admit_braking(
     }
 }
 
-/// How long a single command may last without taking a joint out of its position limits \[s\]: three times what
-/// a robot waits before it brakes by itself (20 ms), and as long as a desktop's scheduler was seen to stand.
+/// Time for which a single command may last without moving a joint beyond its position limits \[s\]. It is three times
+/// the 20 ms after which a robot brakes by itself, and covers pauses of a desktop's scheduler.
 const LONGEST_STALL: f64 = 0.06;
-/// How long every command may last, at any times, without taking a joint out of its position limits \[s\].
+/// Time for which every command may last without moving a joint beyond its position limits \[s\].
 const SLOWEST: f64 = 0.02;
 
-/// The times that a tick is planned with \[s\].
+/// The times of a tick \[s\].
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct TickTimes {
-    /// Since the tick before: the last velocities lasted for that.
+    /// Time since the last tick, for which the last velocities were applied.
     pub(crate) elapsed: f64,
-    /// That velocities change for.
+    /// Time for which velocities change.
     pub(crate) step: f64,
 }
 
 impl TickTimes {
-    /// Where the tick before came `before` \[s\] after its predecessor. Velocities change for the period, or what has
-    /// passed of it; after two late ticks for the shorter of both times. So a slow loop brakes as fast as one that is
-    /// not, and a single late tick makes no jump.
+    /// Computes the times of a tick. The tick before came `before` \[s\] after its predecessor. Velocities change for
+    /// the period, or for the elapsed time if that is shorter. After two late ticks they change for the shorter of both
+    /// times. So a slow loop brakes as fast as a fast one, and a single late tick causes no jump.
     pub(crate) fn new(elapsed: f64, before: f64, settings: &ControllerSettings) -> Self {
         let (period, shorter) = (settings.period, elapsed.min(before));
         let is_late = shorter > (1.0 + settings.clock.tolerance) * period;
@@ -210,10 +209,10 @@ impl TickTimes {
     }
 }
 
-/// The velocities that each coordinate may take, whenever the next tick comes.
+/// Computes the velocities that each coordinate may take, whenever the next tick comes.
 ///
-/// Position limits leave room for one stall of [`LONGEST_STALL`]. Where that is not enough because ticks come
-/// irregularly, velocities change for all the time that has passed, as far as ticks that come [`SLOWEST`] apart ask for.
+/// Position limits leave room for one stall of [`LONGEST_STALL`]. Irregular ticks may need more: velocities then change
+/// for all the elapsed time, as far as ticks that are [`SLOWEST`] apart need it.
 pub(crate) fn write_intervals(
     limits: &[JerkLimits],
     motion: Motion<'_>,
@@ -233,7 +232,7 @@ pub(crate) fn write_intervals(
     }
 }
 
-/// Lets each coordinate brake for `step` seconds, wherever it is.
+/// Brakes each coordinate for `step` seconds, whatever its position.
 pub(crate) fn brake(braking: &[JerkLimits], acceleration: &[f64], step: f64, velocity: &mut [f64]) {
     if step <= 0.0 {
         return;
@@ -251,7 +250,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_rows_are_the_wheel_limit_in_the_base_frame(
+        fn rows_are_wheel_limits_in_base_frame(
             yaw in -4.0..4.0_f64, v in prop::array::uniform3(-3.0..3.0_f64),
         ) {
             let state = AugmentedState { joints: 10, task: 6, slack: 6 };

@@ -1,4 +1,4 @@
-//! The robot: MOCA's model and figures, and the kinematics that a tick needs of any robot.
+//! MOCA's model and data, and the kinematics of any robot in a tick.
 
 pub(crate) mod bodies;
 mod inertia;

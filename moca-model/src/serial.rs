@@ -1,4 +1,4 @@
-//! Vectors and rotations as arrays of numbers, in files of settings.
+//! Vectors and rotations as arrays of numbers in settings files.
 
 /// The elements of a vector.
 pub(crate) mod vector {
@@ -30,7 +30,7 @@ pub(crate) mod rotation {
     use serde::de::Error;
     use serde::{Deserializer, Serializer};
 
-    /// How far the norm may be from one: numbers written by hand have few digits.
+    /// Largest deviation of the norm from one, since numbers written by hand have few digits.
     const TOLERANCE: f64 = 1e-3;
 
     pub(crate) fn serialize<S: Serializer>(
@@ -46,7 +46,7 @@ pub(crate) mod rotation {
         let coordinates: Vector4<f64> = super::vector::deserialize(deserializer)?;
         let norm = coordinates.norm();
         let quaternion = Quaternion::from(coordinates);
-        // What was written is read back to the last bit.
+        // Numbers that were written by this code are read back to the last bit.
         if (norm - 1.0).abs() <= 4.0 * f64::EPSILON {
             Ok(UnitQuaternion::new_unchecked(quaternion))
         } else if (norm - 1.0).abs() <= TOLERANCE {

@@ -1,4 +1,4 @@
-//! Every threshold and gain of the controller, with its default.
+//! All thresholds and gains of the controller, with their defaults.
 
 use ahqp_core::Budget;
 use ergo_map::{Person, Region, Side};
@@ -17,14 +17,14 @@ use crate::robot::moca_safety::moca_safety;
 use crate::singularity::SingularitySettings;
 use crate::stack::PostureSettings;
 
-/// Above it a tracking error of a period is overshot, at any period that a controller is run with \[1/s\].
+/// Largest gain \[1/s\]. Above it a tracking error would overshoot within a period, at any usual period.
 const HIGHEST_GAIN: f64 = 1e3;
-/// Nobody sees farther ahead \[s\].
+/// Longest horizon \[s\].
 const LONGEST_HORIZON: f64 = 100.0;
-/// More rows of one kind than a hierarchy is solved with in time.
+/// Largest number of rows of one kind, with which a hierarchy is still solved in time.
 const MOST_ROWS: usize = 1000;
 
-/// Checks a number of rows, before memory is taken for them.
+/// Returns an error unless the number of rows is within its range, before memory is allocated for them.
 ///
 /// # Errors
 /// [`Error::Setting`].
@@ -37,7 +37,7 @@ pub(crate) fn check_count(name: &'static str, count: usize) -> Result<(), Error>
     Ok(())
 }
 
-/// What the third level of the stack minimises while person and robot work together.
+/// The objective of the third level while person and robot work together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
@@ -55,23 +55,23 @@ pub enum Goal {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct SpaceSettings {
-    /// Least position of the hand \[m\]. Default: that of the work zone of the right hand of a
-    /// person of 1.75 m, (0.2, −0.5, 0.7).
+    /// Lower corner of the hand's positions \[m\]. The default is the work zone of the right hand of a person of 1.75
+    /// m, (0.2, −0.5, 0.7).
     #[cfg_attr(
         feature = "serde",
         serde(with = "crate::serial::vector"),
         schemars(with = "[f64; 3]")
     )]
     pub min: Vector3<f64>,
-    /// Greatest position of the hand \[m\]. Default (0.75, 0.2, 1.6625).
+    /// Upper corner of the hand's positions \[m\]. Default (0.75, 0.2, 1.6625).
     #[cfg_attr(
         feature = "serde",
         serde(with = "crate::serial::vector"),
         schemars(with = "[f64; 3]")
     )]
     pub max: Vector3<f64>,
-    /// The tool's preferred orientation in the person's frame. Default: its x axis towards the
-    /// person, its z axis down.
+    /// Preferred orientation of the tool in the person's frame. Default: its x axis towards the person, its z axis
+    /// down.
     #[cfg_attr(
         feature = "serde",
         serde(with = "crate::serial::rotation"),
@@ -85,27 +85,26 @@ pub struct SpaceSettings {
         schemars(with = "[f64; 3]")
     )]
     pub turn: Vector3<f64>,
-    /// How far the workspace leads the person in the direction in which they walk \[m\].
-    /// Default 0.08.
+    /// Distance by which the workspace leads the person in their walking direction \[m\]. Default 0.08.
     pub lead: f64,
-    /// How far the robot, where it works with somebody who stands, counts as being from the nearest part of them
-    /// that it may not touch \[m\]. When they walk away from the robot, and its separation asks for more at their
-    /// speed, the workspace falls behind by the difference ([`Headway`](hrsw_safety::Headway)). The larger it is, the
-    /// nearer to them the workspace stays, and the farther back in it the robot. Default 0.4, with which the robot
-    /// kept its place best in the walks of `experiment following`.
+    /// Assumed distance of a robot that works with a standing person from the nearest part that it must not touch
+    /// \[m\]. Default 0.4, with which the robot kept its place best in the walks of `experiment following`.
+    ///
+    /// When the person walks away and separation needs more at their speed, the workspace falls behind by the
+    /// difference ([`Headway`](hrsw_safety::Headway)). Larger values keep the workspace nearer to the person and the
+    /// robot farther back in it.
     pub clearance: f64,
-    /// How far within the workspace the tool is kept \[m or rad\], so that what is not known of the person's
-    /// place does not carry it out; at most half of the narrowest range. Default 0.02.
+    /// Distance by which the tool is kept within the workspace \[m or rad\]. It covers the uncertainty of the person's
+    /// place, and is at most half of the narrowest range. Default 0.02.
     pub margin: f64,
-    /// Room for rows of the position; a change between two kinds of shape needs as many as both
-    /// together. Default 6, a box.
+    /// Room for rows of the position. A change between two kinds of shape needs the rows of both. Default 6, a box.
     pub position_rows: usize,
     /// Room for rows of the orientation. Default 6, a box.
     pub orientation_rows: usize,
 }
 
 impl SpaceSettings {
-    /// The same settings with the work zone of a person who works with the hand of this side.
+    /// Sets the work zone of a person who works with the hand of this side.
     #[must_use]
     pub fn for_person(self, person: &Person, side: Side) -> Self {
         let zone = Region::work_zone(person.stature(), side);
@@ -130,15 +129,15 @@ impl Default for SpaceSettings {
     }
 }
 
-/// What happens when nothing is seen.
+/// Behaviour while nothing is seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct StaleSettings {
-    /// Age of the newest body from which on the robot comes to rest \[s\]. Until then, once the
-    /// tracker has lost the person, the workspace is frozen. Default 1.5.
+    /// Age of the newest body from which on the robot comes to rest \[s\]. Before that, the workspace is frozen once
+    /// the tracker has lost the person. Default 1.5.
     pub rest_after: f64,
-    /// How long slowing down, and speeding up again, take \[s\]. Default 0.5.
+    /// Time in which the robot slows down and speeds up again \[s\]. Default 0.5.
     pub ramp: f64,
 }
 
@@ -188,7 +187,7 @@ impl DesiredMotion {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct ControllerSettings {
-    /// The link or frame that is the tool. Default MOCA's, [`MOCA_TOOL`].
+    /// Link or frame of the tool. Default MOCA's, [`MOCA_TOOL`].
     pub tool: String,
     /// The control period Δt \[s\]. Default 0.001.
     pub period: f64,
@@ -202,44 +201,44 @@ pub struct ControllerSettings {
     /// The horizon τ of workspace and ergonomics \[s\]; at least the velocity limit over the
     /// acceleration limit of the desired pose. Default 0.4.
     pub horizon: f64,
-    /// The third level.
+    /// Objective of the third level.
     pub goal: Goal,
-    /// How long the goal takes to come in and to go \[s\]. Default 0.5.
+    /// Time in which the objective fades in and out \[s\]. Default 0.5.
     pub activation_time: f64,
     /// Limits of ẋ_d and ẍ_d.
     pub desired: DesiredMotion,
     /// The shared workspace.
     pub space: SpaceSettings,
-    /// Where the person's hand is when they work on what the robot holds.
+    /// Place of the hand of a person who works on the held object.
     pub hand: HandSettings,
-    /// Where the on-board camera is, in the frame of the base on the floor \[m\], to take from the surface that
-    /// it recognises which surface is on which side of the object. Default none: the object's own word
-    /// is taken.
+    /// Place of the on-board camera in the frame of the base on the floor \[m\]. The camera identifies which surface is
+    /// on which side of the object. Default `None`, which trusts the object's description.
     pub on_board_camera: Option<[f64; 3]>,
     /// The wheel limit, for robots whose first three joints are a mecanum base. Default MOCA's.
     pub base: Option<MecanumBase>,
-    /// How the joints but the base's, all without a [`base`](Self::base), slow down near singular configurations; none
-    /// to let them race there. Default that of [`SingularitySettings`].
+    /// Slowdown of joints near singular configurations; `None` for no slowdown. It excludes the joints of a
+    /// [`base`](Self::base). Default that of [`SingularitySettings`].
     pub singularity: Option<SingularitySettings>,
-    /// The posture of the fourth level.
+    /// Posture of the fourth level.
     pub posture: PostureSettings,
-    /// What solving the stack may cost a tick; where it runs out, [`Fault::IterationLimit`](hrsw_safety::Fault::IterationLimit) says so,
-    /// limits hold, and the next tick goes on. Default: the solver's iterations, in any time.
+    /// Budget of the stack's solution in a tick. If it runs out,
+    /// [`Fault::IterationLimit`](hrsw_safety::Fault::IterationLimit) reports it, limits hold, and the next tick
+    /// continues. The default limits the solver's iterations but not its time.
     pub budget: Budget,
-    /// When actions become intentions.
+    /// Thresholds of the intention filter.
     pub intention: IntentionSettings,
-    /// The body tracker. Default: that of vision-models with joints that are known to 0.02 m, to which Z_d of
-    /// [`SafetySettings`] belongs.
+    /// The body tracker. The default is that of vision-models with joints known to 0.02 m, which matches Z_d of
+    /// [`SafetySettings`].
     pub tracker: TrackerSettings,
-    /// How the person's frame follows the tracked body.
+    /// Filter of the person's frame.
     pub follower: FollowerSettings,
-    /// When it is held, for somebody who stands.
+    /// Conditions under which the frame is held still for a person who stands.
     pub hold: HoldSettings,
-    /// What happens when nothing is seen.
+    /// Behaviour while nothing is seen.
     pub stale: StaleSettings,
-    /// When the times of ticks and camera frames are faults.
+    /// Tolerances for the times of ticks and camera frames.
     pub clock: ClockSettings,
-    /// How far the commanded state may run ahead of the measured one.
+    /// Limits on the distance between commanded and measured state.
     pub leash: LeashSettings,
     /// Separation from people and from the robot itself.
     pub safety: SafetySettings,
@@ -282,7 +281,7 @@ impl Default for ControllerSettings {
 }
 
 impl ControllerSettings {
-    /// Checks the ranges that no part checks at construction.
+    /// Checks the ranges that no other part checks at construction.
     ///
     /// # Errors
     /// [`Error::Setting`] names the first that is out of its range, [`Error::Safety`] one of the

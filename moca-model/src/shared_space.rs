@@ -1,4 +1,4 @@
-//! From percepts to where the robot may be: the person's frame and the shared workspace.
+//! The person's frame and the shared workspace, from percepts.
 
 use ergo_map::PersonFrame;
 use hrsw::{
@@ -13,23 +13,21 @@ use crate::error::Error;
 use crate::intention::IntentionFilter;
 use crate::settings::ControllerSettings;
 
-/// How far the workspace may be from the person's frame, beside its lead, where it is in place
-/// \[m, rad\].
+/// Distance of the workspace from the person's frame, beside its lead, up to which it is in place \[m, rad\].
 const IN_PLACE: f64 = 0.05;
 
 /// Tracks the person, filters their intention, and moves the shared workspace with them.
 ///
-/// While person and robot work together the workspace is attached to the person and leads them
-/// in the direction in which they walk. Of who walks away faster than the robot may come after them it falls
-/// behind. Apart, or with the person lost, it stays where it is,
-/// unless it was [assigned](Self::assign) another place.
+/// While person and robot work together, the workspace is attached to the person and leads them in their walking
+/// direction. It falls behind a person who walks away faster than the robot may follow. While they are apart, or while
+/// the person is lost, it stays where it is, unless it was [assigned](Self::assign) another place.
 #[derive(Debug, Clone)]
 pub struct SharedSpace {
     tracker: BodyTracker,
     intention: IntentionFilter,
     hold: HeldFrame,
     frame: FrameFollower,
-    /// Of what the frame follows, linear then angular, world axes.
+    /// Twist of what the frame follows, linear, then angular, in world axes.
     drift: Vector6<f64>,
     person: Option<TrackedPerson>,
     moving: MovingWorkspace,
@@ -37,13 +35,13 @@ pub struct SharedSpace {
     carrier: Carrier,
     room: (usize, usize),
     lead: f64,
-    /// Behind who walks away; none where nobody is kept at a distance.
+    /// Distance behind a person who walks away; `None` if no distances are kept.
     headway: Option<Headway>,
-    /// From the person to the workspace, in their axes, level and of length 1.
+    /// Horizontal unit vector from the person to the workspace, in the person's axes.
     bearing: Vector3<f64>,
 }
 
-/// What carries the workspace.
+/// The carrier of the workspace.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Carrier {
     Nothing,
@@ -52,7 +50,7 @@ enum Carrier {
 }
 
 impl SharedSpace {
-    /// A space that nobody shares yet, around the tool's present pose.
+    /// Creates a space that nobody shares, around the tool's present pose.
     ///
     /// # Errors
     /// Settings out of range, or a pose that is not finite.
@@ -96,16 +94,15 @@ impl SharedSpace {
         Ok(())
     }
 
-    /// Forgets the person and what they want, for frames whose times turned out to be wrong. The
-    /// workspace comes to rest where it can stop.
+    /// Forgets the person and their intention, after frames whose times turned out to be wrong. The workspace comes to
+    /// rest.
     pub fn forget(&mut self) {
         self.tracker.forget();
         self.intention.forget();
         self.person = None;
     }
 
-    /// Gives the workspace another place for the time that robot and person are apart, or none:
-    /// it then stays where it is.
+    /// Sets the place of the workspace while robot and person are apart. `None` leaves it where it is.
     ///
     /// # Errors
     /// [`Error::Workspace`] for a pose that is not finite; the place then stays as it was.
@@ -149,7 +146,7 @@ impl SharedSpace {
         Ok(self.moving.reshape_orientation(shape, duration)?)
     }
 
-    /// Moves frame and workspace on by `period`, to the time `now` \[s\].
+    /// Advances frame and workspace by `period` to the time `now` \[s\].
     ///
     /// # Errors
     /// Poses that are not finite.
@@ -177,7 +174,7 @@ impl SharedSpace {
         Ok(())
     }
 
-    /// Where the frame of the person goes, and how fast that moves.
+    /// The target of the person's frame, and its twist.
     fn hold(&mut self, person: &TrackedPerson, period: f64) -> (Isometry3<f64>, Vector6<f64>) {
         let stops = self.frame.stopping_pose();
         let forward = stops.rotation * Vector3::x();
@@ -194,7 +191,7 @@ impl SharedSpace {
         (pose, Vector6::new(v.x, v.y, 0.0, 0.0, 0.0, rate.heading))
     }
 
-    /// Falls behind who walks away while they work with the robot, and catches up with who does not.
+    /// Falls behind a person who walks away while they work with the robot, and catches up otherwise.
     fn follow(&mut self, period: f64) -> Result<(), Error> {
         let Some(headway) = &mut self.headway else { return Ok(()) };
         let person = self
@@ -207,7 +204,7 @@ impl SharedSpace {
         Ok(headway.advance(away, period)?)
     }
 
-    /// Hands the workspace over when working together begins or ends.
+    /// Changes the carrier of the workspace when working together begins or ends.
     fn carry(&mut self, usable: bool) -> Result<(), Error> {
         let together = self.intention.intention().is_together() && self.person.is_some();
         let wanted = match (together, &self.assigned) {
@@ -215,7 +212,7 @@ impl SharedSpace {
             (false, Some(_)) => Carrier::Assigned,
             (false, None) => Carrier::Nothing,
         };
-        // Of a person who is lost the workspace stays where it can stop.
+        // The workspace stops where it can when its person is lost.
         let lost = wanted == Carrier::Person && !usable;
         if lost && !matches!(self.moving.attachment(), Attachment::World(_)) {
             self.moving.detach();
@@ -247,27 +244,27 @@ impl SharedSpace {
         self.moving.workspace()
     }
 
-    /// What moves it.
+    /// The motion of the workspace.
     pub fn moving(&self) -> &MovingWorkspace {
         &self.moving
     }
 
-    /// What moves it, to reorient it.
+    /// The motion of the workspace, to reorient it.
     pub fn moving_mut(&mut self) -> &mut MovingWorkspace {
         &mut self.moving
     }
 
-    /// What the person wants.
+    /// The person's intention.
     pub fn intention(&self) -> Intention {
         self.intention.intention()
     }
 
-    /// Whether the workspace is the person's: they work with the robot, and were seen.
+    /// Whether the workspace belongs to the person, who works with the robot and was seen.
     pub fn is_shared(&self) -> bool {
         self.carrier == Carrier::Person
     }
 
-    /// Returns true if the workspace is the person's and has come to where they are.
+    /// Returns true if the workspace belongs to the person and has reached them.
     pub fn is_in_place(&self) -> bool {
         let way = self.frame.pose().inv_mul(self.workspace().world_from_workspace());
         let off = way.translation.vector - self.headway();
@@ -289,33 +286,33 @@ impl SharedSpace {
         self.tracker.stature()
     }
 
-    /// How long ago the person was seen \[s\]; infinite if never.
+    /// The time since the person was seen \[s\]; infinite if never.
     pub fn age(&self) -> f64 {
         self.person.map_or(f64::INFINITY, |person| person.age)
     }
 
-    /// The velocity at which the tracked person walks, world axes \[m/s\]; zero when they are
-    /// lost. Not that of the smooth frame, which also moves to mend its own distance.
+    /// The walking velocity of the tracked person in world axes \[m/s\]; zero if they are lost or the frame is held.
+    /// The velocity of the smooth frame differs, since the frame also reduces its distance to the person.
     pub fn person_velocity(&self) -> Vector3<f64> {
         self.drift.fixed_rows::<3>(0).into_owned()
     }
 
-    /// Whether the frame is held in the world, and at rest but for \[m/s\].
+    /// Whether the frame is held in the world and moves at most at 0.06 m/s and 0.12 rad/s.
     pub fn is_at_rest(&self) -> bool {
         let twist = self.frame.twist();
         self.hold.is_held() && twist.xy().norm() <= 0.06 && twist[5].abs() <= 0.12
     }
 
-    /// How far the workspace stays behind who walks away, in the person's axes \[m\].
+    /// The offset by which the workspace stays behind a person who walks away, in the person's axes \[m\].
     pub fn headway(&self) -> Vector3<f64> {
         self.bearing * self.headway.map_or(0.0, |headway| headway.distance())
     }
 
-    /// The person's frame as the controller sees it, smooth in time, moved out by the headway: the tool keeps its
-    /// place in the workspace that falls behind them.
+    /// The person's frame that the controller uses. It is smooth in time and moved by the headway, so that the tool
+    /// keeps its place in a workspace that falls behind.
     ///
     /// # Errors
-    /// None while the frame is finite, which it always is.
+    /// Never, since the frame is always finite.
     pub fn working_frame(&self) -> Result<PersonFrame, Error> {
         let pose = self.frame.pose();
         let forward = pose.rotation * Vector3::x();

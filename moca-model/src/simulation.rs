@@ -1,4 +1,4 @@
-//! A robot that moves as it is told, for want of a real one.
+//! A simulated robot that follows velocities.
 
 use whole_body::Model;
 
@@ -6,9 +6,8 @@ use crate::error::{Error, check_finite, check_plain, check_positive, check_size}
 
 /// A robot whose joints, the base's included, follow commanded velocities.
 ///
-/// Each joint's velocity approaches its command with a time constant T of its
-/// own: T q̈ + q̇ = q̇*, solved exactly over each step. T = 0, the default, follows
-/// at once. No limit is enforced: what a controller gets wrong stays visible.
+/// Each joint's velocity approaches its command with its own time constant T: T q̈ + q̇ = q̇*, solved exactly over each
+/// step. T = 0, the default, follows at once. No limit is enforced, so that errors of a controller stay visible.
 ///
 /// ```
 /// use moca_model::{MOCA_HOME, SimulatedRobot, moca};
@@ -30,7 +29,7 @@ pub struct SimulatedRobot {
 }
 
 impl SimulatedRobot {
-    /// A robot at rest at `position`, n \[rad or m\], that follows at once.
+    /// Creates a robot at rest at `position`, n \[rad or m\], that follows at once.
     ///
     /// # Errors
     /// [`Error::FloatingBase`], [`Error::WrongSize`] and [`Error::NotFinite`].
@@ -45,7 +44,7 @@ impl SimulatedRobot {
         })
     }
 
-    /// The same robot with time constants T, n \[s\].
+    /// Sets the time constants T, n \[s\].
     ///
     /// # Errors
     /// [`Error::WrongSize`], [`Error::NotFinite`], [`Error::Negative`].
@@ -72,11 +71,10 @@ impl SimulatedRobot {
         &self.velocity
     }
 
-    /// Moves for `dt` \[s\] under the constant command q̇*, n \[rad/s or m/s\].
+    /// Moves the robot for `dt` \[s\] under the constant command q̇*, n \[rad/s or m/s\].
     ///
     /// # Errors
-    /// [`Error::WrongSize`], [`Error::NotFinite`], [`Error::NotPositive`] on dt.
-    /// The robot then stays as it was.
+    /// [`Error::WrongSize`], [`Error::NotFinite`], [`Error::NotPositive`] on dt. The robot is then unchanged.
     pub fn step(&mut self, command: &[f64], dt: f64) -> Result<(), Error> {
         check_size("the velocity command", command, self.position.len())?;
         check_all_finite("the velocity command", command)?;

@@ -1,18 +1,17 @@
-//! Slowing down near singular configurations.
+//! Slowdown near singular configurations.
 
 use nalgebra::{Matrix6, Matrix6xX};
 
 use crate::error::Error;
 
-/// A posture with less manipulability is singular but for rounding.
+/// Manipulability below which a posture counts as singular; it is then rounding.
 pub(crate) const SINGULAR: f64 = 1e-6;
 
-/// How the joints slow down near singular configurations, where a little motion of the tool takes much of theirs and
-/// the arm would swing at its limits.
+/// Slowdown of joints near singular configurations. There a small motion of the tool needs large joint motions, and the
+/// arm would oscillate at its limits.
 ///
-/// How near is said by [`manipulability`], as a share of that at the [posture](crate::PostureSettings): MOCA has
-/// nearly none of it with a stretched arm. A robot that is singular at its
-/// posture, as one with fewer than six joints is everywhere, is not slowed down.
+/// The measure is [`manipulability`] over its value at the [posture](crate::PostureSettings). MOCA has hardly any with
+/// a stretched arm. A robot that is singular at its posture is not slowed down, such as one with fewer than six joints.
 ///
 /// ```
 /// use moca_model::SingularitySettings;
@@ -26,9 +25,9 @@ pub(crate) const SINGULAR: f64 = 1e-6;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct SingularitySettings {
-    /// The share of the posture's manipulability below which the joints slow down, in proportion to it. Default 0.35.
+    /// Share of the posture's manipulability below which the joints slow down in proportion to it. Default 0.35.
     pub share: f64,
-    /// The share of their speeds that they keep, above 0. Default 0.05.
+    /// Least share of their speeds that the joints keep, above 0. Default 0.05.
     pub slowest: f64,
 }
 
@@ -54,21 +53,22 @@ impl SingularitySettings {
         Ok(())
     }
 
-    /// The share of their speeds that the joints may use at this share of the posture's manipulability. What is no
-    /// number is as near as can be.
+    /// The share of their speeds that the joints may use at this share of the posture's manipulability. NaN counts as
+    /// singular.
     pub fn speed_scale(&self, share: f64) -> f64 {
         if share > 0.0 { (share / self.share).clamp(self.slowest, 1.0) } else { self.slowest }
     }
 }
 
-/// Yoshikawa's measure of how far from singular a configuration is, w = √det(J Jᵀ) (Int. J. Robotics Research 4(2),
-/// 1985), for the tool's Jacobian of all joints, 6 × n, linear then angular \[m/s, rad/s\]: 0 where it is singular but
-/// for rounding.
+/// Yoshikawa's manipulability w = √det(J Jᵀ), 0 in singular configurations up to rounding (Int. J. Robotics Research
+/// 4(2), 1985).
+///
+/// The Jacobian is that of the tool for all joints, 6 × n, linear, then angular \[m/s, rad/s\].
 pub fn manipulability(jacobian: &Matrix6xX<f64>) -> f64 {
     manipulability_behind(jacobian, 0)
 }
 
-/// The same of the joints behind the first ones alone.
+/// The manipulability of the joints behind the first ones alone.
 pub(crate) fn manipulability_behind(jacobian: &Matrix6xX<f64>, first: usize) -> f64 {
     let mut gram = Matrix6::zeros();
     for column in jacobian.column_iter().skip(first) {

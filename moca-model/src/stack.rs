@@ -19,13 +19,13 @@ use goal::GoalTask;
 pub use goal::GoalTerms;
 pub use settings::{PostureSettings, StackSettings};
 
-/// What a change of velocity from the tick before weighs in the last level against the posture, of the joints of the
-/// base and of the others: what no other level decides changes over some tens of ticks.
+/// Weights of a change of velocity against the posture in the last level, for the joints of the base and the others.
+/// Motions that no other level decides then change over some tens of ticks.
 const SMOOTH_BASE: f64 = 40.0;
 const SMOOTH_ARM: f64 = 5.0;
 
-/// The stack of a robot that works with a person, made of tasks of
-/// [`whole_body`]; sized once, rewritten each tick.
+/// The stack of a robot that works with a person, made of tasks of [`whole_body`]. It is sized once and rewritten each
+/// tick.
 ///
 /// The variables are χ = [q̇; ẋ_d; s]: see [`AugmentedState`].
 #[derive(Debug, Clone)]
@@ -55,30 +55,29 @@ struct Tasks {
     smoothness: TaskId<VelocityTask>,
 }
 
-/// What a tick asks of the stack.
+/// The inputs of a tick.
 #[derive(Debug, Clone, Copy)]
 pub struct StackInput<'a> {
     /// x_d(t−1).
     pub desired: &'a Isometry3<f64>,
     /// The shared workspace.
     pub workspace: &'a Workspace,
-    /// The third level.
+    /// The objective of the third level.
     pub goal: GoalTerms<'a>,
-    /// q̇ commanded last, n \[m/s or rad/s\].
+    /// The last commanded q̇, n \[m/s or rad/s\].
     pub velocity: &'a [f64],
-    /// Velocities that the joints may take, then those of ẋ_d.
+    /// Velocity intervals of the joints, then those of ẋ_d.
     pub intervals: &'a [VelocityInterval],
-    /// Velocities that bring joints back within their position limits; infinite ends for those
-    /// that are within.
+    /// Velocities that return joints into their position limits; infinite intervals for joints within them.
     pub returns: &'a [VelocityInterval],
-    /// Velocities that the base may have where safety asks for no more; none for a robot without a base.
+    /// Velocities of the base while safety does not need more; empty for a robot without a base.
     pub gentle: &'a [VelocityInterval],
     /// Separation from people and from the robot itself.
     pub safety: SafetyRows<'a>,
 }
 
 impl CollaborationStack {
-    /// For a robot, with blocks of the sizes of `safety`.
+    /// Creates the stack for a robot, with blocks of the sizes of `safety`.
     ///
     /// # Errors
     /// Parameters out of range, or a posture of another size.
@@ -110,7 +109,7 @@ impl CollaborationStack {
         let augmented = AugmentedFrameTask::new(robot.tool(), &desired).with_gains(*gain);
         let workspace_rows = Rows::zeros(soft.capacity(), state.len());
         let bounds = VelocityTask::from_rows(&workspace_rows);
-        // Rows that there are none of have no task.
+        // Kinds of rows without any row have no task.
         let task = |rows: &Rows| (!rows.is_empty()).then(|| VelocityTask::from_rows(rows));
         let wheels = base.as_ref().and_then(|(_, rows)| task(rows));
         let tasks = Tasks {
@@ -169,7 +168,7 @@ impl CollaborationStack {
         self.state
     }
 
-    /// Gives the tasks what they need for the tick, and solves, with the robot at its configuration.
+    /// Updates the tasks for the tick and solves, with the robot at its configuration.
     ///
     /// # Errors
     /// Data that are not finite or do not fit; the problem itself is always feasible.
@@ -227,7 +226,7 @@ impl CollaborationStack {
     }
 }
 
-/// Gives a task, if there is one, the rows of the tick.
+/// Copies the rows of the tick to a task, if there is one.
 fn copy(
     stack: &mut TaskStack,
     task: Option<TaskId<VelocityTask>>,
@@ -239,7 +238,7 @@ fn copy(
     }
 }
 
-/// One row for each of these variables, at zero.
+/// Creates a task with one row for each of these variables, at zero.
 fn entries(variables: std::ops::Range<usize>) -> Result<VelocityTask, Error> {
     let mut task = VelocityTask::new(variables.len());
     let mut row = vec![0.0; variables.end];

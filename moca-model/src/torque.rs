@@ -1,4 +1,4 @@
-//! The control loop of a robot whose arm takes torques.
+//! Torque control of a robot that works with a person.
 
 mod controller;
 mod payload_watch;
@@ -8,6 +8,6 @@ pub(crate) mod start;
 pub use controller::{Measured, TorqueController};
 pub use settings::{AnswerDelay, TorqueLoopSettings};
 
-/// The longest delay at which springs and dampers do not swing \[s\], and the longest time between measurements.
+/// Longest delay at which springs and dampers do not oscillate \[s\], and the longest time between measurements.
 pub(crate) const LONGEST_DELAY: f64 = 4.5e-3;
 pub(crate) const LONGEST_INTERVAL: f64 = 4e-3;

@@ -1,4 +1,4 @@
-//! Clips by class, of frames whose truth is known.
+//! Cutting of clips by class out of frames with a known truth.
 
 use anyhow::Result;
 use clap::Args;
@@ -12,8 +12,8 @@ use crate::{
 
 /// Cuts clips out of frames with their truth: a folder for each class, as `train` and `evaluate` take them.
 ///
-/// A clip is of the action of its last frame, as a recogniser that looks back from the newest frame is to say it. No
-/// clip goes over frames that the camera lost.
+/// A clip has the action of its last frame, since a recogniser that looks back from the newest frame should report it.
+/// No clip goes over frames that the camera lost.
 #[derive(Args, Debug)]
 pub struct Cut {
     #[command(flatten)]
@@ -24,8 +24,8 @@ pub struct Cut {
     /// Frames from the beginning of a clip to that of the next.
     #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u16).range(1..))]
     every: u16,
-    /// For how many frames at its end the person has been doing what a clip is of; for all of it if this is left out.
-    /// With fewer, clips show how an action begins.
+    /// Frames at the end of a clip in which the person has been doing its action; all of it if this is left out.
+    /// Smaller numbers give clips that show how an action begins.
     #[arg(long, value_name = "FRAMES", value_parser = clap::value_parser!(u16).range(1..))]
     settled: Option<u16>,
 }
@@ -36,7 +36,7 @@ impl Cut {
         self.options.quiet()
     }
 
-    /// Cuts them.
+    /// Cuts the clips.
     ///
     /// # Errors
     /// As of [`CutOptions::run`].

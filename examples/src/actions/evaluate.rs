@@ -1,4 +1,4 @@
-//! Measures a recogniser.
+//! Evaluation of a recogniser.
 
 use std::path::PathBuf;
 
@@ -25,14 +25,13 @@ use crate::{
     vision::choices::with_option,
 };
 
-/// Name of the program, in files of shards.
+/// Name of the program in shard files.
 pub const PROGRAM: &str = "actions evaluate";
 
 /// Recognises clips of known classes, and prints top-1, top-5, and a report by class and by the paper's three types of
 /// actions.
 ///
-/// With --output, a picture of the confusion matrix, the probabilities of every clip and the result as JSON go into a
-/// folder.
+/// --output FOLDER writes a picture of the confusion matrix, the probabilities of every clip and the result as JSON.
 #[derive(Args, Debug)]
 pub struct Evaluate {
     /// As for `train`.
@@ -48,16 +47,16 @@ pub struct Evaluate {
     /// The classes of the list, one a line; HRI30's in alphabetical order if it is not given.
     #[arg(long, value_name = "FILE", requires = "list")]
     names: Option<PathBuf>,
-    /// Which clips of the folder: a part of the training's split, or all.
+    /// The clips of the folder to take: a part of the training's split, or all.
     #[arg(long, default_value = "test", conflicts_with = "list")]
     part: PartOption,
     /// Windows along each clip, 1 to 64; the probabilities are the mean over all.
     #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u16).range(1..=64))]
     clips: u16,
-    /// The parts of the frames.
+    /// The parts of the frames to use.
     #[arg(long, default_value = "three")]
     crops: CropsOption,
-    /// The folder for features, which later runs take from there.
+    /// The folder for features, which later runs reuse.
     #[arg(long, value_name = "FOLDER")]
     cache: Option<PathBuf>,
     /// Write picture, probabilities and the result into this folder.
@@ -75,9 +74,9 @@ pub struct Evaluate {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum PartOption {
-    /// What no training has seen.
+    /// Clips that no training has seen.
     Test,
-    /// What was trained with.
+    /// Clips of the training.
     Training,
     /// Every clip.
     All,
@@ -85,7 +84,7 @@ enum PartOption {
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum CropsOption {
-    /// The middle.
+    /// The middle part.
     Centre,
     /// Both ends and the middle.
     Three,
@@ -97,10 +96,10 @@ impl Evaluate {
         self.quiet
     }
 
-    /// Measures the recogniser.
+    /// Evaluates the recogniser.
     ///
     /// # Errors
-    /// Names the folder, the class, the clip or the option that is wrong.
+    /// The folder, the class, the clip or the option that is wrong.
     pub fn run(self, session: &mut Session) -> Result<Ending> {
         self.output.as_deref().map(check_folder).transpose()?;
         let file = self.shards.create()?;
@@ -152,7 +151,7 @@ impl Evaluate {
         session.conclude(self.json, &report, ending)
     }
 
-    /// What all shards share.
+    /// The job that all shards share.
     fn job(&self, model: &ActionModel) -> EvaluationJob {
         EvaluationJob {
             classes: model.head.classes().to_vec(),
@@ -164,7 +163,7 @@ impl Evaluate {
         }
     }
 
-    /// The clips of the list, or of the part that is asked for, with the model's classes.
+    /// The clips of the list, or of the selected part, with the model's classes.
     fn clips(&self, model: &ActionModel, watch: &mut Watch<'_>) -> Result<Vec<LabelledClip>> {
         if let Some(list) = &self.list {
             let set = ClipSet::of_list(&self.folder, list, &class_names(self.names.as_ref())?)?;

@@ -1,4 +1,4 @@
-//! Options that the commands share.
+//! Options that several commands share.
 
 use std::path::PathBuf;
 
@@ -8,22 +8,22 @@ use human_perception::{actions::window::Window, learning::backbone::Weights};
 
 use crate::vision::choices;
 
-/// Which SlowOnly, and the size of its window.
+/// The SlowOnly network, and the size of its window.
 #[derive(Args, Clone, Debug)]
 pub struct NetworkOptions {
     /// The SlowOnly's checkpoint.
     #[arg(long, value_name = "FILE")]
     weights: Option<PathBuf>,
-    /// Take a network with random weights of this seed instead: nothing is learnt in it.
+    /// Take a network with random weights of this seed instead, which has learnt nothing.
     #[arg(long, value_name = "SEED", conflicts_with = "weights")]
     random_backbone: Option<u64>,
-    /// Which SlowOnly.
+    /// The form of the SlowOnly.
     #[arg(long, default_value = "slowonly_mm", value_parser = choices::slow_only_name())]
     network: String,
     /// Frames of a window, 1 to 64.
     #[arg(long, default_value_t = 8, value_parser = clap::value_parser!(u16).range(1..=64))]
     length: u16,
-    /// Frames of the video from one of a window to the next, 1 to 64.
+    /// Frames of the video between two of a window, 1 to 64.
     #[arg(long, default_value_t = 4, value_parser = clap::value_parser!(u16).range(1..=64))]
     interval: u16,
     /// Short side of the frames (pixels), 32 to 512.
@@ -55,12 +55,12 @@ impl NetworkOptions {
 /// The checkpoint that a model was trained with.
 #[derive(Args, Clone, Debug)]
 pub struct ModelWeights {
-    /// The SlowOnly's checkpoint that the model was trained with; one with random weights needs none.
+    /// The SlowOnly's checkpoint that the model was trained with; not needed for random weights.
     #[arg(long, value_name = "FILE")]
     pub weights: Option<PathBuf>,
 }
 
 impl ModelWeights {
-    /// The option, for messages.
+    /// The name of the option, for messages.
     pub const OPTION: &str = "--weights FILE";
 }

@@ -1,4 +1,4 @@
-//! Trains a recogniser.
+//! Training of a recogniser.
 
 use std::{io::Write, path::PathBuf};
 
@@ -21,8 +21,8 @@ use crate::{
 /// Trains a new last layer of a SlowOnly on clips, each a folder of frames.
 #[derive(Args, Debug)]
 pub struct Train {
-    /// A folder with a folder for each class, which has a folder of JPEG or PNG files for each clip. With --list, a
-    /// folder with a folder for each clip.
+    /// A folder with a folder for each class, which has a folder of JPEG or PNG files for each clip. If a --list is
+    /// given, a folder with a folder for each clip.
     folder: PathBuf,
     /// The folder for the trained model.
     #[arg(long, short, value_name = "FOLDER")]
@@ -35,13 +35,13 @@ pub struct Train {
     /// The classes of the list, one a line; HRI30's in alphabetical order if it is not given.
     #[arg(long, value_name = "FILE", requires = "list")]
     names: Option<PathBuf>,
-    /// Which of HRI30's splits: of 98 clips of a class, 28, 21 or 35 are for the test.
+    /// The number of HRI30's split: of 98 clips of a class, 28, 21 or 35 are for the test.
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u8).range(1..=3), conflicts_with = "list")]
     split: u8,
-    /// The folder for features, which later runs take from there. An interrupted run keeps them.
+    /// The folder for features, which later runs reuse. An interrupted run keeps them.
     #[arg(long, value_name = "FOLDER")]
     cache: Option<PathBuf>,
-    /// Train with the clips as they are, without their mirror images. A mirror image of walking left is of walking right.
+    /// Train without mirror images of the clips. A mirror image of walking left is one of walking right.
     #[arg(long)]
     no_flips: bool,
     #[command(flatten)]
@@ -56,7 +56,7 @@ pub struct Train {
     quiet: Quiet,
 }
 
-/// The line of `--json`.
+/// The JSON object of `--json`.
 #[derive(Default, Serialize)]
 struct Trained {
     classes: Vec<String>,
@@ -79,10 +79,10 @@ impl Train {
         self.quiet
     }
 
-    /// Trains, and writes the model.
+    /// Trains and writes the model.
     ///
     /// # Errors
-    /// Names the folder, the class, the clip or the option that is wrong.
+    /// The folder, the class, the clip or the option that is wrong.
     pub fn run(self, session: &mut Session) -> Result<Ending> {
         check_folder(&self.output)?;
         let watch = &mut session.watch();
@@ -118,7 +118,7 @@ impl Train {
         session.conclude(self.json, &report, Ending::Complete)
     }
 
-    /// The clips to train with, and what each clip of the folder is for.
+    /// The clips to train with, and the role of each clip of the folder.
     fn parts(&self, watch: &mut Watch<'_>) -> Result<ClipParts> {
         Ok(match &self.list {
             Some(list) => {

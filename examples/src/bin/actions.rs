@@ -1,4 +1,4 @@
-//! Learns to recognise actions, and measures it.
+//! Trains and evaluates recognisers of actions.
 
 use std::process::ExitCode;
 
@@ -11,7 +11,7 @@ use examples::{
 
 /// Learns to recognise actions in clips, as the paper's Experiment 2: a new last layer over the features of SlowOnly.
 ///
-/// A clip is a folder of JPEG or PNG files. Of a video, ffmpeg makes one: ffmpeg -i clip.avi -q:v 2 clip/%05d.jpg
+/// A clip is a folder of JPEG or PNG files. Make one from a video by ffmpeg: ffmpeg -i clip.avi -q:v 2 clip/%05d.jpg
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Arguments {

@@ -1,4 +1,4 @@
-//! Says what is in a checkpoint, and writes it as safetensors.
+//! Lists the tensors of a checkpoint, and writes it as safetensors.
 
 use std::{
     io::{self, Write},
@@ -15,19 +15,18 @@ use vision_models::{Checkpoint, Error, NetworkKind};
 
 /// Prints what a checkpoint holds and writes its tensors as safetensors.
 ///
-/// The input is a file of torch.save (.pth, .pt, .pyth; zip format or the older one) or a
-/// .safetensors. Nothing in it is executed. Every tensor keeps its element type. An interrupted
-/// conversion leaves no file.
+/// The input is a file of torch.save (.pth, .pt, .pyth; zip format or the older one) or a .safetensors. Nothing in it
+/// is executed. Every tensor keeps its element type. An interrupted conversion leaves no file.
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Arguments {
     /// The checkpoint.
     #[arg(value_name = "IN")]
     input: PathBuf,
-    /// Where the tensors go, the same as --output; without either, they are only listed.
+    /// The output, the same as --output; if both are left out, the tensors are only listed.
     #[arg(value_name = "OUT.safetensors")]
     place: Option<PathBuf>,
-    /// Where the tensors go.
+    /// The file for the tensors.
     #[arg(long, short, value_name = "FILE", conflicts_with = "place")]
     output: Option<PathBuf>,
     #[command(flatten)]
@@ -36,11 +35,11 @@ struct Arguments {
     quiet: Quiet,
 }
 
-/// The line of `--json`.
+/// The JSON object of `--json`.
 #[derive(Serialize)]
 struct Contents {
     format: String,
-    /// Null if it is none of this project's networks.
+    /// Null for a network that this project does not have.
     network: Option<String>,
     tensors: usize,
     elements: usize,
@@ -63,7 +62,7 @@ impl Program for Arguments {
             let written = checkpoint.write_safetensors(&mut writer);
             session.interrupt().check()?;
             written.map_err(|error| match error {
-                // It names the file that is written.
+                // The error contains the name of the written file.
                 Error::File { .. } => anyhow::Error::from(error),
                 error => anyhow::anyhow!("{}: {error}", self.input.display()),
             })?;
@@ -73,7 +72,7 @@ impl Program for Arguments {
     }
 }
 
-/// Begins the output. It may not be the input, which would be lost while it is read.
+/// Creates the output. It must not be the input, which would be lost while it is read.
 fn begin(input: &Path, output: &Path) -> Result<OutputFile> {
     let same = output
         .canonicalize()
@@ -91,7 +90,7 @@ struct UntilInterrupt {
 
 impl Write for UntilInterrupt {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        // `ErrorKind::Interrupted` would be tried again.
+        // `ErrorKind::Interrupted` would lead to another attempt.
         self.interrupt.check().map_err(io::Error::other)?;
         self.file.write(bytes)
     }

@@ -1,4 +1,4 @@
-//! MOCA in a loop of its own at 1 kHz: simulated in the same process, or behind UDP or ROS 2.
+//! Moves MOCA at 1 kHz, simulated in the same process, or behind UDP or ROS 2.
 
 use std::fmt;
 use std::io::Write;
@@ -41,21 +41,23 @@ use serde::Serialize;
 #[cfg(feature = "ros2")]
 use vision_models::Percept;
 
-/// Stature where the recording gives none (m).
+/// Stature of a person whose recording gives none \[m\].
 const DEFAULT_STATURE: f64 = 1.75;
-/// Of the simulated robot's noise.
+/// Seed of the simulated robot's noise.
 const SEED: u64 = 1;
 
-/// After so long at most a camera that nobody hears notices that the loop has ended.
+/// Longest time after which a camera without listeners notices the end of the loop.
 #[cfg(feature = "ros2")]
 const WAKES: Duration = Duration::from_millis(50);
 
-/// Moves MOCA in real time, at 1 kHz, while a recorded person is perceived beside it, and prints how well
-/// the deadlines were kept.
+/// Moves MOCA in real time at 1 kHz beside a recorded person, and prints how well the deadlines were kept.
 ///
-/// The robot is simulated, in this process or behind UDP: `drive --serve` is such a robot, and shows what a driver
-/// of a real one has to do. With the feature `ros2`, `--ros2` moves a robot on the ROS 2 graph and sees the person
-/// there, and `--ros2 --serve` is such a robot. The loop ends after the duration, at Ctrl-C, or when robot or perception are silent,
+/// The robot is simulated, in this process or behind UDP. `drive --serve` is such a robot, and shows what a driver of a
+/// real one has to do. If built with the feature `ros2`, `--ros2` moves a robot on the ROS 2 graph and sees the person
+/// there. `--ros2 --serve` is such a robot.
+///
+/// The loop ends after the duration, at Ctrl-C, or when robot or perception are silent. It always brakes, and halts the
+/// robot at rest. The exit status is 1 if the robot fell silent.
 /// always in order: it brakes, and halts the robot at rest. The exit status is 1 if the robot fell silent.
 #[derive(Debug, Parser)]
 #[command(version)]
@@ -63,34 +65,33 @@ struct Options {
     /// Move the robot at this address, in place of one in this process.
     #[arg(long, value_name = "HOST:PORT")]
     robot: Option<String>,
-    /// Be the simulated robot at this address, until Ctrl-C; with `--ros2` on the ROS 2 graph, without an address.
+    /// Be the simulated robot at this address until Ctrl-C; with `--ros2` on the ROS 2 graph, without an address.
     #[arg(long, value_name = "HOST:PORT", conflicts_with = "robot")]
     #[expect(clippy::option_option, reason = "an option whose value may be left out")]
     serve: Option<Option<String>>,
-    /// Take each packet of the robot's as one period, however long it takes to come: for robots in simulators. The
-    /// same run twice is the same.
+    /// Take each packet of the robot as one period, whatever its time, for robots in simulators. Runs are then
+    /// reproducible.
     #[arg(long, requires = "robot")]
     lockstep: bool,
-    /// Take packets only from whoever has the key in this file, with `--robot` and `--serve`: 32 bytes or more,
-    /// the same at both ends.
+    /// Only take packets from senders with the key in this file, for `--robot` and `--serve`: 32 bytes or more, the
+    /// same at both ends.
     #[arg(long, value_name = "FILE")]
     key: Option<PathBuf>,
     /// Move the robot on the ROS 2 graph of `ROS_DOMAIN_ID`, and see the person there.
     #[cfg(feature = "ros2")]
     #[arg(long, conflicts_with = "robot")]
     ros2: bool,
-    /// What the arm on the ROS 2 graph follows.
+    /// The command that the arm on the ROS 2 graph follows.
     #[cfg(feature = "ros2")]
     #[arg(long, value_name = "KIND", value_enum, default_value_t, requires = "ros2")]
     interface: FollowedBy,
-    /// What the robot adds to the torques that it is sent; a robot under torques that is not simulated here has no
-    /// default.
+    /// Torques that the robot adds by itself. Robots under torques that are not simulated here have no default.
     #[arg(long, value_name = "WHAT", value_enum)]
     compensation: Option<RobotAdds>,
-    /// How long, in seconds.
+    /// Duration in seconds.
     #[arg(long, value_name = "SECONDS", default_value_t = 60.0)]
     duration: f64,
-    /// What is perceived, again and again, in place of the recording that is built in.
+    /// Play this recording in a loop, in place of the built-in one.
     #[arg(long, value_name = "FILE")]
     recording: Option<PathBuf>,
     /// The person's ergonomics map, as `ergo_map` saves it, in place of one that is built.
@@ -102,10 +103,10 @@ struct Options {
     /// Real-time priority of the loop, 1 to 99.
     #[arg(long)]
     priority: Option<u8>,
-    /// Keep all memory from being paged out.
+    /// Lock all memory, so that it is not paged out.
     #[arg(long)]
     lock_memory: bool,
-    /// How long before each tick the loop waits awake, in microseconds, at most a second.
+    /// Time before each tick in which the loop waits without sleeping, in microseconds, at most a second.
     #[arg(long, value_name = "MICROSECONDS", default_value_t = 0.0, value_parser = spin, allow_negative_numbers = true)]
     spin: f64,
     #[command(flatten)]
@@ -119,7 +120,7 @@ fn spin(text: &str) -> std::result::Result<f64, &'static str> {
     number.ok_or("give 0 to 1000000 microseconds")
 }
 
-/// What the joints of the arm follow.
+/// The commands that the joints of the arm follow.
 #[cfg(feature = "ros2")]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 enum FollowedBy {
@@ -143,7 +144,7 @@ impl From<FollowedBy> for JointInterface {
     }
 }
 
-/// What a robot adds to the torques that it is sent.
+/// Torques that a robot adds to its commands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum RobotAdds {
     /// Nothing: motors, simulated or not, and effort controllers on them.
@@ -152,7 +153,7 @@ enum RobotAdds {
     Franka,
 }
 
-/// The same over UDP.
+/// Options for a robot over UDP.
 #[derive(Debug, Serialize)]
 struct OverUdp {
     #[serde(flatten)]
@@ -160,7 +161,7 @@ struct OverUdp {
     link: LinkReport,
 }
 
-/// The same on the ROS 2 graph.
+/// Options for a robot on the ROS 2 graph.
 #[cfg(feature = "ros2")]
 #[derive(Debug, Serialize)]
 struct OnRos2 {
@@ -224,14 +225,14 @@ impl Program for Options {
 }
 
 impl Options {
-    /// Takes what the robot compensates itself: somebody must say it of a robot that is not simulated here.
+    /// Sets the compensation of the robot, which must be stated for a robot that is not simulated here.
     fn compensate(&self, scenario: &mut Scenario) -> Result<()> {
         #[cfg(feature = "ros2")]
         let takes_torques = self.interface == FollowedBy::Effort;
         #[cfg(not(feature = "ros2"))]
         let takes_torques = true;
         if !takes_torques {
-            // Nothing answers to torques.
+            // No joint responds to torques.
             scenario.torques.delay = AnswerDelay::Known(0.0);
         }
         match self.compensation {
@@ -256,7 +257,7 @@ impl Options {
         on_ros2 || self.robot.is_some()
     }
 
-    /// The key, where packets have one.
+    /// The key of the packets, if they have one.
     fn key(&self) -> Result<Option<SharedKey>> {
         let Some(path) = &self.key else { return Ok(None) };
         ensure!(
@@ -267,14 +268,14 @@ impl Options {
         Ok(Some(key))
     }
 
-    /// What `follow` plays, in real time.
+    /// The scenario that `follow` plays, for real time.
     fn scenario(&self, session: &Session) -> Result<Scenario> {
         let settings = self.settings.as_ref().map(|path| {
             let file = SettingsFile::read(path);
             let file = file.and_then(|file| file.over(&RobotSettings::default()).map(|_| file));
             file.with_context(|| path.display().to_string()).map(|file| (path, file))
         });
-        // Before the work.
+        // Settings are read before the work.
         let settings = settings.transpose()?;
         let Recording { header, percepts, others, .. } = match &self.recording {
             Some(path) => Recording::read(percept_recording::open(path)?, IfPartial::Refuse)
@@ -294,7 +295,7 @@ impl Options {
         with_settings(scenario, &file).with_context(|| path.display().to_string())
     }
 
-    /// The same on the ROS 2 graph.
+    /// Runs on the ROS 2 graph.
     #[cfg(feature = "ros2")]
     fn on_ros2(
         &self,
@@ -332,7 +333,7 @@ impl Options {
         session.conclude(self.json, &report, ended(session, cause))
     }
 
-    /// Moves the robot from a thread of its own; this one is the camera, until the loop has ended.
+    /// Moves the robot from its own thread. This thread is the camera until the loop has ended.
     fn drive<R>(
         &self,
         session: &Session,
@@ -354,7 +355,7 @@ impl Options {
         thread::scope(|scope| {
             let looping = scope.spawn(|| {
                 let ending = scheduling.apply().map_err(|error| anyhow!(error)).and_then(|()| {
-                    // Asked once a tick: from the first one on.
+                    // The condition is asked once a tick; the time counts from the first one.
                     let mut begun = None;
                     let stop = || {
                         let now = watch.now();
@@ -374,7 +375,7 @@ impl Options {
         .map(|ending| DriveReport::new(ending, control.statistics(), law.faults()))
     }
 
-    /// Moves the robot, and is its camera, as its packets come.
+    /// Moves the robot and plays its camera as its packets come.
     fn drive_in_lockstep(
         &self,
         session: &Session,
@@ -397,7 +398,7 @@ impl Options {
     }
 }
 
-/// What a controller refuses is in the file of settings, if there is one.
+/// Adds the name of the settings file, if there is one, to errors of the controller.
 fn of_settings<T>(settings: Option<&PathBuf>, result: Result<T>) -> Result<T> {
     match settings {
         Some(path) => result.with_context(|| format!("with {}", path.display())),
@@ -405,7 +406,7 @@ fn of_settings<T>(settings: Option<&PathBuf>, result: Result<T>) -> Result<T> {
     }
 }
 
-/// The controller, and where its camera frames go.
+/// The controller as a law, and the sender of its camera frames.
 fn law(scenario: &Scenario) -> Result<(LoopController, SyncSender<CameraFrame>)> {
     let Scenario { model, comfort, settings, torques, start, .. } = scenario;
     let controller = Controller::new(model.clone(), *comfort, settings.clone(), start)?;
@@ -418,7 +419,7 @@ fn control_loop(scenario: &Scenario) -> Result<ControlLoop> {
     Ok(ControlLoop::new(times, JointMeasurement::at_rest(&scenario.model))?)
 }
 
-/// A camera that plays what was recorded at its pace.
+/// A camera that plays the recording in real time.
 fn recorded(
     session: &Session,
     scenario: &Scenario,
@@ -437,7 +438,7 @@ fn recorded(
     }
 }
 
-/// A camera somewhere on the ROS 2 graph.
+/// A camera of another node on the ROS 2 graph.
 #[cfg(feature = "ros2")]
 fn seen_by_others(
     persons: &Receiver<SeenPeople>,
@@ -456,7 +457,7 @@ fn seen_by_others(
     }
 }
 
-/// How a program ends whose loop ends so.
+/// The ending of a program whose loop ends by this cause.
 fn ended(session: &Session, cause: StopCause) -> Ending {
     match cause {
         StopCause::Requested if session.interrupt().requested() => Ending::Partial,

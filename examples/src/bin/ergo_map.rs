@@ -1,4 +1,4 @@
-//! A person's ergonomics map: built, measured or loaded; with its quadratic, report and pictures.
+//! Builds, measures or loads a person's ergonomics map, with its quadratic, report and pictures.
 
 use std::{
     fs::{self, File},
@@ -23,9 +23,9 @@ use nalgebra::Vector3;
 
 /// Builds the ergonomics map of a person: how strenuous each place of the hand is, by REBA.
 ///
-/// Fits the convex quadratic to it that the controller minimises, and says how good the fit is.
-/// Writes to the folder: person.ergomap (the map), report.txt and report.json, slices.svg (heat maps
-/// through the optimum), manikin.svg (the posture there), and manikin-at.svg with --hand-at.
+/// Fits the convex quadratic that the controller minimises, and reports the quality of the fit. Writes to the folder:
+/// person.ergomap (the map), report.txt and report.json, slices.svg (heat maps through the optimum), manikin.svg (the
+/// posture there), and manikin-at.svg for --hand-at.
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Options {
@@ -47,10 +47,10 @@ struct Options {
     /// Make the map from these recorded postures (CSV) instead of predicted ones.
     #[arg(long, value_name = "FILE")]
     samples: Option<PathBuf>,
-    /// Show this map, and the person whom it names, instead of making one.
+    /// Show this map and its person instead of making one.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["stature", "preset", "hand", "spacing", "samples"])]
     load: Option<PathBuf>,
-    /// Compare the map with these recorded postures (CSV), others than those that made it.
+    /// Compare the map with these recorded postures (CSV), other than those that made it.
     #[arg(long, value_name = "FILE")]
     validate: Option<PathBuf>,
     /// Draw the posture for this hand position as well (m; x forward, y left, z up).
@@ -62,7 +62,7 @@ struct Options {
     /// Threads that share the work, 1 to 1024 [default: one for each core].
     #[arg(long, value_name = "COUNT", value_parser = thread_count())]
     threads: Option<u16>,
-    /// The folder for what is written, made if it is not there.
+    /// The output folder, made if it does not exist.
     #[arg(long, short, value_name = "FOLDER")]
     output: PathBuf,
     #[command(flatten)]
@@ -99,7 +99,7 @@ impl Program for Options {
             _ => person(&self, map.stature())?,
         };
         let study = MapStudy::new(map, person, self.acceptable)?;
-        // Before anything is written, so that nothing is left behind by a wrong option.
+        // Check before anything is written, so that a wrong option leaves nothing behind.
         let wanted = match &self.hand_at {
             Some(hand) => {
                 Some(Assessment::new(&study.map, &study.person, hand).context("--hand-at")?)
@@ -138,7 +138,7 @@ impl Program for Options {
     }
 }
 
-/// The map that the options ask for.
+/// The map of the options.
 fn map(options: &Options, session: &Session) -> Result<ErgonomicsMap> {
     if let Some(path) = &options.load {
         return read_map(path);
@@ -156,7 +156,7 @@ fn map(options: &Options, session: &Session) -> Result<ErgonomicsMap> {
     };
     if let Some(path) = &options.samples {
         let usual = MeasuredOptions::default();
-        // As many neighbours around a node whatever the spacing.
+        // The number of neighbours around a node does not depend on the spacing.
         let radius = usual.radius * spacing / usual.spacing;
         let measured = MeasuredOptions { side, spacing, radius, ..usual };
         let made = ErgonomicsMap::from_samples_of(&person, &samples(path)?, &measured);
@@ -218,7 +218,7 @@ fn segments(text: &str) -> Result<Segments> {
     Ok(segments)
 }
 
-/// The folder for what is written, and its files before they are put in their places together.
+/// The output folder, and its files before they are put in place together.
 struct Folder<'a> {
     path: &'a Path,
     files: Vec<OutputFile>,

@@ -9,8 +9,8 @@ use examples::program::{self, Ending, Program, Quiet, Session};
 
 /// Plays the paper's experiments on ergonomics with simulated people, with ergonomics and without.
 ///
-/// Every experiment has many random cases, prints mean, spread and worst for both, and draws its
-/// figures. The same seed gives the same table.
+/// Every experiment has many random cases, prints mean, spread and worst for both, and draws its figures. The same seed
+/// gives the same table.
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Arguments {

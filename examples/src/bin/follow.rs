@@ -1,5 +1,4 @@
-//! MOCA follows a person: a recording, the controller at 1 kHz, the simulated robot; with
-//! ergonomics and without.
+//! Lets MOCA follow a recorded person: the controller at 1 kHz and the simulated robot, with and without ergonomics.
 
 use std::fs;
 use std::io::Write;
@@ -34,24 +33,24 @@ use moca_simulation::people::WalkerSettings;
 use moca_simulation::run::{Comparison, Run, Scenario, Summary, TrueMotion};
 use percept_recording::{self, Completeness, Header, IfPartial, Recording, RecordingError};
 
-/// Stature where neither the recording nor the command line gives one (m).
+/// Stature of a person if neither the recording nor the command line gives one \[m\].
 const DEFAULT_STATURE: f64 = 1.75;
-/// Two statures that are no farther apart are of one person (m).
+/// Largest difference of two statures of one person \[m\].
 const SAME_STATURE: f64 = 0.01;
-/// The largest recording that is written into an MCAP file (bytes).
+/// Largest recording that is written into an MCAP file (bytes).
 #[cfg(feature = "mcap")]
 const LARGEST_RECORDING: u64 = 1 << 30;
-/// Of the page.
+/// Title of the page.
 const TITLE: &str = "MOCA follows a person";
-/// Ticks that travel to the report together.
+/// Number of ticks that are sent to the report together.
 const BATCH: usize = 512;
 
-/// Lets the simulated robot MOCA follow a recorded person at 1 kHz, once with ergonomics and once
-/// without, and compares the two.
+/// Lets the simulated robot MOCA follow a recorded person at 1 kHz, once with ergonomics and once without, and compares
+/// the two.
 ///
-/// Prints how good the person's posture was, how well the robot tracked, what was left of its
-/// limits, and how long a control period took; writes a page to look at, pictures and a table of every
-/// period into the report's folder. Ctrl-C ends early and keeps what there is, in files named *.partial.*.
+/// Prints the quality of the person's posture, tracking errors, margins of limits, and the time of a control period.
+/// Writes a page, pictures and a table of every period into the report's folder. Ctrl-C ends early and keeps the
+/// results so far in files named *.partial.*.
 #[derive(Debug, Parser)]
 #[command(version)]
 #[expect(clippy::struct_excessive_bools, reason = "each is a switch of the command line")]
@@ -59,41 +58,40 @@ struct Options {
     /// Play this recording (JSON Lines, as `record` makes them) instead of the one that is built in.
     #[arg(long, value_name = "FILE")]
     recording: Option<PathBuf>,
-    /// Play a recording that was cut off or interrupted, as far as it goes. The result is marked as
-    /// partial, and the report's files are named *.partial.*.
+    /// Play a recording that was cut off or interrupted, as far as it goes. The result is marked as partial, and the
+    /// report's files are named *.partial.*.
     #[arg(long, requires = "recording")]
     partial: bool,
-    /// Where the person truly is (JSON Lines with all joints at 50 Hz or more, as `record --truth` writes them): by
-    /// this, and not by what the recording shows, distances are judged.
+    /// The person's true motion (JSON Lines with all joints at 50 Hz or more, as `record --truth` writes it). It judges
+    /// distances in place of the recording.
     #[arg(long, value_name = "FILE")]
     truth: Option<PathBuf>,
     /// Stature of the person in metres, in place of the recording's.
     #[arg(long, value_name = "METRES", allow_negative_numbers = true)]
     stature: Option<f64>,
-    /// The person's ergonomics map, as `ergo_map` saves it, in place of one that is built for the
-    /// stature. It says which hand the person works with.
+    /// The person's ergonomics map, as `ergo_map` saves it, in place of one that is built for the stature. It
+    /// determines the working hand.
     #[arg(long, value_name = "FILE")]
     map: Option<PathBuf>,
-    /// Take these settings in place of the defaults; --write-settings makes a file to begin with. The goal
-    /// is that of each of the two runs all the same.
+    /// Take these settings in place of the defaults; --write-settings makes a file to begin with. The goal stays that
+    /// of each of the two runs.
     #[arg(long, value_name = "FILE")]
     settings: Option<PathBuf>,
-    /// Write all settings with what they mean to a TOML file, those of --settings if given, and play
-    /// nothing.
+    /// Write all settings with their meaning to a TOML file, those of --settings if given, and play nothing.
     #[arg(long, value_name = "FILE")]
     write_settings: Option<PathBuf>,
     /// Write the recording, and what the robot does with ergonomics, to this MCAP file, for Foxglove.
     #[cfg(feature = "mcap")]
     #[arg(long, value_name = "FILE")]
     mcap: Option<PathBuf>,
-    /// The paper's stack alone: keep no protective distances, and do not slow down near people.
+    /// Only the paper's stack: keep no protective distances, and do not slow down near people.
     #[arg(long)]
     no_separation: bool,
-    /// A robot that follows velocities exactly and at once, in place of one that moves under torques.
+    /// A robot that follows velocities exactly and at once, in place of one under torques.
     #[arg(long)]
     kinematic: bool,
-    /// The report's folder, made if it is not there: follow.html, follow.svg, scene.svg,
-    /// scene-moving.svg, ticks-on.csv and ticks-off.csv.
+    /// The report's folder, made if it does not exist: follow.html, follow.svg, scene.svg, scene-moving.svg,
+    /// ticks-on.csv and ticks-off.csv.
     #[arg(long, short, alias = "report", value_name = "FOLDER", default_value = "report")]
     output: PathBuf,
     /// Write no report.
@@ -107,10 +105,10 @@ struct Options {
     quiet: Quiet,
 }
 
-/// Sees every tick of a run.
+/// A callback for every tick of a run.
 type Watch<'a> = &'a mut dyn FnMut(&TickRow) -> Result<()>;
 
-/// A run that has been played, and what figure and page need of it.
+/// A finished run, with the data of figure and page.
 struct Played {
     summary: Summary,
     seen: Option<(RunLog, Replay)>,
@@ -129,7 +127,7 @@ impl Program for Options {
         if let Some(folder) = folder {
             check_folder(folder)?;
         }
-        // Before the work.
+        // Settings are read before the work.
         self.settings()?;
         let (scenario, recorded) = self.load(session)?;
         if let Some(folder) = folder {
@@ -141,7 +139,7 @@ impl Program for Options {
         let play = |goal, title: &str, name, watch: Watch<'_>| {
             let table = folder.map(|folder| folder.join(format!("ticks-{name}.csv")));
             let played = play(session, &scenario, goal, title, table.as_deref(), recorded, watch);
-            // What a controller refuses is in the file of settings, if there is one.
+            // Settings that a controller refuses are in the settings file, if there is one.
             match &self.settings {
                 Some(path) => played.with_context(|| format!("with {}", path.display())),
                 None => played,
@@ -180,7 +178,7 @@ impl Program for Options {
             true => Ending::Complete,
             false => Ending::Partial,
         };
-        // Before anything is printed: a reader who goes away loses nothing of the report.
+        // Files come before prints, so that a closed output loses nothing of the report.
         if let Some(folder) = folder
             && comparison.on.duration > 0.0
         {
@@ -221,7 +219,7 @@ impl Program for Options {
 }
 
 impl Options {
-    /// What is to be played, and whether it is the whole of what was recorded.
+    /// The scenario, and whether it is the whole recording.
     fn load(&self, session: &Session) -> Result<(Scenario, Ending)> {
         let Recording { header, percepts, others, timings, completeness } = match &self.recording {
             Some(path) => self.read(path)?,
@@ -247,7 +245,7 @@ impl Options {
         scenario.posture = self.posture.settings()?;
         scenario.truth = match &self.truth {
             Some(path) => Some(TrueMotion::read(path)?),
-            // The recording that is built in is of the person who walks by default.
+            // The built-in recording shows the default person.
             None if self.recording.is_none() => {
                 Walk::new(WalkerSettings::default(), Sight::default())?.motion
             }
@@ -262,7 +260,7 @@ impl Options {
         Ok((scenario, recorded))
     }
 
-    /// The MCAP file that is asked for, begun before the work.
+    /// The MCAP file, if one is asked for, created before the work.
     #[cfg(feature = "mcap")]
     fn mcap_log(&self, scenario: &Scenario) -> Result<Option<(RobotLog, OutputFile)>> {
         let Some(path) = &self.mcap else { return Ok(None) };
@@ -275,7 +273,7 @@ impl Options {
         Ok(Some((RobotLog::new(&text, &scenario.model)?, file)))
     }
 
-    /// What the file of settings says, and its name.
+    /// The content of the settings file, and its name.
     fn settings(&self) -> Result<Option<(String, SettingsFile)>> {
         let Some(path) = &self.settings else { return Ok(None) };
         let name = path.display().to_string();
@@ -294,7 +292,7 @@ impl Options {
         Ok(Ending::Complete)
     }
 
-    /// The person whose stature was recorded, and the person's map.
+    /// The person with the recorded stature, and their map.
     fn person(&self, session: &Session, header: &Header) -> Result<(Person, ErgonomicsMap)> {
         let stated = self.stature.or(header.stature);
         let Some(path) = &self.map else {
@@ -337,7 +335,7 @@ impl Options {
     }
 }
 
-/// Keeps a file as partial unless all that it is of is complete.
+/// Keeps a file as partial unless all its runs are complete.
 fn keep(file: OutputFile, of: [Ending; 2]) -> Result<()> {
     if of.contains(&Ending::Partial) {
         file.keep_partial()?;
@@ -347,7 +345,7 @@ fn keep(file: OutputFile, of: [Ending; 2]) -> Result<()> {
     Ok(())
 }
 
-/// One run; its table is written beside it in another thread, so that the loop only computes.
+/// Plays a run. Another thread writes its table, so that the loop only computes.
 fn play(
     session: &Session,
     scenario: &Scenario,
@@ -358,7 +356,7 @@ fn play(
     watch: Watch<'_>,
 ) -> Result<Played> {
     let run = Run::new(scenario, goal)?;
-    // A tick a millisecond.
+    // A tick takes a millisecond.
     let ticks = Duration::from_secs_f64(scenario.duration()).as_millis();
     let progress = session.progress(title, u64::try_from(ticks).unwrap_or(u64::MAX));
     let interrupt = session.interrupt();
@@ -384,7 +382,7 @@ fn play(
             }
             Ok(())
         });
-        // A writer that has failed says why when it is joined.
+        // A failed writer reports its error when it is joined.
         let _ = sender.send(batch);
         drop(sender);
         let written = writer.join().map_err(|_| anyhow::anyhow!("the table's writer panicked"))?;
@@ -397,7 +395,7 @@ fn play(
     Ok(Played { summary, seen: Some((log, recorder.finish())) })
 }
 
-/// Plays a run to its end, to an interrupt or until `each` fails, and moves the progress now and then.
+/// Plays a run to its end, to an interrupt or until `each` fails, and updates the progress.
 fn play_until(
     run: Run<'_>,
     interrupt: &Interrupt,

@@ -1,4 +1,4 @@
-//! Solves a set of hierarchical problems and says how long each took.
+//! Solves a set of hierarchical problems and reports the time of each.
 
 use std::{
     fs::File,
@@ -16,24 +16,23 @@ use serde::Serialize;
 
 /// Solves a set of hierarchical quadratic problems.
 ///
-/// Prints a line for each problem, `INDEX STATUS ITERATIONS x_0 … x_{n-1}`, and at the end the
-/// times of the solves to standard error. STATUS is 0 for solved, 1 when the iterations ran out,
-/// 2 for hard constraints that contradict each other, 3 for an unbounded problem, 4 for
-/// data that make no problem; from 2 on there is no solution, every x_i is NaN, and standard error
-/// says why.
+/// Prints a line for each problem: `INDEX STATUS ITERATIONS x_0 … x_{n-1}`. The times of the solves go to standard
+/// error at the end. STATUS is 0 for solved and 1 when the iterations ran out. It is 2 for hard constraints that
+/// contradict each other, 3 for an unbounded problem, and 4 for invalid data. From 2 on there is no solution, every x_i
+/// is NaN, and standard error has the reason.
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Options {
     /// The set (the book's page "Problem files" describes the format).
     file: PathBuf,
-    /// Start each solve from the solution of the problem before, when their shapes agree.
+    /// Start each solve from the last solution if their shapes agree.
     #[arg(long)]
     warm: bool,
-    /// How often the whole set is solved; the times are those of all solves.
+    /// Number of times that the whole set is solved; the times are those of all solves.
     #[arg(long, value_name = "K", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     repeat: u32,
-    /// Check a certificate of optimality of every solution, outside the times. To standard error go
-    /// the residuals of those that fail and a line `certificate_worst=… certificate_failed=…`.
+    /// Check a certificate of optimality of every solution, outside the times. Residuals of failed checks and a line
+    /// `certificate_worst=… certificate_failed=…` go to standard error.
     #[arg(long)]
     certificate: bool,
     #[command(flatten)]
@@ -44,7 +43,7 @@ struct Options {
     quiet: Quiet,
 }
 
-/// What the solves of a set came to: the line of `--json`.
+/// The summary of a set: the JSON object of `--json`.
 #[derive(Debug, Serialize)]
 struct SetSummary {
     problems: usize,

@@ -18,18 +18,20 @@ use vision_models::NetworkKind;
 
 /// Runs a network on images, on a folder of frames, or on an array.
 ///
-/// Prints the five most probable classes of each image, or what a trained model says; of a folder of frames the five
-/// most probable actions, the mean over all clips and crops. Of an array it writes the scores with --output, and prints
-/// the median and the minimum time of an inference (of the whole batch) and the rate that the median means, counting the
-/// multiplications and additions of the plain convolutions.
+/// Prints the five most probable classes of each image, or the results of a trained model. A folder of frames gives the
+/// five most probable actions, as the mean over all clips and crops.
 ///
-/// An image that cannot be read is named on standard error and left out; the exit status is then 1. Ctrl-C ends early:
-/// what there is until then is printed and kept.
+/// The scores of an array are written with --output. Its median and minimum time of an inference (of the whole batch)
+/// are printed, and the rate at the median time. The rate counts the multiplications and additions of the plain
+/// convolutions.
+///
+/// An image that cannot be read is named on standard error and left out; the exit status is then 1. Ctrl-C ends early
+/// and keeps the results so far.
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Arguments {
-    /// JPEG or PNG files; or one folder of them, one a frame, in the order of their names; or one f32 array of normalised
-    /// images, N×3×H×W, or clips, N×3×T×H×W, as .npy.
+    /// JPEG or PNG files; one folder of them, one a frame, in the order of their names; or one f32 array as .npy, with
+    /// normalised images, N×3×H×W, or clips, N×3×T×H×W.
     #[arg(required = true)]
     inputs: Vec<PathBuf>,
     #[command(flatten)]
@@ -105,7 +107,7 @@ impl Program for Arguments {
     }
 }
 
-/// What to give to a network with its own last layer.
+/// The inputs for a network with its own last layer.
 fn wanted(kind: NetworkKind) -> String {
     let files = match kind {
         NetworkKind::ResNet(_) => "JPEG or PNG files, or an array",

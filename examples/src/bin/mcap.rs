@@ -1,4 +1,4 @@
-//! Turns a recording into MCAP, and back.
+//! Converts a recording to MCAP and back.
 
 use std::{io::Write, path::PathBuf, process::ExitCode};
 
@@ -8,17 +8,17 @@ use examples::program::{self, Ending, Json, OutputFile, Program, Quiet, Session,
 use percept_recording::mcap::{from_json_lines, to_json_lines};
 use serde::Serialize;
 
-/// Turns a recording in JSON Lines into MCAP, which Foxglove shows, or such a file back; nothing is lost either way.
+/// Converts a recording in JSON Lines to MCAP, which Foxglove shows, or such a file back; nothing is lost either way.
 ///
-/// Which way is told by how the input begins. Of a file that `follow --mcap` wrote the recording that was played
-/// comes out.
+/// The direction follows from the beginning of the input. A file of `follow --mcap` gives the recording that was
+/// played.
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Options {
     /// A recording in JSON Lines or in MCAP.
     #[arg(value_name = "IN")]
     input: PathBuf,
-    /// Where the other goes.
+    /// The converted file.
     #[arg(long, short, value_name = "FILE")]
     output: PathBuf,
     #[command(flatten)]
@@ -27,7 +27,7 @@ struct Options {
     quiet: Quiet,
 }
 
-/// The line of `--json`.
+/// The JSON object of `--json`.
 #[derive(Serialize)]
 struct Converted {
     from: &'static str,
@@ -35,9 +35,9 @@ struct Converted {
     bytes_out: usize,
 }
 
-/// The largest file of either kind (bytes).
+/// Largest file of either kind (bytes).
 const LARGEST: u64 = 1 << 30;
-/// How every MCAP file begins.
+/// First bytes of every MCAP file.
 const MAGIC: &[u8] = b"\x89MCAP";
 
 impl Program for Options {

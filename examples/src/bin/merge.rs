@@ -1,4 +1,4 @@
-//! Makes one result of the shards that several machines have computed.
+//! Merges the shards that several machines have computed into one result.
 
 use std::{io::Write, path::PathBuf, process::ExitCode};
 
@@ -15,18 +15,18 @@ use moca_simulation::experiment::following::Following;
 use moca_simulation::experiment::reorientation::Reorientation;
 use moca_simulation::experiment::subjects::Subjects;
 
-/// Merges the files that a program wrote with --shard I/N --shard-file FILE, all N of them in any order, into
-/// what the program prints of all cases on one machine.
+/// Merges the files that a program wrote with --shard I/N --shard-file FILE. All N files are needed, in any order.
+/// Prints the result of all cases as on one machine.
 ///
-/// The result is the same for any N, but for times. The exit status is that of the program. Programs
-/// that can be split: soak, actions evaluate, experiment.
+/// The result is the same for any N, except for times. The exit status is that of the program. Programs with shards:
+/// soak, actions evaluate, experiment.
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Options {
     /// The files of all shards.
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// Write what `actions evaluate --output` or `experiment --output` writes into this folder.
+    /// Write the files of `actions evaluate --output` or `experiment --output` into this folder.
     #[arg(long, short, value_name = "FOLDER")]
     output: Option<PathBuf>,
     #[command(flatten)]

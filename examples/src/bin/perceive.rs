@@ -1,5 +1,5 @@
-//! Makes a recording of camera frames: finds joints, lifts them into the world, follows the person who
-//! works with the robot, measures their posture, and recognises what they do and the object's surface.
+//! Makes a recording of camera frames. It finds joints, lifts them into the world and tracks the person who works with
+//! the robot. It measures their posture, and recognises their action and the object's surface.
 
 use std::{
     cell::Cell,
@@ -31,33 +31,34 @@ use vision_models::{
 
 /// Makes a recording, as `follow` plays it, of a folder of camera frames with depth.
 ///
-/// The folder has camera.json, frames.jsonl and depth/, as `record --frames` writes them, and colour/ and
-/// surface/ for networks. Joints come from a pose network or from OpenPose's JSON. A frame of which a file cannot be
-/// used is named and left out; the exit status is then 1. Ctrl-C ends early and keeps what there is, in a file named
-/// *.partial.*.
+/// The folder has camera.json, frames.jsonl and depth/, as `record --frames` writes them, and colour/ and surface/ for
+/// networks. Joints come from a pose network or from OpenPose's JSON.
+///
+/// A frame with an unusable file is named and left out; the exit status is then 1. Ctrl-C ends early and keeps the
+/// results so far in a file named *.partial.*.
 #[derive(Debug, Parser)]
 #[command(version, group(ArgGroup::new("joints").required(true)))]
 struct Options {
     /// The folder of frames.
     frames: PathBuf,
-    /// Where the recording goes (JSON Lines).
+    /// The recording to write (JSON Lines).
     #[arg(long, short, value_name = "FILE")]
     output: PathBuf,
-    /// The folder of OpenPose's JSON, a file a frame such as 000012_keypoints.json or 000000000012_keypoints.json, joints in
-    /// pixels.
+    /// The folder of OpenPose's JSON, a file for each frame such as 000012_keypoints.json or
+    /// 000000000012_keypoints.json, with joints in pixels.
     #[arg(long, value_name = "FOLDER", group = "joints")]
     skeletons: Option<PathBuf>,
-    /// The weights of a pose network: a simple baseline or OpenPose, as their tensors say; or BlazePose's landmarks, a
-    /// .tflite of MediaPipe's package @mediapipe/pose.
+    /// The weights of a pose network. Their tensors identify a simple baseline or OpenPose. A .tflite of MediaPipe's
+    /// package @mediapipe/pose is BlazePose's landmark network.
     #[arg(long, visible_alias = "pose", value_name = "FILE", group = "joints")]
     pose_weights: Option<PathBuf>,
-    /// BlazePose's detector; pose_solution_packed_assets.data beside the landmarks without it.
+    /// BlazePose's detector. Default pose_solution_packed_assets.data beside the landmarks.
     #[arg(long, value_name = "FILE", requires = "pose_weights")]
     pose_detector: Option<PathBuf>,
-    /// The most people whom BlazePose follows.
+    /// The largest number of people whom BlazePose tracks.
     #[arg(long, value_name = "COUNT", default_value_t = 1, requires = "pose_weights")]
     pose_people: usize,
-    /// Let the simple baseline look at the mirrored image, too: better joints for twice the time.
+    /// Let the simple baseline also use the mirrored image: better joints for twice the time.
     #[arg(long, requires = "pose_weights")]
     mirrored: bool,
     #[command(flatten)]
@@ -66,17 +67,17 @@ struct Options {
     action: ActionOptions,
     #[command(flatten)]
     threads: Threads,
-    /// How long to wait for the next frame of a folder that grows (s).
+    /// Time to wait for the next frame of a growing folder (s).
     #[arg(long, value_name = "SECONDS", default_value_t = 0.0)]
     wait: f64,
     /// Standard deviation of the joints in the image, each axis (pixels).
     #[arg(long, value_name = "PIXELS", default_value_t = LiftingSettings::default().pixel_sigma)]
     pixel_sigma: f64,
-    /// Compare with this recording of the truth, as `record --frames` writes it: shares of time in which surface, action
-    /// and intention are right.
+    /// Compare with this recording of the truth, as `record --frames` writes it. Prints shares of time with the right
+    /// surface, action and intention.
     #[arg(long, value_name = "FILE")]
     truth: Option<PathBuf>,
-    /// The person's stature (m), in place of the one that is measured.
+    /// The person's stature (m), in place of the measured one.
     #[arg(long, value_name = "METRES")]
     stature: Option<f64>,
     #[command(flatten)]
@@ -87,30 +88,30 @@ struct Options {
     quiet: Quiet,
 }
 
-/// How the surface is recognised in the images of the on-board camera.
+/// Recognition of the surface in the images of the on-board camera.
 #[derive(Args, Debug)]
 #[command(group(ArgGroup::new("surface_network").multiple(true)))]
 #[expect(clippy::struct_field_names, reason = "they are the options' names")]
 struct SurfaceOptions {
-    /// The folder that `surface train` has made: its model recognises the surface.
+    /// The folder that `surface train` has made, whose model recognises the surface.
     #[arg(long, value_name = "FOLDER", group = "surface_network")]
     surface_model: Option<PathBuf>,
-    /// The weights of the ResNet that the model was trained with, unless they are random; without a model, of a
-    /// ResNet whose own last layer has the classes drilled and smooth.
+    /// The weights of the ResNet that the model was trained with, unless they are random. If there is no model, the
+    /// weights of a ResNet whose own last layer has the classes drilled and smooth.
     #[arg(long, value_name = "FILE", group = "surface_network")]
     surface_weights: Option<PathBuf>,
-    /// How many layers it has: 50 without a model, and with one where it has several networks.
+    /// The number of its layers: 50 if there is no model; needed for a model with several networks.
     #[arg(long, value_parser = choices::depth(), requires = "surface_network")]
     surface_depth: Option<ResNetDepth>,
-    /// Which part of the model decides.
+    /// The part of the model that decides.
     #[arg(long, default_value = "svm", requires = "surface_model")]
     surface_decision: DecisionOption,
-    /// Camera frames from one look at the surface to the next.
+    /// Number of camera frames between two recognitions of the surface.
     #[arg(long, value_name = "FRAMES", default_value_t = 10, requires = "surface_network")]
     surface_interval: u64,
 }
 
-/// Which part of a trained model decides.
+/// The part of a trained model that decides.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum DecisionOption {
     /// The support vector machine.
@@ -119,25 +120,25 @@ enum DecisionOption {
     Head,
 }
 
-/// How the action is recognised in the colour images.
+/// Recognition of the action in the colour images.
 #[derive(Args, Debug)]
 struct ActionOptions {
-    /// The folder that `actions train` has made: its model recognises the action, over its windows.
+    /// The folder that `actions train` has made, whose model recognises the action over its windows.
     #[arg(long, value_name = "FOLDER")]
     action_model: Option<PathBuf>,
-    /// The weights of the SlowOnly that the model was trained with, unless they are random; without a model, of a
-    /// SlowOnly with its own last layer.
+    /// The weights of the SlowOnly that the model was trained with, unless they are random. If there is no model, the
+    /// weights of a SlowOnly with its own last layer.
     #[arg(long, value_name = "FILE")]
     action_weights: Option<PathBuf>,
     #[command(flatten)]
     own: OwnActionOptions,
 }
 
-/// Of a SlowOnly with its own last layer; a trained model says these itself.
+/// Options for a SlowOnly with its own last layer. A trained model contains them.
 #[derive(Args, Debug)]
 #[expect(clippy::struct_field_names, reason = "they are the options' names")]
 struct OwnActionOptions {
-    /// Whose network.
+    /// The form of the network.
     #[arg(long, default_value = "slowonly_mm", value_parser = choices::slow_only(), requires = "action_weights", conflicts_with = "action_model")]
     action_network: SlowOnlyForm,
     /// The names of the classes, actions of HRI30, one a line; all thirty if left out.
@@ -152,7 +153,7 @@ struct OwnActionOptions {
         conflicts_with = "action_model"
     )]
     action_length: usize,
-    /// Camera frames from one of a clip to the next.
+    /// Number of camera frames between two of a clip.
     #[arg(
         long,
         value_name = "FRAMES",
@@ -163,26 +164,26 @@ struct OwnActionOptions {
     action_interval: u64,
 }
 
-/// The line of `--json`.
+/// The JSON object of `--json`.
 #[derive(Serialize)]
 struct Report {
     output: PathBuf,
-    /// Frames that the camera lost.
+    /// Number of frames that the camera lost.
     lost: u64,
-    /// Frames that are left out because a file of theirs cannot be used.
+    /// Number of frames that are left out because of an unusable file.
     broken: u64,
-    /// As measured (m).
+    /// Measured stature \[m\].
     stature: Option<f64>,
     stature_standard_error: Option<f64>,
-    /// Times that the person was somewhere else at once.
+    /// Number of times that the person was suddenly at another place.
     jumps: u64,
-    /// Frames a second, all work included.
+    /// Frames a second, with all work.
     rate: f64,
     #[serde(flatten)]
     summary: Summary,
     #[serde(skip_serializing_if = "Option::is_none")]
     truth: Option<AgainstTruth>,
-    /// Most memory of the process (MiB), where the system tells.
+    /// Peak memory of the process (MiB), if the system reports it.
     peak_memory_mib: Option<f64>,
 }
 
@@ -216,7 +217,7 @@ impl Program for Options {
 }
 
 impl Options {
-    /// Everything that looks at the frames, loaded before the work.
+    /// All parts that process the frames, loaded before the work.
     fn pipeline(&self, reader: &FramesReader, watch: &mut Watch<'_>) -> Result<Pipeline> {
         let pixel_sigma = self.pixel_sigma;
         let lifting = LiftingSettings { pixel_sigma, ..LiftingSettings::default() };
@@ -247,7 +248,7 @@ impl Options {
 }
 
 impl SurfaceOptions {
-    /// The network that is asked for.
+    /// The network of the options.
     fn network(&self, threads: usize, watch: &mut Watch<'_>) -> Result<Option<SurfaceNetwork>> {
         let depth = self.surface_depth;
         let decision = match self.surface_decision {
@@ -272,7 +273,7 @@ impl SurfaceOptions {
 }
 
 impl ActionOptions {
-    /// The network that is asked for.
+    /// The network of the options.
     fn network(&self, threads: usize, watch: &mut Watch<'_>) -> Result<Option<ActionNetwork>> {
         let with_option = |error| with_option(error, "--action-weights FILE");
         let own = &self.own;
@@ -296,24 +297,24 @@ impl ActionOptions {
     }
 }
 
-/// A run through the frames.
+/// A run over the frames.
 struct Work {
     reader: FramesReader,
     pipeline: Pipeline,
     percepts: Vec<(Percept, Timing)>,
-    /// The people beside the one of each percept.
+    /// The other people of each percept.
     others: Vec<Vec<Body>>,
     truth: Option<Vec<Percept>>,
     tally: Tally,
     started: Instant,
-    /// The number of the first frame.
+    /// Number of the first frame.
     first: Option<u64>,
-    /// Frames of which a file cannot be used.
+    /// Number of frames with an unusable file.
     broken: u64,
     last_broken: Option<Error>,
 }
 
-/// How many frames are named that are left out.
+/// Largest number of left-out frames that are named.
 const MOST_NAMED: u64 = 5;
 
 impl Work {
@@ -322,7 +323,7 @@ impl Work {
         let progress = session.open_progress("frames");
         let waiting = Cell::new(false);
         let stop = || {
-            // Asked only where the index has no further line yet.
+            // The interrupt is only checked while the index has no further line.
             if !waiting.replace(true) {
                 session.note("waiting for further frames");
             }
@@ -380,10 +381,10 @@ impl Options {
     ) -> Result<Ending> {
         let elapsed = work.started.elapsed().as_secs_f64();
         let estimate = work.pipeline.stature();
-        // To the millimetre: its error is larger.
+        // Statures are rounded to the millimetre, which is less than their error.
         let rounded = |estimate: StatureEstimate| (estimate.stature * 1e3).round() / 1e3;
         let stature = self.stature.or(estimate.map(rounded));
-        // Another stature than the measured one says that the lengths are not to be relied on.
+        // A given stature other than the measured one means that the lengths are not reliable.
         let segments = match self.stature {
             None => work.pipeline.segments(),
             Some(_) => MeasuredSegments::default(),
@@ -466,7 +467,7 @@ fn shown(path: &Path) -> impl std::fmt::Display + '_ {
     path.display()
 }
 
-/// Frames a second, from the time stamps.
+/// Frames a second from the time stamps.
 fn rate(percepts: &[(Percept, Timing)]) -> f64 {
     match (percepts.first(), percepts.last()) {
         (Some((first, _)), Some((last, _))) if last.time > first.time => {
@@ -476,7 +477,7 @@ fn rate(percepts: &[(Percept, Timing)]) -> f64 {
     }
 }
 
-/// What Linux says in /proc.
+/// The peak memory that Linux reports in /proc.
 fn peak_memory() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;

@@ -1,4 +1,4 @@
-//! Scores filled-in REBA or RULA sheets, one a row of a table.
+//! Scores REBA or RULA sheets, one a row of a table.
 
 use std::{io::Write, ops::ControlFlow, process::ExitCode};
 
@@ -11,13 +11,12 @@ use serde::Serialize;
 
 /// Scores filled-in REBA sheets, one a row of a table (CSV, also with semicolons and decimal commas).
 ///
-/// The first line names the columns. Needed are the angles in degrees: trunk_flex_deg,
-/// neck_flex_deg, knee_flex_deg, upper_arm_flex_deg, lower_arm_flex_deg and wrist_flex_deg. The
-/// book's page "Scores, maps and pictures" names the others, such as load_kg and coupling.
+/// The first line names the columns. Required are the angles in degrees: trunk_flex_deg, neck_flex_deg, knee_flex_deg,
+/// upper_arm_flex_deg, lower_arm_flex_deg and wrist_flex_deg. The book's page "Scores, maps and pictures" names the
+/// others, such as load_kg and coupling.
 ///
-/// Writes the same rows with the sub-scores, the tables' values, the score and its action level
-/// behind them, for REBA also the continuous score (faithful) and e_s (graded). Columns that it does
-/// not know are passed through and named on standard error.
+/// Writes the same rows followed by the sub-scores, the tables' values, the score and its action level. REBA also gets
+/// the continuous score (faithful) and e_s (graded). Unknown columns are passed through and named on standard error.
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Options {
@@ -26,7 +25,7 @@ struct Options {
     /// Score RULA instead of REBA.
     #[arg(long)]
     rula: bool,
-    /// Refuse columns that are not known instead of passing them through.
+    /// Refuse unknown columns instead of passing them through.
     #[arg(long)]
     strict: bool,
     #[command(flatten)]
@@ -37,7 +36,7 @@ struct Options {
     quiet: Quiet,
 }
 
-/// The line of `--json`.
+/// The JSON object of `--json`.
 #[derive(Serialize)]
 struct Scored {
     rows: u64,

@@ -1,5 +1,4 @@
-//! Simulates a walking person and writes what perception reports as a recording, or what the camera
-//! sees as frames.
+//! Simulates a walking person and writes their percepts as a recording, or the camera's images as frames.
 
 use std::{
     io::Write,
@@ -21,28 +20,27 @@ use percept_recording::Writer;
 use serde::Serialize;
 use vision_models::{Body, Confidence, Keypoint, Percept, Tool};
 
-/// Simulates a person who works with the robot, and records what perception reports, or what a camera
-/// sees.
+/// Simulates a person who works with the robot, and records what perception reports, or what a camera sees.
 ///
-/// Without options but --output it makes the recording that `follow` plays by default. With --frames it
-/// renders colour and depth images, skeletons and the truth, for `perceive`.
+/// If only --output is given, it makes the recording that `follow` plays by default. --frames renders colour and depth
+/// images, skeletons and the truth, for `perceive`.
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Options {
-    /// Where the recording goes (JSON Lines).
+    /// The recording to write (JSON Lines).
     #[arg(long, short, value_name = "FILE", required_unless_present = "frames")]
     output: Option<PathBuf>,
-    /// Render what the camera sees into this folder: colour and depth images, skeletons in OpenPose's
-    /// JSON, and the truth as a recording.
+    /// Render the camera's images into this folder: colour and depth images, skeletons in OpenPose's JSON, and the
+    /// truth as a recording.
     #[arg(long, value_name = "FOLDER", conflicts_with = "output")]
     frames: Option<PathBuf>,
-    /// Where the camera stands: facing the person, behind the robot, or beside the workplace.
+    /// The place of the camera: facing the person from behind the robot, or beside the workplace.
     #[arg(long, default_value = "facing", value_parser = viewpoint, requires = "frames")]
     view: Viewpoint,
     /// Width and height of the rendered images (pixels).
     #[arg(long, value_name = "WIDTHxHEIGHT", default_value = "640x480", value_parser = size, requires = "frames")]
     size: [usize; 2],
-    /// Draw clothes, skin, room and light by the seed: another person on another day.
+    /// Vary clothes, skin, room and light by the seed.
     #[arg(long, requires = "frames")]
     varied: bool,
     /// Standard deviation of the skeletons' joints, each axis, in images 640 pixels wide (pixels).
@@ -51,27 +49,28 @@ struct Options {
     /// The person's stature (m).
     #[arg(long, value_name = "METRES", default_value_t = WalkerSettings::default().stature, allow_negative_numbers = true)]
     stature: f64,
-    /// Where the person leads the robot: stations, straight, square, circle, figure-eight, random,
-    /// directions (each time along one of HRI30's eight), points on the floor (m) such as "1.4,0 2.4,0 2.4,-1", or a file with one point a line.
+    /// The path along which the person leads the robot: stations, straight, square, circle, figure-eight, random or
+    /// directions (each time along one of HRI30's eight). Also points on the floor (m) such as "1.4,0 2.4,0 2.4,-1", or
+    /// a file with one point a line.
     #[arg(long, default_value = "stations", value_parser = WalkingPath::from_argument)]
     path: WalkingPath,
     /// The person only walks along the path, with empty hands.
     #[arg(long)]
     walk: bool,
-    /// What the person does on the spot, again and again, where they stand and work: bow, kneel, sit-down, get-up,
-    /// lean-sideways, reach-overhead, turn, squat, pick-up, step-sideways or swing-arms.
+    /// A movement on the spot that the person repeats where they stand and work. One of bow, kneel, sit-down, get-up,
+    /// lean-sideways, reach-overhead, turn, squat, pick-up, step-sideways and swing-arms.
     #[arg(long, value_parser = movement)]
     movement: Option<Movement>,
-    /// Also write where the joints truly are, at 100 Hz, for `follow --truth` (JSON Lines).
+    /// Also write the true joints at 100 Hz, for `follow --truth` (JSON Lines).
     #[arg(long, value_name = "FILE", conflicts_with = "frames")]
     truth: Option<PathBuf>,
-    /// How long the person offers the object (s).
+    /// Time for which the person offers the object (s).
     #[arg(long, value_name = "SECONDS", default_value_t = WalkerSettings::default().offer, allow_negative_numbers = true)]
     offer: f64,
-    /// How fast the person walks (m/s), in place of 0.8 to come and go and 0.3 to lead the robot.
+    /// Walking speed (m/s), in place of 0.8 to come and go and 0.3 to lead the robot.
     #[arg(long, value_name = "M/S", allow_negative_numbers = true)]
     speed: Option<f64>,
-    /// How long to record (s).
+    /// Duration of the recording (s).
     #[arg(long, value_name = "SECONDS", default_value_t = WalkerSettings::default().duration, allow_negative_numbers = true)]
     duration: f64,
     /// Factor on the camera's noise: 0 is none, 1 that of a RealSense D435i.
@@ -80,13 +79,13 @@ struct Options {
     /// Probability that a joint is missing in a frame; frames are missing in proportion.
     #[arg(long, value_name = "PROBABILITY", default_value_t = CameraSettings::default().drop)]
     drop: f64,
-    /// How many times the person seems to jump by two metres, for a moment.
+    /// Number of times that the person seems to jump by two metres for a moment.
     #[arg(long, value_name = "TIMES", default_value_t = CameraSettings::default().jumps)]
     jump: u32,
-    /// How many times the person is not seen, for up to three seconds.
+    /// Number of times that the person is not seen, for up to three seconds.
     #[arg(long, value_name = "TIMES", default_value_t = CameraSettings::default().vanishings)]
     vanish: u32,
-    /// What the person works with: drill or polisher.
+    /// The person's tool: drill or polisher.
     #[arg(long, default_value = "drill", value_parser = tool)]
     tool: Tool,
     #[command(flatten)]
@@ -127,7 +126,7 @@ fn size(text: &str) -> std::result::Result<[usize; 2], &'static str> {
         .ok_or("give a width and a height of 32 to 4096 pixels, such as 640x480")
 }
 
-/// The line of `--json`.
+/// The JSON object of `--json`.
 #[derive(Serialize)]
 struct Recorded {
     output: PathBuf,
@@ -179,7 +178,7 @@ impl Program for Options {
     }
 }
 
-/// What perception reports, as a recording, and where the joints truly are, as another.
+/// Writes the percepts as a recording, and the true joints as another.
 fn record(
     mut walker: Walker,
     output: PathBuf,
@@ -225,7 +224,7 @@ fn record(
     Ok((Recorded { output, frames }, ending))
 }
 
-/// What the camera sees, as a folder of frames with the truth.
+/// Writes the camera's images as a folder of frames with the truth.
 fn film_frames(film: Film, folder: &Path, session: &Session) -> Result<(Recorded, Ending)> {
     check_folder(folder)?;
     let mut writer = FramesWriter::create(folder, film.camera())?;

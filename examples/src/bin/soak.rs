@@ -1,4 +1,4 @@
-//! The closed loop of MOCA under random people, workspaces and losses; counts what goes wrong.
+//! Runs MOCA's closed loop under random people, workspaces and losses, and counts violations.
 
 use std::{io::Write, path::PathBuf, process::ExitCode};
 
@@ -14,26 +14,28 @@ use moca_simulation::soak::{Movements, Soak, Summary};
 /// Tries the controller on random people, workspaces, starts and camera losses, and counts every
 /// violated promise.
 ///
-/// Each millisecond of the simulated loop is checked apart from the controller: problems not solved,
-/// numbers that are not finite, limits of position, velocity, acceleration, jerk and torque, distances from the
-/// person, jumps of the desired motion, self-collisions. What is found goes to standard error, the
-/// counts to standard output. The exit status is 1 if anything was found. Ctrl-C ends a long soak
-/// and prints the counts up to there.
+/// Each millisecond of the simulated loop is checked independently of the controller. The checks are unsolved problems,
+/// numbers that are not finite, and limits of position, velocity, acceleration, jerk and torque. They also cover
+/// distances from the person, jumps of the desired motion, and self-collisions.
+///
+/// Findings go to standard error, the counts to standard output. The exit status is 1 if anything was found. Ctrl-C
+/// ends a long soak and prints the counts so far.
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Options {
-    /// Control periods of a millisecond to run.
+    /// Number of control periods of a millisecond.
     #[arg(long, value_name = "COUNT", default_value_t = 100_000, value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     ticks: u64,
-    /// In place of that, each movement on the spot (bowing, kneeling, sitting down, reaching and others) of so many
-    /// people near the tool, for 8 s each, with nothing disturbed; every other person works with the robot.
+    /// Instead, run each movement on the spot for this number of people near the tool. Each takes 8 s without
+    /// disturbances; every other person works with the robot. Movements are bowing, kneeling, sitting down, reaching
+    /// and others.
     #[arg(long, value_name = "PEOPLE", value_parser = clap::value_parser!(u64).range(1..=100_000), conflicts_with_all = ["ticks", "shard", "shard_file"])]
     movements: Option<u64>,
-    /// A robot that follows velocities exactly and at once, in place of one that moves under torques.
+    /// A robot that follows velocities exactly and at once, in place of one under torques.
     #[arg(long)]
     kinematic: bool,
-    /// Take these settings in place of the defaults; `follow --write-settings` makes a file to begin with.
-    /// The goal is drawn by each episode all the same.
+    /// Take these settings in place of the defaults; `follow --write-settings` makes a file to begin with. Each episode
+    /// still draws its own goal.
     #[arg(long, value_name = "FILE")]
     settings: Option<PathBuf>,
     #[command(flatten)]
@@ -78,7 +80,7 @@ impl Program for Options {
         } else {
             Ending::Complete
         };
-        // A shard that is not whole cannot be merged.
+        // An incomplete shard cannot be merged.
         if ending != Ending::Partial {
             ShardOptions::write(file, &part)?;
         }
@@ -94,7 +96,7 @@ impl Program for Options {
 }
 
 impl Options {
-    /// Each movement of so many people.
+    /// Runs each movement of this number of people.
     fn run_movements(&self, people: u64, session: &mut Session) -> anyhow::Result<Ending> {
         let movements = Movements { seed: self.seed.seed, people, robot: self.robot()? };
         let (wanted, interrupt) = (movements.ticks(), session.interrupt().clone());
@@ -119,7 +121,7 @@ impl Options {
         session.conclude(self.json, &results, ending)
     }
 
-    /// What a controller refuses is in the file of settings, if there is one.
+    /// Adds the name of the settings file, if there is one, to errors of the controller.
     fn of_settings<T>(&self, result: Result<T, moca_simulation::Error>) -> anyhow::Result<T> {
         match &self.settings {
             Some(path) => result.with_context(|| format!("with {}", path.display())),

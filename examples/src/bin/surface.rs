@@ -1,4 +1,4 @@
-//! Learns to tell surfaces apart, and measures it.
+//! Trains and evaluates classifiers of surfaces.
 
 use std::process::ExitCode;
 
@@ -9,8 +9,9 @@ use examples::{
     surface::{cut::Cut, evaluate::Evaluate, generate::Generate, train::Train},
 };
 
-/// Learns to tell surfaces apart by images, as the paper's Experiment 1: over the features of ResNet-50 and
-/// ResNet-152, a new last layer and a linear support vector machine.
+/// Learns to distinguish surfaces in images, as the paper's Experiment 1.
+///
+/// A new last layer and a linear support vector machine are trained over the features of ResNet-50 and ResNet-152.
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Arguments {

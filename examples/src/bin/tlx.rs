@@ -16,20 +16,21 @@ use examples::program::{
 
 /// Scores NASA-TLX questionnaires, one a row of a table (CSV), and compares conditions.
 ///
-/// The first line names the columns. Needed are subject, the ratings from 0 to 20 temporal_demand,
-/// mental_demand, effort, physical_demand and frustration, and either performance (0 is perfect, as on
-/// NASA's sheet) or performance_inverted (20 is perfect). A column condition names what is compared:
-/// each subject answers once under each. With weight_temporal_demand and so on, how often each scale
-/// was chosen in the fifteen choices between two, there is a weighted score too.
+/// The first line names the columns. Required are subject and the ratings from 0 to 20 temporal_demand, mental_demand,
+/// effort, physical_demand and frustration. Also required is either performance (0 is perfect, as on NASA's sheet) or
+/// performance_inverted (20 is perfect).
 ///
-/// Prints mean, median and quartiles by condition, and for every two conditions the exact Wilcoxon
-/// signed-rank test of each scale, corrected by Holm, with its effect size.
+/// A column condition names what is compared: each subject answers once under each. The columns weight_temporal_demand
+/// and so on give a weighted score too. They say how often each scale was chosen in the fifteen choices between two.
+///
+/// Prints mean, median and quartiles by condition. Compares every two conditions by the exact Wilcoxon signed-rank test
+/// of each scale, corrected by Holm, with its effect size.
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Options {
     #[command(flatten)]
     input: InputFile,
-    /// Write the table with the raw and the weighted score of each row behind it.
+    /// Write the table followed by the raw and the weighted score of each row.
     #[arg(long, value_name = "FILE")]
     scores: Option<PathBuf>,
     /// Draw the box plot, as SVG.
@@ -38,7 +39,7 @@ struct Options {
     /// Ratings run from 0 to 100. They are divided by 5: all results are on NASA's scale from 0 to 20.
     #[arg(long)]
     hundred: bool,
-    /// Refuse columns that are not known instead of passing them through.
+    /// Refuse unknown columns instead of passing them through.
     #[arg(long)]
     strict: bool,
     #[command(flatten)]
@@ -101,7 +102,7 @@ impl Options {
             session.note(format_args!("{}: not used: {passed_through}", self.input));
         }
         let mut questionnaires = Vec::new();
-        // Whoever called asks for the interrupt.
+        // The caller checks the interrupt.
         let _ = table.score(scores, |questionnaire| {
             questionnaires.push(questionnaire.clone());
             session.interrupt().flow()

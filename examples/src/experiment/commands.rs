@@ -8,13 +8,11 @@ use super::options::{Common, case_duration};
 use super::play::run;
 use crate::program::{Ending, Quiet, Session};
 
-/// Experiment 3: random people hand the object over and take the tool for the surface that they do not
-/// see.
+/// Experiment 3: random people hand the object over and take the tool for the surface that they do not see.
 ///
-/// The robot finds out by its camera which surface is where, and turns the object once the person
-/// engages. Prints how many turns end with the right surface before the person, how long they take
-/// against the time that the limits of the desired pose allow, every change of phase of the first case,
-/// and the person's ergonomics with and without.
+/// The robot identifies the surfaces by its camera, and turns the object once the person engages. Prints how many turns
+/// end with the right surface in front of the person. Also prints their time over the least time, every transition of
+/// the first case, and the person's ergonomics with and without.
 #[derive(Args, Debug)]
 pub struct Reorientation {
     #[command(flatten)]
@@ -23,9 +21,8 @@ pub struct Reorientation {
 
 /// Experiment 4: random people lead the robot along random paths.
 ///
-/// Prints the person's ergonomics with ergonomics on the third level of the stack and with the
-/// paper's benchmark there, then how far the robot falls behind people who walk straight at up to
-/// its own speed.
+/// Prints the person's ergonomics with ergonomics on the third level of the stack and with the paper's benchmark there.
+/// A second part measures how far the robot falls behind people who walk straight at up to its own speed.
 #[derive(Args, Debug)]
 pub struct Following {
     #[command(flatten)]
@@ -35,17 +32,17 @@ pub struct Following {
     duration: f64,
 }
 
-/// Experiment 5: people of ten statures lead the robot, which knows their own ergonomics map, chooses
-/// it by the stature that it measures, knows only the average map, or none.
+/// Experiment 5: people of ten statures lead the robot, which has different knowledge of their ergonomics.
 ///
-/// Only the map differs: the shared workspace is that of the average person in all runs. Postures are
-/// always scored by the person's own map.
+/// The robot knows their own map, chooses one by the measured stature, only knows the average map, or knows none. Only
+/// the map differs: the shared workspace is that of the average person in all runs. The person's own map scores the
+/// postures.
 #[derive(Args, Debug)]
 pub struct Subjects {
     #[command(flatten)]
     common: Common,
-    /// Length of each case (s), by default a minute. While the robot comes to them all maps are alike, so that people gain less
-    /// by their own in a shorter time.
+    /// Length of each case (s). While the robot approaches, all maps are alike, so that shorter cases show less gain by
+    /// one's own map.
     #[arg(long, value_name = "SECONDS", default_value_t = 60.0, value_parser = case_duration, conflicts_with = "recording")]
     duration: f64,
 }

@@ -14,14 +14,14 @@ use crate::shards::ShardOptions;
 /// Options of every experiment.
 #[derive(Args, Clone, Debug)]
 pub(super) struct Common {
-    /// How many random cases to play.
+    /// Number of random cases.
     #[arg(long, value_name = "COUNT", default_value_t = 100, value_parser = clap::value_parser!(u64).range(1..=100_000))]
     cases: u64,
-    /// A robot that follows velocities exactly and at once, in place of one that moves under torques.
+    /// A robot that follows velocities exactly and at once, in place of one under torques.
     #[arg(long)]
     kinematic: bool,
-    /// Find the person's joints in rendered frames with depth, as `perceive` does, in place of a model of the camera.
-    /// A case takes some seconds more.
+    /// Find the person's joints in rendered frames with depth, as `perceive` does, in place of a camera model. A case
+    /// takes some seconds more.
     #[arg(long)]
     pixels: bool,
     /// Play these recordings (JSON Lines, as `record` and `perceive` make them), a case each, in place of random
@@ -31,7 +31,7 @@ pub(super) struct Common {
     /// The case that the page shows, from 0.
     #[arg(long, value_name = "CASE", default_value_t = 0)]
     pub(super) show: u64,
-    /// The folder of figure and page, made if it is not there.
+    /// The folder of figure and page, made if it does not exist.
     #[arg(long, short, value_name = "FOLDER", default_value = "report")]
     output: PathBuf,
     /// Write no figure and no page.
@@ -39,7 +39,7 @@ pub(super) struct Common {
     no_report: bool,
     #[command(flatten)]
     pub(super) shards: ShardOptions,
-    /// Random numbers and threads.
+    /// Seed and threads.
     #[command(flatten)]
     seed: Seed,
     #[command(flatten)]
@@ -51,7 +51,7 @@ pub(super) struct Common {
 }
 
 impl Common {
-    /// What is played: recordings with these digests, or random cases of so many seconds.
+    /// The job: recordings with these digests, or random cases of this duration.
     pub(super) fn job(&self, duration: f64, recordings: Vec<String>) -> Job {
         let conditions = Conditions {
             drive: if self.kinematic { Drive::Kinematic } else { Drive::Torque },
@@ -60,12 +60,12 @@ impl Common {
         Job { seed: self.seed.seed, cases: self.cases, duration, conditions, recordings }
     }
 
-    /// The folder of figure and page, if they are wanted.
+    /// The folder of figure and page, unless they are not wanted.
     pub(super) fn figures(&self) -> Option<&Path> {
         (!self.no_report).then_some(&self.output)
     }
 
-    /// Makes the folder of figure and page; before the work, so that a wrong place is known early.
+    /// Makes the folder of figure and page before the work, so that a wrong place is known early.
     ///
     /// # Errors
     /// A folder that cannot be made.
@@ -74,16 +74,16 @@ impl Common {
     }
 }
 
-/// How long a case takes \[s\].
+/// Parses the duration of a case \[s\].
 ///
 /// # Errors
-/// Anything but a number of seconds in which the person gets to work, and leaves.
+/// A number of seconds in which the person cannot work and leave, or no number.
 pub(super) fn case_duration(text: &str) -> Result<f64, &'static str> {
     let value = text.parse().ok();
     value.filter(|value| (20.0..=600.0).contains(value)).ok_or("give 20 to 600 seconds")
 }
 
-/// Makes a folder, if it is not there.
+/// Makes a folder if it does not exist.
 ///
 /// # Errors
 /// A folder that cannot be made.
@@ -93,7 +93,7 @@ pub fn make_folder(folder: &Path) -> Result<()> {
         .with_context(|| format!("cannot make the folder {}", folder.display()))
 }
 
-/// Writes a figure or a page, named `*.partial.*` where the cases were not played to their end.
+/// Writes a figure or a page, named `*.partial.*` unless the cases were played to their end.
 ///
 /// # Errors
 /// A file that cannot be written.

@@ -1,4 +1,4 @@
-//! Plays the cases of a shard, and prints and draws what they, or those of all shards, came to.
+//! Plays the cases of a shard, and prints and draws the results of them or of all shards.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ use crate::maps::build_map;
 use crate::program::{Ending, Json, Session};
 use crate::shards::{Merged, Part, ShardOptions};
 
-/// The program and the experiment, as files of shards hold it.
+/// Names of the program and the experiment in shard files.
 pub fn program<E: Experiment>() -> String {
     format!("experiment {}", E::NAME)
 }
@@ -59,7 +59,7 @@ pub(super) fn run<E: Experiment>(
     let shown = shown.into_iter().flatten().next();
     let results = results.into_iter().collect();
     let part = Part { program: program::<E>(), job, shard, cases, results, times: () };
-    // A shard that is not whole cannot be merged.
+    // An incomplete shard cannot be merged.
     if ending == Ending::Complete {
         ShardOptions::write(file, &part)?;
     }
@@ -67,8 +67,8 @@ pub(super) fn run<E: Experiment>(
     conclude::<E>(&part.job, trials, shown.as_ref(), common.figures(), common.json, ending, session)
 }
 
-/// Makes of the files of all shards what one machine prints and draws; the figure into a folder, if there is one.
-/// There is no page: files of shards hold numbers only.
+/// Prints and draws the result of the files of all shards, as on one machine. The figure goes into a folder, if there
+/// is one. There is no page, since shard files only contain numbers.
 ///
 /// # Errors
 /// Those of [`Merged::read`], and a folder that cannot be written.
@@ -83,14 +83,14 @@ pub fn merge<E: Experiment>(
     conclude::<E>(&job, results, None, figures, json, Ending::Complete, session)
 }
 
-/// The line of `--json`.
+/// The JSON object of `--json`.
 #[derive(Serialize)]
 struct Line<'a, T> {
     experiment: &'static str,
     seed: u64,
     #[serde(flatten)]
     outcome: &'a T,
-    /// What the runs on the page came to; none without a page.
+    /// The results of the runs on the page; `None` without a page.
     #[serde(skip_serializing_if = "Option::is_none")]
     shown: Option<&'a Shown>,
 }

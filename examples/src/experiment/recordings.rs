@@ -10,13 +10,13 @@ use percept_recording::{IfPartial, Reader, Recording};
 
 use crate::program::read_bytes;
 
-/// The largest recording that is played: some days (bytes).
+/// Largest recording that is played: some days (bytes).
 const LARGEST: u64 = 1 << 30;
 
 /// Reads recordings, checks that an experiment can play them, and returns each with the digest of its file.
 ///
 /// # Errors
-/// A file that cannot be read, is cut off or was interrupted, or does not hold what is needed; with its name.
+/// The name of a file that cannot be read, is cut off or interrupted, or does not contain what is needed.
 pub(super) fn read_all(paths: &[PathBuf], needs: Needs) -> Result<Vec<(Arc<Recorded>, String)>> {
     let read = |path: &PathBuf| read(path, needs).with_context(|| path.display().to_string());
     paths.iter().map(read).collect()

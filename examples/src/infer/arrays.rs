@@ -1,4 +1,4 @@
-//! Scores of an array, and the time that they take.
+//! Scores of an array, and their time.
 
 use std::{
     io::Write,
@@ -19,28 +19,28 @@ use crate::{
     vision::choices::with_option,
 };
 
-/// What is done with an array.
+/// Options for arrays.
 #[derive(Args, Clone, Copy, Debug)]
 #[command(next_help_heading = "Arrays")]
 pub struct ArrayOptions {
     /// Write the features of the average pool instead of the logits.
     #[arg(long)]
     features: bool,
-    /// The output of a network of TensorFlow Lite that is written and computed, counted from 0; without it all are
-    /// computed, and the first is written.
+    /// The output of a network of TensorFlow Lite to compute and write, counted from 0. Default: all are computed, and
+    /// the first is written.
     #[arg(long, value_name = "INDEX")]
     map: Option<usize>,
-    /// How often to run; the first run is not counted if there are more.
+    /// Number of runs; the first one is not counted if there are more.
     #[arg(long, value_name = "COUNT", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     repeat: u32,
 }
 
-/// The line of `--json`.
+/// The JSON object of `--json`.
 #[derive(Serialize)]
 struct Timed {
     network: String,
     output: Option<PathBuf>,
-    /// Inputs, and classes or features; of a pose network joints, rows and columns.
+    /// Inputs, and classes or features; joints, rows and columns of a pose network.
     shape: Vec<usize>,
     load_s: f64,
     #[serde(flatten)]
@@ -51,7 +51,7 @@ struct Timed {
 /// The times of the runs, without the first if there are more.
 #[derive(Clone, Copy, Serialize)]
 struct Times {
-    /// Runs that were counted.
+    /// Number of counted runs.
     runs: usize,
     median_s: f64,
     minimum_s: f64,
@@ -68,10 +68,10 @@ impl Times {
 }
 
 impl ArrayOptions {
-    /// Runs the network on an array, writes its scores and prints how long it takes.
+    /// Runs the network on an array, writes its scores and prints the time.
     ///
     /// # Errors
-    /// Names the file that is wrong.
+    /// The file that is wrong.
     pub fn run(
         self,
         (kind, weights): (Option<NetworkKind>, &Path),
@@ -112,7 +112,7 @@ impl ArrayOptions {
                 .with_context(|| format!("cannot write {}", path.display()))?;
             output = Some(path);
         }
-        // The scores of each run are the same: they are whole after the first.
+        // The scores of all runs are the same, so that they are complete after the first.
         results.keep_whole()?;
         let ending = if times.len() < repeat { Ending::Partial } else { Ending::Complete };
         if ending == Ending::Partial {

@@ -1,4 +1,4 @@
-//! The action in a folder of frames.
+//! Recognition of the action in a folder of frames.
 
 use std::{
     path::{Path, PathBuf},
@@ -28,26 +28,26 @@ use crate::{
     vision::choices::with_option,
 };
 
-/// Which frames of a folder are seen.
+/// Selection of frames of a folder.
 #[derive(Args, Clone, Copy, Debug)]
 #[command(next_help_heading = "Folders of frames")]
 pub struct ClipOptions {
-    /// Frames of a clip; 8 if it is not given.
+    /// Frames of a clip. Default 8.
     #[arg(long)]
     length: Option<usize>,
-    /// Frames of the video from one of a clip to the next (mmaction2); 4 if it is not given.
+    /// Frames of the video between two of a clip (mmaction2). Default 4.
     #[arg(long)]
     interval: Option<usize>,
-    /// Choose the frames as mmaction2 before 1.0 does, and as trained models do.
+    /// Choose the frames like mmaction2 before 1.0 and trained models.
     #[arg(long)]
     before1: bool,
     /// Clips of the video (mmaction2); the probabilities are the mean over all.
     #[arg(long, default_value_t = 1, conflicts_with = "live")]
     clips: usize,
-    /// The parts of the frames.
+    /// The parts of the frames to use.
     #[arg(long, default_value = "centre", conflicts_with = "live")]
     crops: CropsOption,
-    /// Decide as the frames come, as from a camera, over the last clip, and print each decision with its latency: from
+    /// Decide while frames come, as from a camera, over the last clip. Print each decision with its latency, from
     /// reading the frame to the probabilities.
     #[arg(long)]
     live: bool,
@@ -55,7 +55,7 @@ pub struct ClipOptions {
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum CropsOption {
-    /// The middle.
+    /// The middle part.
     Centre,
     /// Both ends and the middle.
     Three,
@@ -63,21 +63,21 @@ enum CropsOption {
     Ten,
 }
 
-/// A network over clips that is not loaded yet.
+/// A network for clips that is not loaded yet.
 #[derive(Debug)]
 pub struct ClipNetwork {
     window: Window,
     weights: Weights,
     head: Option<LinearHead>,
     names: Option<(Option<PathBuf>, ClassNames)>,
-    /// The least number of frames.
+    /// Least number of frames.
     least: usize,
 }
 
-/// The line of `--json`.
+/// The JSON object of `--json`.
 #[derive(Serialize)]
 struct Recognised {
-    /// Of live frames those of the last decision.
+    /// Classes of all frames, or of the last decision for live frames.
     classes: Vec<ScoredClass>,
     #[serde(skip_serializing_if = "Option::is_none")]
     live: Option<Live>,
@@ -85,14 +85,14 @@ struct Recognised {
     whole: Option<Whole>,
 }
 
-/// Of the frames as a whole.
+/// Results for the frames as a whole.
 #[derive(Serialize)]
 struct Whole {
-    /// Clips that were seen.
+    /// Number of clips.
     clips: usize,
-    /// Clips and crops whose probabilities were averaged.
+    /// Number of clips and crops whose probabilities were averaged.
     views: usize,
-    /// The loading left out.
+    /// Time for a window without loading \[s\].
     seconds_per_window: f64,
 }
 
@@ -116,7 +116,7 @@ struct Decided {
 }
 
 impl ClipOptions {
-    /// A network with its own last layer.
+    /// Creates a network with its own last layer.
     pub fn own(
         self,
         form: SlowOnlyForm,
@@ -134,10 +134,10 @@ impl ClipOptions {
         }
     }
 
-    /// A trained model with the network of these weights.
+    /// Creates a trained model with the network of these weights.
     ///
     /// # Errors
-    /// An option that the model decides itself.
+    /// An option that the model determines itself.
     pub fn model(self, model: ActionModel, weights: Weights) -> Result<ClipNetwork> {
         ensure!(
             self.length.is_none() && self.interval.is_none(),
@@ -163,7 +163,7 @@ impl ClipOptions {
     /// Recognises the action in a folder of frames, and prints the most probable classes.
     ///
     /// # Errors
-    /// Names the file or the option that is wrong.
+    /// The file or the option that is wrong.
     pub fn run(
         self,
         network: ClipNetwork,
@@ -236,7 +236,7 @@ fn ending_of(seen: usize, all: usize, what: &str, session: &Session) -> Ending {
     Ending::Partial
 }
 
-/// The frames one after the other, as from a camera.
+/// Decides on the frames one after the other, as from a camera.
 fn live(
     mut stream: ClipStream,
     interval: usize,
@@ -252,7 +252,7 @@ fn live(
             break;
         }
         let start = Instant::now();
-        // Every so many frames one goes into the window.
+        // One frame of each interval goes into the window.
         let pushed = number.is_multiple_of(interval).then(|| stream.push(frame)).transpose()?;
         if let Some(probabilities) = pushed.flatten() {
             let latency_s = start.elapsed().as_secs_f64();

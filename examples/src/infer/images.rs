@@ -1,4 +1,4 @@
-//! Classes of images.
+//! Classification of images.
 
 use std::{
     io::{self, Write},
@@ -29,19 +29,19 @@ use crate::{
     vision::choices::with_option,
 };
 
-/// How images are prepared.
+/// Preparation of images.
 #[derive(Args, Clone, Copy, Debug)]
 #[command(next_help_heading = "Images")]
 pub struct ImageOptions {
-    /// The size that images are brought to before the middle 224 × 224 is cut out (pixels): the paper's 255 if it is
-    /// not given, 256 for torchvision's weights IMAGENET1K_V1, 232 for IMAGENET1K_V2.
+    /// The size to which images are scaled before the middle 224 × 224 is cut out (pixels). Default 255, as in the
+    /// paper. Use 256 for torchvision's weights IMAGENET1K_V1 and 232 for IMAGENET1K_V2.
     #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u16).range(224..=16_384))]
     resize: Option<u16>,
-    /// Bring both sides to that size, as the paper does, instead of the short side.
+    /// Scale both sides to that size, as the paper does, instead of the short side.
     #[arg(long)]
     square: bool,
-    /// Which way up: `stored`, as the pixels stand in the file, which is what torchvision does; `exif`, as the camera
-    /// was held, where the file says so, which is what OpenCV does.
+    /// The orientation: `stored` as the pixels are in the file, like torchvision; `exif` as the camera was held, if the
+    /// file says so, like OpenCV.
     #[arg(long, default_value = "stored")]
     orientation: OrientationOption,
     /// Stop at the first image that cannot be read.
@@ -55,12 +55,12 @@ enum OrientationOption {
     Exif,
 }
 
-/// A network over images, and what its scores are of.
+/// A network for images, and the meaning of its scores.
 #[derive(Debug)]
 pub enum ImageNetwork {
-    /// With its own last layer.
+    /// A network with its own last layer.
     Own(Box<Classifier>, Option<ClassNames>),
-    /// The networks of a trained model, each with the names of what decides.
+    /// The networks of a trained model, each with the names of its deciders.
     Model {
         /// The names of the classes.
         classes: Vec<String>,
@@ -69,14 +69,14 @@ pub enum ImageNetwork {
     },
 }
 
-/// The line of `--json`.
+/// The JSON object of `--json`.
 #[derive(Default, Serialize)]
 struct Report {
-    /// Of a trained model.
+    /// Classes of a trained model.
     #[serde(skip_serializing_if = "Option::is_none")]
     classes: Option<Vec<String>>,
     images: Vec<ImageReport>,
-    /// Images that could not be read.
+    /// Number of images that could not be read.
     unreadable: usize,
 }
 
@@ -87,7 +87,7 @@ enum ImageReport {
         image: PathBuf,
         classes: Vec<ScoredClass>,
     },
-    /// The scores are in the order of the model's classes.
+    /// Scores in the order of the model's classes.
     Model {
         image: PathBuf,
         model: String,
@@ -100,7 +100,7 @@ impl ImageOptions {
     /// Loads a network with its own last layer.
     ///
     /// # Errors
-    /// Names the file or the option that is wrong.
+    /// The file or the option that is wrong.
     pub fn own(
         self,
         form: ResNetForm,
@@ -125,7 +125,7 @@ impl ImageOptions {
     /// Loads the networks of a trained model.
     ///
     /// # Errors
-    /// Names the file or the option that is wrong.
+    /// The file or the option that is wrong.
     pub fn model(
         self,
         model: SurfaceModel,
@@ -150,10 +150,10 @@ impl ImageOptions {
         Ok(ImageNetwork::Model { classes: model.classes, networks })
     }
 
-    /// Classifies images, and prints what comes of each.
+    /// Classifies images and prints the results.
     ///
     /// # Errors
-    /// With the image that cannot be used; of the network.
+    /// The image that cannot be used, or an error of the network.
     pub fn run(
         self,
         mut network: ImageNetwork,
@@ -210,7 +210,7 @@ impl ImageOptions {
 }
 
 impl ImageNetwork {
-    /// What reads images: all networks of a model see the same.
+    /// The network that reads images; all networks of a model get the same ones.
     fn first(&self) -> &Classifier {
         match self {
             Self::Own(classifier, _) => classifier,
@@ -218,7 +218,7 @@ impl ImageNetwork {
         }
     }
 
-    /// What every network and everything that decides makes of an image.
+    /// The results of every network and every decider for an image.
     fn classify(&mut self, path: &Path, image: &Array4<f32>) -> Result<Vec<ImageReport>> {
         match self {
             Self::Own(classifier, names) => {

@@ -1,4 +1,4 @@
-//! The network that is asked for.
+//! The network of the options.
 
 use std::path::{Path, PathBuf};
 
@@ -13,18 +13,19 @@ use vision_models::{ClassNames, NetworkKind, ResNetDepth, TensorFlowLite};
 
 use crate::program::Threads;
 
-/// Which network, and its classes.
+/// The network and its classes.
 #[derive(Args, Debug)]
 pub struct NetworkOptions {
-    /// The network's name, such as resnet50 or slowonly_mm; or the folder of a model that `surface train` or `actions
-    /// train` has made. Without it the checkpoint says which network it is.
+    /// The network's name, such as resnet50 or slowonly_mm, or the folder of a model that `surface train` or `actions
+    /// train` has made. If it is left out, the checkpoint identifies the network.
     #[arg(long, value_name = "NAME or FOLDER", value_parser = model)]
     model: Option<Model>,
-    /// The checkpoint: safetensors, PyTorch's .pth, .pt, .pyth, or a network of TensorFlow Lite, .tflite. A model over several networks takes one for each,
-    /// behind its number of layers, such as 50=resnet50.pth; one over networks with random weights takes none.
+    /// The checkpoint: safetensors, PyTorch's .pth, .pt, .pyth, or a network of TensorFlow Lite, .tflite. A model over
+    /// several networks takes one for each, behind its number of layers, such as 50=resnet50.pth. Networks with random
+    /// weights take none.
     #[arg(long, value_name = "FILE", value_parser = weights)]
     weights: Vec<(Option<ResNetDepth>, PathBuf)>,
-    /// The names of the network's classes, one a line. A SlowOnly with thirty classes has HRI30's without it.
+    /// The names of the network's classes, one a line. Default for a SlowOnly with thirty classes: HRI30's.
     #[arg(long, value_name = "FILE")]
     names: Option<PathBuf>,
     /// Threads that share the work.
@@ -38,20 +39,20 @@ enum Model {
     Folder(PathBuf),
 }
 
-/// What `--model` and `--weights` say.
+/// The selection by `--model` and `--weights`.
 #[derive(Debug)]
 pub enum Chosen {
     /// A network with its own last layer.
     Network(NetworkKind, PathBuf),
     /// A network of TensorFlow Lite.
     File(PathBuf),
-    /// What `surface train` has made.
+    /// A model of `surface train`.
     Surfaces(SurfaceModel, Vec<(Option<ResNetDepth>, PathBuf)>),
-    /// What `actions train` has made.
+    /// A model of `actions train`.
     Actions(Box<ActionModel>, Option<PathBuf>),
 }
 
-/// A name of the table, or a folder.
+/// Parses a network's name or a folder.
 fn model(text: &str) -> Result<Model, String> {
     let named = names::networks().into_iter().find(|(name, _)| *name == text);
     match named {
@@ -64,7 +65,7 @@ fn model(text: &str) -> Result<Model, String> {
     }
 }
 
-/// FILE or DEPTH=FILE.
+/// Parses FILE or DEPTH=FILE.
 #[expect(clippy::unnecessary_wraps, reason = "a parser of the command line")]
 fn weights(text: &str) -> Result<(Option<ResNetDepth>, PathBuf), String> {
     let behind_depth =
@@ -79,16 +80,16 @@ impl NetworkOptions {
     /// The names of the classes, with their file.
     ///
     /// # Errors
-    /// Names the file that cannot be used.
+    /// The file that cannot be used.
     pub fn names(&self) -> Result<Option<(&Path, ClassNames)>> {
         let Some(file) = self.names.as_deref() else { return Ok(None) };
         Ok(Some((file, ClassNames::read(file).with_context(|| file.display().to_string())?)))
     }
 
-    /// The network. Nothing but its description is read.
+    /// The network, of which only the description is read.
     ///
     /// # Errors
-    /// Names the file or the option that is wrong or missing.
+    /// The file or the option that is wrong or missing.
     pub fn chosen(&self) -> Result<Chosen> {
         let file = || self.weights.first().map(|(_, file)| file.clone());
         match &self.model {

@@ -1,4 +1,4 @@
-//! Where results go: to standard output, or to the file of `--output`.
+//! The destination of results: standard output, or the file of `--output`.
 
 use std::io::Write;
 
@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::program::{Ending, Json, OutputFile, ProgramError, ResultFile, Session};
 
-/// The place of a program's results.
+/// The destination of a program's results.
 #[derive(Debug)]
 pub struct Results {
     file: Option<OutputFile>,
@@ -14,7 +14,7 @@ pub struct Results {
 }
 
 impl Results {
-    /// Begins the file, if one is asked for.
+    /// Creates the file, if one is asked for.
     ///
     /// # Errors
     /// As of [`ResultFile::create`].
@@ -27,7 +27,7 @@ impl Results {
         self.file.as_mut()
     }
 
-    /// What the next results are written to.
+    /// The writer of the next results.
     pub fn writer<'a>(&'a mut self, session: &'a mut Session) -> &'a mut dyn Write {
         match &mut self.file {
             Some(file) => file,
@@ -35,7 +35,7 @@ impl Results {
         }
     }
 
-    /// Puts the file in its place, whatever comes after.
+    /// Puts the file in place as complete, whatever comes after.
     ///
     /// # Errors
     /// As of [`OutputFile::keep`].
@@ -43,7 +43,7 @@ impl Results {
         self.file.take().map_or(Ok(()), OutputFile::keep)
     }
 
-    /// Puts the file in its place, marked as partial after an interrupt, and prints the line of `--json`.
+    /// Puts the file in place, marked as partial after an interrupt, and prints the JSON object of `--json`.
     ///
     /// # Errors
     /// As of [`OutputFile::keep`] and [`Session::conclude`].

@@ -11,14 +11,14 @@ use human_perception::{
 
 use crate::program::{Ending, Json, Quiet, Session, check_folder};
 
-/// From which frames, and where to.
+/// Source and destination of a data set.
 #[derive(Args, Clone, Debug)]
 pub struct CutOptions {
     /// Folders of frames with their truth, as `record --frames` writes them.
     #[arg(required = true)]
     frames: Vec<PathBuf>,
-    /// The folder for the data set, which gets a folder for each class. Its files are links to those of the frames,
-    /// or copies where the system has no links.
+    /// The folder for the data set, which gets a folder for each class. Its files are links to those of the frames, or
+    /// copies on systems without links.
     #[arg(long, short, value_name = "FOLDER")]
     output: PathBuf,
     #[command(flatten)]
@@ -33,10 +33,10 @@ impl CutOptions {
         self.quiet
     }
 
-    /// Makes the data set of the samples, `what`, of each film.
+    /// Makes the data set from the samples of each film, named `what`.
     ///
     /// # Errors
-    /// Names the folder that is not empty, the frame or the truth that is wrong; no samples.
+    /// The folder that is not empty, the frame or the truth that is wrong; no samples.
     pub fn run(
         self,
         session: &mut Session,

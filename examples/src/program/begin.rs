@@ -1,4 +1,4 @@
-//! From the command line to the exit status.
+//! The way from the command line to the exit status.
 
 use std::{
     io::{self, Write},
@@ -13,7 +13,7 @@ use super::{
     message,
 };
 
-/// A program: its options, and what it does with them.
+/// A program: its options and its work.
 pub trait Program: Parser {
     /// The option `--quiet`.
     fn quiet(&self) -> Quiet;
@@ -21,12 +21,12 @@ pub trait Program: Parser {
     /// Does the work.
     ///
     /// # Errors
-    /// What ends the program with a message.
+    /// The error that ends the program with a message.
     fn run(self, session: &mut Session) -> anyhow::Result<Ending>;
 }
 
-/// Runs a program: reads the command line, does the work, and tells how it went by messages on
-/// standard error and by the exit status.
+/// Runs a program: reads the command line, does the work, and reports by messages on standard error and by the exit
+/// status.
 pub fn main<P: Program>() -> ExitCode {
     let mut output = StandardOutput::new();
     let status = match parse::<P>() {
@@ -36,7 +36,7 @@ pub fn main<P: Program>() -> ExitCode {
             if asked.use_stderr() {
                 return ExitCode::from(status);
             }
-            // A failure to print the help is remembered by the output.
+            // The output remembers a failure to print the help.
             let _ = output.noted(printed);
             status
         }
@@ -83,10 +83,9 @@ fn judge(result: &anyhow::Result<Ending>, interrupt: &Interrupt) -> u8 {
     }
 }
 
-/// Writes out what standard output still holds; the exit status if that, or anything before,
-/// failed.
+/// Flushes standard output. Returns the exit status if that, or anything before, failed.
 fn end(mut output: StandardOutput) -> Option<u8> {
-    // A failure is remembered by the output.
+    // The output remembers a failure.
     let _ = output.flush();
     let failure = output.failure()?;
     if failure.kind == io::ErrorKind::BrokenPipe {

@@ -1,15 +1,15 @@
-//! How a program ends, and the exit status that says so.
+//! The ending of a program, and its exit status.
 
 use serde::{Deserialize, Serialize};
 
-/// What becomes of a run that did not fail with an error.
+/// The ending of a run without an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Ending {
-    /// All that was asked for is done.
+    /// All work is done.
     Complete,
-    /// The run was interrupted; what it has is printed and kept.
+    /// The run was interrupted; its results so far are printed and kept.
     Partial,
-    /// The work is done, and what it found is a failure.
+    /// The work is done, and its result is a failure.
     Failed,
 }
 

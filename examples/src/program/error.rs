@@ -1,4 +1,4 @@
-//! What can go wrong around the work of a program.
+//! Errors around the work of a program.
 
 use std::{
     io,
@@ -9,10 +9,10 @@ use std::{
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ProgramError {
-    /// The person or the system asked the program to stop before there was anything to keep.
+    /// The user or the system asked the program to stop before there were results.
     #[error("interrupted, and nothing is kept")]
     Interrupted,
-    /// The folder of an output is not there.
+    /// The folder of an output does not exist.
     #[error("cannot write {file}: there is no folder {folder}", file = file.display(), folder = folder.display())]
     NoFolder {
         /// The file that should go there.
@@ -20,35 +20,35 @@ pub enum ProgramError {
         /// The folder.
         folder: PathBuf,
     },
-    /// A folder stands where a file should go.
+    /// There is a folder in place of a file.
     #[error("cannot write {path}: it is a folder; give a file", path = path.display())]
     IsFolder {
         /// The folder.
         path: PathBuf,
     },
-    /// A file stands where a folder should be.
+    /// There is a file in place of a folder.
     #[error("cannot write into {path}: it is a file; give a folder", path = path.display())]
     NotAFolder {
         /// The file.
         path: PathBuf,
     },
-    /// The system does not let the program write there.
+    /// The program may not write there.
     #[error("cannot write {path}: {source}", path = path.display())]
     Write {
         /// The file or the folder.
         path: PathBuf,
-        /// What the system says.
+        /// What the operating system reports.
         source: io::Error,
     },
     /// Standard output cannot be written.
     #[error("cannot write to standard output: {0}")]
     StandardOutput(String),
-    /// A handler of signals or a thread cannot be made.
+    /// A signal handler or a thread cannot be created.
     #[error("the system refuses {what}: {source}")]
     Refused {
         /// What was asked for.
         what: &'static str,
-        /// What the system says.
+        /// What the operating system reports.
         source: io::Error,
     },
 }
@@ -58,7 +58,7 @@ impl ProgramError {
         Self::Write { path: path.to_owned(), source }
     }
 
-    /// The same as an error of writing, for code that speaks `std::io` only.
+    /// Returns the same error as an error of writing, for code that only knows `std::io`.
     pub(super) fn into_io(self) -> io::Error {
         let kind = match &self {
             Self::Write { source, .. } => source.kind(),

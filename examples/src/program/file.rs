@@ -1,4 +1,4 @@
-//! Files that are there whole or not at all.
+//! Files that are written completely or not at all.
 
 use std::{
     ffi::OsString,
@@ -11,8 +11,8 @@ use tempfile::{Builder, NamedTempFile};
 
 use super::ProgramError;
 
-/// A file that is written beside its place and moved there when it is whole. Dropped before that,
-/// it leaves nothing behind, and what stood in its place stays.
+/// A file that is written beside its place and moved there when it is complete. If it is dropped before, it leaves
+/// nothing behind, and an existing file in its place stays.
 ///
 /// ```
 /// use std::io::Write;
@@ -36,17 +36,17 @@ pub struct OutputFile {
 
 #[derive(Debug)]
 enum Sink {
-    /// A file of its own in the same folder.
+    /// A temporary file in the same folder.
     Beside(BufWriter<NamedTempFile>),
-    /// A device or a pipe: nothing may take its place.
+    /// A device or a pipe, which must not be replaced.
     Direct(BufWriter<File>),
 }
 
 impl OutputFile {
-    /// Begins a file. Its folder must be there and writable; so this belongs before the work.
+    /// Creates a file. Call this before the work, since the folder must exist and be writable.
     ///
     /// # Errors
-    /// [`ProgramError`] that says why nothing can be written there.
+    /// [`ProgramError`] with the reason why nothing can be written there.
     pub fn create(path: impl AsRef<Path>) -> Result<Self, ProgramError> {
         let path = path.as_ref();
         let fail = |source| ProgramError::write(path, source);
@@ -55,14 +55,14 @@ impl OutputFile {
             if found.is_dir() {
                 return Err(ProgramError::IsFolder { path: path.to_owned() });
             }
-            // A file that may not be written may not be replaced either.
+            // A file without write permission must not be replaced either.
             let opened = File::options().write(true).open(path).map_err(fail)?;
             if !found.is_file() {
                 let sink = Sink::Direct(BufWriter::new(opened));
                 return Ok(Self { path: path.to_owned(), sink });
             }
         }
-        // Behind a link, the file itself is replaced and the link stays.
+        // If the place is a link, its target is replaced and the link stays.
         let place = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
         let folder = match place.parent() {
             Some(folder) if !folder.as_os_str().is_empty() => folder,
@@ -74,13 +74,13 @@ impl OutputFile {
         }
         let file = beside(&place, folder).map_err(fail)?;
         if let Some(found) = found {
-            // The rights of what it replaces.
+            // The new file gets the permissions of the one that it replaces.
             file.as_file().set_permissions(found.permissions()).map_err(fail)?;
         }
         Ok(Self { path: place, sink: Sink::Beside(BufWriter::new(file)) })
     }
 
-    /// Writes a whole file.
+    /// Writes a complete file.
     ///
     /// # Errors
     /// As [`OutputFile::create`] and [`OutputFile::keep`].
@@ -90,12 +90,12 @@ impl OutputFile {
         file.keep()
     }
 
-    /// Where it goes.
+    /// The place of the file.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Puts the whole file in its place, instead of what may stand there.
+    /// Puts the complete file in its place, in place of an existing one.
     ///
     /// # Errors
     /// [`ProgramError::Write`]; nothing is then left behind.
@@ -104,9 +104,9 @@ impl OutputFile {
         sink.keep(&path).map_err(|source| ProgramError::write(&path, source))
     }
 
-    /// Keeps a file that an interrupt has cut short: under the name `NAME.partial.EXTENSION`, so
-    /// that nothing takes it for whole and what stood in its place stays. What went to a device or a
-    /// pipe is where it went. The path tells where.
+    /// Keeps a file that an interrupt has cut short under the name `NAME.partial.EXTENSION`, and returns that path. So
+    /// it cannot be mistaken for a complete one, and an existing file in its place stays. A device or a pipe keeps what
+    /// was written.
     ///
     /// # Errors
     /// [`ProgramError::Write`]; nothing is then left behind.
@@ -120,7 +120,7 @@ impl OutputFile {
         Ok(path)
     }
 
-    /// Writes on.
+    /// Appends bytes.
     ///
     /// # Errors
     /// [`ProgramError::Write`].
@@ -129,7 +129,7 @@ impl OutputFile {
     }
 }
 
-/// A new file beside the place, with the rights that the system gives to new files.
+/// Creates a file beside the place, with the usual permissions of new files.
 fn beside(place: &Path, folder: &Path) -> io::Result<NamedTempFile> {
     let mut prefix = OsString::from(".");
     prefix.push(place.file_name().ok_or(io::ErrorKind::InvalidInput)?);
@@ -180,7 +180,7 @@ impl Write for Sink {
     }
 }
 
-/// Its errors name the file.
+/// Errors contain the name of the file.
 impl Write for OutputFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         let written = self.sink.write(bytes);

@@ -1,4 +1,4 @@
-//! Folders for results, checked before the work.
+//! Checks of output folders before the work.
 
 use std::{
     fs, io,
@@ -7,8 +7,7 @@ use std::{
 
 use super::ProgramError;
 
-/// Checks that files can be written into a folder, or that it can be made, and leaves nothing
-/// behind.
+/// Checks that files can be written into a folder, or that it can be made. Leaves nothing behind.
 ///
 /// # Errors
 /// [`ProgramError::NotAFolder`] or [`ProgramError::Write`].
@@ -18,7 +17,7 @@ pub fn check_folder(path: impl AsRef<Path>) -> Result<(), ProgramError> {
     if !nearest.is_dir() {
         return Err(ProgramError::NotAFolder { path: nearest });
     }
-    // Removed by the system as soon as it is closed.
+    // The system removes the file as soon as it is closed.
     tempfile::tempfile_in(&nearest).map(drop).map_err(|source| ProgramError::write(path, source))
 }
 
@@ -29,7 +28,7 @@ fn nearest(path: &Path) -> io::Result<PathBuf> {
         let ancestor = if ancestor.as_os_str().is_empty() { Path::new(".") } else { ancestor };
         match fs::metadata(ancestor) {
             Ok(_) => return Ok(ancestor.to_owned()),
-            // Below a file nothing can exist; the file itself is found further up.
+            // A path below a file does not exist; the file itself is found further up.
             Err(error)
                 if matches!(
                     error.kind(),

@@ -1,4 +1,4 @@
-//! What a program reads: a file, or standard input.
+//! Input of a program: a file, or standard input.
 
 use std::{
     fmt,
@@ -12,7 +12,7 @@ use clap::Args;
 
 use super::Session;
 
-/// `--input`.
+/// The option `--input`.
 #[derive(Args, Clone, Debug)]
 pub struct InputFile {
     /// The table; - is standard input.
@@ -21,10 +21,10 @@ pub struct InputFile {
 }
 
 impl InputFile {
-    /// Opens it.
+    /// Opens the input.
     ///
     /// # Errors
-    /// A file that cannot be opened, by its name; standard input without a thread to read it.
+    /// The name of a file that cannot be opened; standard input without a thread to read it.
     pub fn open(&self, session: &Session) -> Result<Box<dyn BufRead>> {
         if self.is_standard_input() {
             return Ok(Box::new(session.standard_input()?));
@@ -38,7 +38,7 @@ impl InputFile {
     }
 }
 
-/// Its name for messages.
+/// Shows its name for messages.
 impl fmt::Display for InputFile {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.is_standard_input() {

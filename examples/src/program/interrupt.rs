@@ -1,4 +1,4 @@
-//! Ctrl-C and the signal to terminate, as a flag that long work asks for.
+//! Ctrl-C and the signal to terminate, as a flag that long work checks.
 
 use std::{
     io,
@@ -19,10 +19,10 @@ use signal_hook::{
 
 use super::ProgramError;
 
-/// How soon work that is waited for is left after an interrupt.
+/// Longest time after an interrupt at which work is abandoned.
 const PATIENCE: Duration = Duration::from_millis(20);
 
-/// Says whether someone asked the program to stop. Clones are the same flag.
+/// A flag that says whether the program should stop. Clones share the flag.
 ///
 /// ```
 /// use examples::program::Interrupt;
@@ -33,18 +33,18 @@ const PATIENCE: Duration = Duration::from_millis(20);
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct Interrupt {
-    /// The number of the signal that came; 0 before.
+    /// The number of the received signal; 0 before.
     signal: Arc<AtomicUsize>,
 }
 
 impl Interrupt {
-    /// Sets the flag at the first Ctrl-C or signal to terminate, and ends the process at once at
-    /// the second.
+    /// Installs handlers that set the flag at the first Ctrl-C or signal to terminate, and end the process at the
+    /// second.
     pub(super) fn install() -> Result<Self, ProgramError> {
         let interrupt = Self::default();
         let again = Arc::new(AtomicBool::new(false));
         let register = |signal| -> io::Result<()> {
-            // Handlers run in this order: at the first signal `again` is still false.
+            // Handlers run in this order. At the first signal `again` is still false.
             flag::register_conditional_shutdown(signal, 128 + signal, Arc::clone(&again))?;
             flag::register(signal, Arc::clone(&again))?;
             let number = usize::try_from(signal).unwrap_or_default();
@@ -63,12 +63,12 @@ impl Interrupt {
         self.signal.load(Ordering::Relaxed) != 0
     }
 
-    /// The answer of a call-back that long work asks whether to go on.
+    /// The answer to a callback that asks whether to go on.
     pub fn flow(&self) -> ControlFlow<()> {
         if self.requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 
-    /// For work of which no part is worth keeping.
+    /// Returns an error after an interrupt. Use it for work without partial results.
     ///
     /// # Errors
     /// [`ProgramError::Interrupted`] if the program should stop.
@@ -76,8 +76,8 @@ impl Interrupt {
         if self.requested() { Err(ProgramError::Interrupted) } else { Ok(()) }
     }
 
-    /// Does work that cannot stop half way, and leaves it behind if an interrupt comes before it
-    /// is done. The program should then end.
+    /// Does work that cannot stop half way, and abandons it if an interrupt comes before it is done. The program should
+    /// then end.
     ///
     /// ```
     /// use examples::program::Interrupt;
@@ -87,7 +87,7 @@ impl Interrupt {
     /// ```
     ///
     /// # Errors
-    /// [`ProgramError::Interrupted`], or [`ProgramError::Refused`] if there is no thread to be had.
+    /// [`ProgramError::Interrupted`], or [`ProgramError::Refused`] if no thread can be created.
     pub fn wait_for<T: Send + 'static>(
         &self,
         work: impl FnOnce() -> T + Send + 'static,
@@ -95,7 +95,7 @@ impl Interrupt {
         let (sender, receiver) = channel();
         let worker = thread::Builder::new()
             .spawn(move || {
-                // Nobody listens once the work has been left behind.
+                // Nobody listens after the work has been abandoned.
                 let _ = sender.send(work());
             })
             .map_err(|source| ProgramError::Refused { what: "another thread", source })?;
@@ -111,7 +111,7 @@ impl Interrupt {
         }
     }
 
-    /// The exit status of an interrupted run: 128 and the signal's number, as shells have it.
+    /// The exit status of an interrupted run: 128 and the signal's number, as in shells.
     pub(super) fn status(&self) -> u8 {
         let signal = self.signal.load(Ordering::Relaxed);
         u8::try_from(signal).unwrap_or_default().saturating_add(128)

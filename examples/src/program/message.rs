@@ -1,4 +1,4 @@
-//! Errors in words, and lines on standard error.
+//! Error messages, and lines on standard error.
 
 use std::{
     fmt::Display,
@@ -7,20 +7,19 @@ use std::{
 
 use super::shown::escaped;
 
-/// Writes a line to standard error. A standard error that is closed or full is no reason to stop.
+/// Writes a line to standard error. A failure is ignored.
 pub(super) fn line(text: impl Display) {
     let line = format!("{text}\n").into_bytes();
-    // One call, so that lines of several threads do not mix.
+    // A single call keeps the lines of several threads apart.
     let _ = stderr().lock().write_all(&escaped(&line).unwrap_or(line));
 }
 
-/// Says on standard error what must be known, where there is no [`Session`](super::Session).
+/// Prints a warning on standard error where there is no [`Session`](super::Session).
 pub fn warn(text: impl Display) {
     line(text);
 }
 
-/// An error with its causes, in one line; never a backtrace. A cause that its error has told
-/// already is not told twice.
+/// An error with its causes in one line, without a backtrace. A cause that its error has already told is not repeated.
 pub(super) fn with_causes(error: &anyhow::Error) -> String {
     let mut text = String::new();
     for cause in error.chain() {

@@ -1,4 +1,4 @@
-//! Options that mean the same in every program.
+//! Options that have the same meaning in every program.
 
 use std::path::PathBuf;
 
@@ -6,15 +6,15 @@ use clap::{Args, builder::RangedI64ValueParser};
 
 use super::{OutputFile, ProgramError};
 
-/// Parses a number of threads: at least one, and no more than a machine bears.
+/// Parses a number of threads, from one to the largest supported number.
 pub fn thread_count() -> RangedI64ValueParser<u16> {
     clap::value_parser!(u16).range(1..=1024)
 }
 
-/// `--quiet`.
+/// The option `--quiet`.
 #[derive(Args, Clone, Copy, Debug, Default)]
 pub struct Quiet {
-    /// Show no progress and no notes, only results and errors.
+    /// Show only results and errors, no progress and no notes.
     #[arg(long, short)]
     quiet: bool,
 }
@@ -26,7 +26,7 @@ impl Quiet {
     }
 }
 
-/// `--json`.
+/// The option `--json`.
 #[derive(Args, Clone, Copy, Debug, Default)]
 pub struct Json {
     /// Print the result as one JSON object on the last line of standard output.
@@ -41,15 +41,15 @@ impl Json {
     }
 }
 
-/// `--seed`.
+/// The option `--seed`.
 #[derive(Args, Clone, Copy, Debug)]
 pub struct Seed {
-    /// Seed of everything random: the same seed gives the same result.
+    /// Seed of all random numbers: the same seed gives the same result.
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
 }
 
-/// `--threads`.
+/// The option `--threads`.
 #[derive(Args, Clone, Copy, Debug)]
 pub struct Threads {
     /// Threads that share the work, 1 to 1024.
@@ -58,13 +58,13 @@ pub struct Threads {
 }
 
 impl Threads {
-    /// How many, at least one.
+    /// The number of threads, at least one.
     pub fn count(self) -> usize {
         self.threads.into()
     }
 }
 
-/// `--output` of programs whose result goes to standard output otherwise.
+/// The option `--output` of programs whose result otherwise goes to standard output.
 #[derive(Args, Clone, Debug)]
 pub struct ResultFile {
     /// Write the result to this file instead of standard output.
@@ -73,7 +73,7 @@ pub struct ResultFile {
 }
 
 impl ResultFile {
-    /// Begins the file, if one is asked for; before the work, so that a wrong place is known early.
+    /// Creates the file, if one is asked for. Call this before the work, so that a wrong place is known early.
     ///
     /// # Errors
     /// As [`OutputFile::create`].

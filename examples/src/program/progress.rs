@@ -1,4 +1,4 @@
-//! How far long work has come, on standard error.
+//! Progress of long work on standard error.
 
 use std::{
     fmt::Display,
@@ -11,21 +11,21 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle};
 
 use super::{Quiet, message};
 
-/// Without a terminal, when the first line comes; the time to the next doubles.
+/// Time until the first line if there is no terminal. The time to the next line doubles.
 const FIRST: Duration = Duration::from_millis(500);
-/// The most time between two lines.
+/// Longest time between two lines.
 const LONGEST: Duration = Duration::from_secs(60);
 
-/// Progress of long work: a bar on a terminal, else a line now and then; nothing of a quiet
-/// program. It disappears when it is dropped.
+/// Progress of long work: a bar on a terminal, otherwise occasional lines; nothing for a quiet program. It disappears
+/// when it is dropped.
 #[derive(Debug)]
 pub struct Progress {
     bar: ProgressBar,
-    /// Where there is no terminal.
+    /// State of the lines if there is no terminal.
     lines: Option<Mutex<Lines>>,
 }
 
-/// When the next line is due.
+/// Schedule of the lines.
 #[derive(Debug)]
 struct Lines {
     started: Instant,
@@ -49,7 +49,7 @@ impl Progress {
         Self { bar, lines: (loud && !terminal).then(|| Mutex::new(lines)) }
     }
 
-    /// Sets how many steps there are, where that is known only later.
+    /// Sets the number of steps, if it becomes known later.
     pub fn set_length(&self, length: u64) {
         if self.bar.length().is_none() {
             self.bar.set_style(style(true));
@@ -57,7 +57,7 @@ impl Progress {
         self.bar.set_length(length);
     }
 
-    /// Sets how many steps are done.
+    /// Sets the number of finished steps.
     pub fn set(&self, done: u64) {
         self.bar.set_position(done);
         let Some(lines) = &self.lines else { return };
@@ -67,24 +67,24 @@ impl Progress {
         }
     }
 
-    /// Says something on standard error while the work goes on.
+    /// Prints a message on standard error during the work.
     pub fn note(&self, text: impl Display) {
         self.bar.suspend(|| message::line(text));
     }
 
-    /// Clears the bar while `print` writes, to standard output for example.
+    /// Clears the bar while `print` writes, for example to standard output.
     pub fn suspend<T>(&self, print: impl FnOnce() -> T) -> T {
         self.bar.suspend(print)
     }
 
-    /// The work is done: the bar disappears.
+    /// Removes the bar after the work.
     pub fn finish(&self) {
         self.bar.finish_and_clear();
     }
 
     fn line(&self, done: u64, elapsed: Duration) -> String {
         let (what, elapsed) = (self.bar.message(), elapsed.as_secs_f64());
-        // Of what has only begun, whole seconds would say nothing.
+        // Whole seconds would say nothing about work that has just begun.
         let digits = usize::from(elapsed < 10.0);
         match self.bar.length() {
             Some(length) if length > 0 => {
@@ -100,7 +100,7 @@ impl Progress {
     }
 }
 
-/// How a bar looks; without a length there is only a count.
+/// The style of a bar; without a length there is only a count.
 fn style(with_length: bool) -> ProgressStyle {
     let template = if with_length {
         "{msg} {wide_bar} {percent:>3} %  {elapsed}, {eta} left"

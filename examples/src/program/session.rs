@@ -1,4 +1,4 @@
-//! What a running program speaks through.
+//! The interface of a running program.
 
 use std::{fmt::Display, io::Write};
 
@@ -9,8 +9,7 @@ use super::{
     shown::json as json_text,
 };
 
-/// A running program's ways to the outside: standard output, notes on standard error, progress,
-/// and the request to stop.
+/// The interface of a running program: standard output, notes on standard error, progress, and the request to stop.
 #[derive(Debug)]
 pub struct Session {
     output: StandardOutput,
@@ -18,7 +17,7 @@ pub struct Session {
     quiet: Quiet,
 }
 
-/// The line of `--json`.
+/// The JSON object of `--json`.
 #[derive(Serialize)]
 struct Line<'a, T> {
     #[serde(flatten)]
@@ -44,10 +43,10 @@ impl Session {
         &mut self.output
     }
 
-    /// Standard input, which fails to be read once an interrupt has come.
+    /// Standard input, which fails once an interrupt has come.
     ///
     /// # Errors
-    /// [`ProgramError::Refused`] if there is no thread to be had.
+    /// [`ProgramError::Refused`] if no thread can be created.
     pub fn standard_input(&self) -> Result<StandardInput, ProgramError> {
         StandardInput::new(self.interrupt.clone())
     }
@@ -57,30 +56,30 @@ impl Session {
         &self.interrupt
     }
 
-    /// Says on standard error what is good to know, unless the program is to be quiet.
+    /// Prints a note on standard error, unless the program is quiet.
     pub fn note(&self, text: impl Display) {
         if !self.quiet.is_quiet() {
             message::line(text);
         }
     }
 
-    /// Says on standard error what must be known, even of a quiet program.
+    /// Prints a warning on standard error, even if the program is quiet.
     pub fn warn(&self, text: impl Display) {
         message::line(text);
     }
 
-    /// Progress of `what` over so many steps, on standard error.
+    /// Starts the progress of `what` over this number of steps, on standard error.
     pub fn progress(&self, what: &str, steps: u64) -> Progress {
         Progress::new(what, Some(steps), self.quiet)
     }
 
-    /// Progress of `what` where it is not known, or not yet, how many steps there are.
+    /// Starts the progress of `what` for an unknown number of steps.
     pub fn open_progress(&self, what: &str) -> Progress {
         Progress::new(what, None, self.quiet)
     }
 
-    /// With `--json`, prints a result as one JSON object in a line, with `"partial"` among its
-    /// keys. It is the last thing that a program prints.
+    /// Prints a result as one JSON object in a line with the key `"partial"`, if `--json` is given. It must be the last
+    /// output of a program.
     ///
     /// # Errors
     /// Standard output that cannot be written.
@@ -98,7 +97,7 @@ impl Session {
         Ok(())
     }
 
-    /// The same as the last line of a program that ends so.
+    /// Prints the result as the last line, and returns the ending.
     ///
     /// # Errors
     /// Standard output that cannot be written.

@@ -1,12 +1,12 @@
-//! Names from outside on a terminal.
+//! Safe display of external names on a terminal.
 
 use std::{
     fmt::{self, Write},
     path::Path,
 };
 
-/// A name from outside, such as a file's, as it is shown: characters that would steer a terminal or turn the direction
-/// of the text round it are escaped.
+/// An external name, such as a file's, as it is shown. Characters that control a terminal or change the text direction
+/// are escaped.
 ///
 /// ```
 /// use examples::program::shown;
@@ -17,12 +17,12 @@ use std::{
 #[derive(Clone, Copy, Debug)]
 pub struct Shown<'a>(&'a Path);
 
-/// Shows a name, such as a path.
+/// Returns the display of a name, such as a path.
 pub fn shown<P: AsRef<Path> + ?Sized>(name: &P) -> Shown<'_> {
     Shown(name.as_ref())
 }
 
-/// Whether a character is none to be seen: controls, line ends, and those that turn the direction of the text round them.
+/// Whether a character is invisible: controls, line ends, and changes of the text direction.
 fn steers(character: char) -> bool {
     character.is_control()
         || matches!(character, '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
@@ -34,7 +34,7 @@ impl fmt::Display for Shown<'_> {
     }
 }
 
-/// A text without characters that steer.
+/// A text with its control characters escaped.
 fn printable(text: &str) -> String {
     let mut printable = String::with_capacity(text.len());
     for character in text.chars() {
@@ -47,8 +47,8 @@ fn printable(text: &str) -> String {
     printable
 }
 
-/// What is written to a terminal, with the characters that steer escaped, but for line ends and tabulators; `None` where
-/// there is nothing to escape. Bytes that are no text stay.
+/// The bytes for a terminal with control characters escaped, except line ends and tabulators. `None` if there is
+/// nothing to escape. Bytes that are not text stay.
 pub(super) fn escaped(bytes: &[u8]) -> Option<Vec<u8>> {
     let stays = |character: char| matches!(character, '\n' | '\r' | '\t');
     let is_escaped = |character: char| steers(character) && !stays(character);
@@ -71,14 +71,14 @@ pub(super) fn escaped(bytes: &[u8]) -> Option<Vec<u8>> {
     Some(escaped)
 }
 
-/// JSON with the characters that steer as JSON escapes them; they stand within its texts alone.
+/// JSON with control characters in JSON's escapes, which only occur within its texts.
 pub(super) fn json(text: &str) -> String {
     let mut json = String::with_capacity(text.len());
     let mut units = [0; 2];
     for character in text.chars() {
         if steers(character) {
             for unit in character.encode_utf16(&mut units) {
-                // Writing to a text does not fail.
+                // Writing to a string does not fail.
                 let _ = write!(json, "\\u{unit:04x}");
             }
         } else {

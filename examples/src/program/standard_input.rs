@@ -9,13 +9,12 @@ use std::{
 
 use super::{Interrupt, ProgramError};
 
-/// The most that is read at once (bytes).
+/// Largest number of bytes that are read at once.
 const CHUNK: usize = 64 * 1024;
-/// How soon an interrupt is seen while nothing comes.
+/// Time in which an interrupt is noticed while nothing comes.
 const PATIENCE: Duration = Duration::from_millis(20);
 
-/// Standard input. Once an interrupt has come, reading fails: whoever waits for the next line need
-/// not wait for ever.
+/// Standard input. Reading fails once an interrupt has come, so that nobody waits for a next line for ever.
 #[derive(Debug)]
 pub struct StandardInput {
     chunks: Receiver<io::Result<Vec<u8>>>,
@@ -33,7 +32,7 @@ impl StandardInput {
                 let read = stdin().lock().read(&mut chunk);
                 chunk.truncate(*read.as_ref().unwrap_or(&0));
                 let over = chunk.is_empty();
-                // Nobody listens when the program has seen enough.
+                // Nobody listens when the program has read enough.
                 if sender.send(read.map(|_| chunk)).is_err() || over {
                     return;
                 }

@@ -4,15 +4,15 @@ use std::io::{self, Stdout, Write, stdout};
 
 use super::shown::escaped;
 
-/// Standard output, by lines. It remembers the first failure, by which the program's end is judged
-/// however the error travels.
+/// Standard output by lines. It remembers the first failure, which determines the program's exit status wherever the
+/// error goes.
 #[derive(Debug)]
 pub struct StandardOutput {
     inner: Stdout,
     failure: Option<Failure>,
 }
 
-/// Why it cannot be written.
+/// The reason why standard output cannot be written.
 #[derive(Clone, Debug)]
 pub(super) struct Failure {
     pub(super) kind: io::ErrorKind,
@@ -24,12 +24,12 @@ impl StandardOutput {
         Self { inner: stdout(), failure: None }
     }
 
-    /// Why it cannot be written, if it failed.
+    /// The reason why it cannot be written, if it failed.
     pub(super) fn failure(&self) -> Option<&Failure> {
         self.failure.as_ref()
     }
 
-    /// Notes a failure of something else that wrote to standard output.
+    /// Notes a failure of other code that wrote to standard output.
     pub(super) fn noted<T>(&mut self, result: io::Result<T>) -> io::Result<T> {
         if let Err(error) = &result
             && error.kind() != io::ErrorKind::Interrupted
@@ -43,7 +43,7 @@ impl StandardOutput {
 
 impl Write for StandardOutput {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        // Names from outside steer no terminal.
+        // External names must not control the terminal.
         let result = match escaped(bytes) {
             None => self.inner.write(bytes),
             Some(escaped) => self.inner.write_all(&escaped).map(|()| bytes.len()),

@@ -1,4 +1,4 @@
-//! What a library's long work tells the person who waits.
+//! Progress and messages of a library's long work.
 
 use std::ops::ControlFlow;
 
@@ -7,7 +7,7 @@ use human_perception::Event;
 use super::{Progress, Session};
 
 impl Session {
-    /// The call-back of long work: shows how far it is, prints what should be known, and ends it after an interrupt.
+    /// The callback of long work. It shows the progress, prints messages, and ends the work after an interrupt.
     pub fn watch(&self) -> impl FnMut(Event<'_>) -> ControlFlow<()> + use<> {
         let (interrupt, quiet) = (self.interrupt().clone(), self.quiet());
         let mut shown: Option<(String, Progress)> = None;

@@ -1,4 +1,4 @@
-//! What settings there are, and what they mean: the tree of fields, from the types themselves.
+//! The tree of settings with their meanings, derived from the types.
 
 use std::sync::LazyLock;
 
@@ -15,9 +15,9 @@ pub(super) struct Field {
     pub(super) meaning: String,
     /// Whether it may be "none".
     pub(super) is_optional: bool,
-    /// The words it may be, if it is a choice.
+    /// The possible words of a choice.
     pub(super) choices: Vec<String>,
-    /// What the table holds; none of a setting.
+    /// The fields of a table; `None` for a setting.
     pub(super) fields: Option<Vec<Field>>,
 }
 
@@ -36,7 +36,7 @@ impl Field {
     fn new(name: &str, schema: &Value, is_optional: bool) -> Self {
         let text = |key: &str| schema.get(key).and_then(Value::as_str).unwrap_or_default();
         let meaning = plain(text("description"));
-        // An optional table: one of two, of which one is null.
+        // An optional table is one of two alternatives, one of which is null.
         if let Some(kinds) = schema.get("anyOf").and_then(Value::as_array)
             && let Some(table) = kinds.iter().find(|kind| kind.get("properties").is_some())
         {
@@ -56,7 +56,7 @@ impl Field {
         }
     }
 
-    /// The setting of this name in the table.
+    /// The field of the table with this name.
     pub(super) fn get(&self, name: &str) -> Option<&Self> {
         self.fields.iter().flatten().find(|field| field.name == name)
     }
@@ -72,7 +72,7 @@ impl Field {
     }
 }
 
-/// A path one name longer.
+/// The path extended by one name.
 pub(super) fn join(prefix: &str, name: &str) -> String {
     if prefix.is_empty() { name.to_owned() } else { format!("{prefix}.{name}") }
 }
@@ -89,7 +89,7 @@ fn choices(schema: &Value) -> Vec<String> {
     }
 }
 
-/// The first paragraph of documentation as plain text: without links and escapes.
+/// The first paragraph of documentation as plain text without links and escapes.
 fn plain(documentation: &str) -> String {
     let paragraph = documentation.split("\n\n").next().unwrap_or_default();
     let words: Vec<&str> = paragraph.split_whitespace().collect();
@@ -97,7 +97,7 @@ fn plain(documentation: &str) -> String {
     unlinked(&text)
 }
 
-/// [text](place) becomes text, and [`name`] name; brackets around units stay.
+/// Replaces [text](place) by text, and [`name`] by name; brackets around units stay.
 fn unlinked(text: &str) -> String {
     let mut plain = String::with_capacity(text.len());
     let mut rest = text;

@@ -1,4 +1,4 @@
-//! Reading a file of settings.
+//! Reading of settings files.
 
 use std::ops::Range;
 use std::path::Path;
@@ -13,27 +13,27 @@ use super::ranges::{self, OutOfRange};
 use super::robot::{RobotSettings, SETTINGS_VERSION};
 use crate::program::read_text;
 
-/// The largest file: a hundred times one with all settings (bytes).
+/// Largest settings file: a hundred times one with all settings (bytes).
 const LARGEST: u64 = 4 << 20;
-/// The word for what is not to be used.
+/// The word for a setting that is not used.
 const NONE: &str = "none";
 
-/// What a file of settings says.
+/// The content of a settings file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SettingsFile {
     entries: Vec<Entry>,
 }
 
-/// One setting.
+/// A setting.
 #[derive(Clone, Debug, PartialEq)]
 struct Entry {
     names: Vec<String>,
     line: usize,
-    /// None where it is not to be used.
+    /// The value; `None` if the setting is not used.
     value: Option<Value>,
 }
 
-/// Walks a file along the tree of fields.
+/// Reads a file along the tree of fields.
 struct Walk {
     lines: Lines,
     root: &'static Field,
@@ -53,8 +53,8 @@ impl SettingsFile {
     /// Reads the text of a file.
     ///
     /// # Errors
-    /// Each with its line: text that is not TOML, another version, a setting that does not exist, a
-    /// value of the wrong kind.
+    /// An error with its line: text that is not TOML, another version, an unknown setting, or a value of the wrong
+    /// kind.
     pub fn parse(text: &str) -> Result<Self, SettingsError> {
         let lines = Lines::of(text);
         let fail = |error: toml::de::Error| SettingsError::Syntax {
@@ -72,10 +72,10 @@ impl SettingsFile {
         Ok(file)
     }
 
-    /// `base` with what the file says in place of its own, checked.
+    /// The settings `base` with the values of the file, checked.
     ///
     /// # Errors
-    /// [`SettingsError::Range`] for a value outside its range, and values that do not go together.
+    /// [`SettingsError::Range`] for a value outside its range, and for values that do not fit together.
     pub fn over(&self, base: &RobotSettings) -> Result<RobotSettings, SettingsError> {
         let mut table = as_table(base)?;
         for entry in &self.entries {
@@ -87,7 +87,7 @@ impl SettingsFile {
         let range = |error: moca_model::Error| {
             let reason = error.to_string();
             match (self.line_of(&reason), ranges::check(&table)) {
-                // What does not name its setting is said by the setting's range.
+                // If the error does not name the setting, the setting's range does.
                 (None, Err(OutOfRange { path, reason })) => {
                     SettingsError::Range { line: self.line_of(&path), reason }
                 }
@@ -95,7 +95,7 @@ impl SettingsFile {
             }
         };
         settings.validate().map_err(range)?;
-        // Of what was given, and of what goes with it.
+        // Checks the given values and those that depend on them.
         ranges::check(&table).map_err(|OutOfRange { path, reason }| SettingsError::Range {
             line: self.line_of(&path),
             reason,
@@ -103,7 +103,7 @@ impl SettingsFile {
         Ok(settings)
     }
 
-    /// Each value alone over the defaults, so that an error is of its line.
+    /// Checks each value alone over the defaults, so that an error has its line.
     fn check_kinds(&self) -> Result<(), SettingsError> {
         let defaults = as_table(&RobotSettings::default())?;
         let mut all = defaults.clone();
@@ -140,7 +140,7 @@ impl SettingsFile {
 }
 
 impl Entry {
-    /// Puts the value into a table of all settings.
+    /// Writes the value into a table of all settings.
     fn put(&self, table: &mut Table) {
         let Some((last, path)) = self.names.split_last() else { return };
         let mut place = table;
@@ -203,7 +203,7 @@ impl Walk {
             (Some(_), DeValue::Table(document), Value::Table(values)) => {
                 let from = self.entries.len();
                 self.table(document, values, field, &names)?;
-                // A table that may be missing comes as a whole.
+                // An optional table is replaced as a whole.
                 if field.is_optional {
                     self.entries.truncate(from);
                     self.entries.push(Entry { names, line, value: Some(value.clone()) });
@@ -218,11 +218,11 @@ impl Walk {
         }
     }
 
-    /// The known path that is nearest to an unknown one.
+    /// The known path that is most similar to an unknown one.
     fn nearest(&self, path: &str) -> String {
         let distance = |known: &String| {
             let last = |path: &str| path.rsplit('.').next().unwrap_or_default().to_owned();
-            // The name counts first: a setting in the wrong table is found by it.
+            // The name has precedence, so that a setting in the wrong table is found.
             let name = strsim::damerau_levenshtein(&last(known), &last(path));
             (name, strsim::damerau_levenshtein(known, path))
         };
@@ -251,7 +251,7 @@ fn check_version(
     }
 }
 
-/// Where the lines of a text end.
+/// The line ends of a text.
 struct Lines(Vec<usize>);
 
 impl Lines {

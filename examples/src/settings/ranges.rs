@@ -1,25 +1,25 @@
-//! The range of every number of the settings, in one table.
+//! The ranges of all numbers of the settings in one table.
 //!
-//! Within it the programs run; some are narrowed further by what goes together with them.
+//! The programs run with values in these ranges; some combinations are restricted further.
 
 use toml::{Table, Value};
 
 /// A number outside its range.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct OutOfRange {
-    /// The setting, without places in lists.
+    /// The setting, without indices of lists.
     pub(super) path: String,
     /// What is wrong with it, and its range.
     pub(super) reason: String,
 }
 
-/// The end of a setting's path, and its range, ends included.
+/// The end of a setting's path, and its range with both ends.
 type Range = (&'static str, f64, f64);
 
-/// Times that may also be for ever (s).
+/// Largest value of times that may be infinite (s).
 const FOR_EVER: f64 = f64::MAX;
 
-/// The first whose path is the end of a setting's decides.
+/// The ranges. The longest path end that fits a setting decides.
 const RANGES: &[Range] = &[
     ("controller.period", 1e-4, 0.1),
     ("controller.gain", 0.0, 1e3),
@@ -152,12 +152,12 @@ const RANGES: &[Range] = &[
     ("impedance.torque_rate", 1e-3, 1e7),
 ];
 
-/// The range of a setting; none of one that is no number.
+/// The range of a setting; `None` if it is not a number.
 pub(super) fn range_of(path: &str) -> Option<[f64; 2]> {
     let is_end = |end: &str| {
         path.strip_suffix(end).is_some_and(|before| before.is_empty() || before.ends_with('.'))
     };
-    // Of the longest end: the damping of contacts is no joint's.
+    // The longest end counts: the damping of contacts is not that of joints.
     let fits = RANGES.iter().filter(|(end, ..)| is_end(end));
     fits.max_by_key(|(end, ..)| end.len()).map(|&(_, low, high)| [low, high])
 }
@@ -181,7 +181,7 @@ pub(super) fn words([low, high]: [f64; 2]) -> String {
 /// Checks every number.
 ///
 /// # Errors
-/// The first that is outside its range, or of which none is known.
+/// The first number that is outside its range, or has no known range.
 pub(super) fn check(settings: &Table) -> Result<(), OutOfRange> {
     settings.iter().try_for_each(|(name, value)| check_value(name, value))
 }

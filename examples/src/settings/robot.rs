@@ -1,4 +1,4 @@
-//! The settings that a file holds.
+//! The settings in a file.
 
 use moca_model::{ControllerSettings, TorqueLoopSettings};
 use moca_simulation::plant::{Drive, PlantSettings};
@@ -8,20 +8,20 @@ use serde::{Deserialize, Serialize};
 use super::error::SettingsError;
 use super::text;
 
-/// The version of files of settings that is read and written.
+/// The version of settings files that is read and written.
 pub const SETTINGS_VERSION: i64 = 1;
 
-/// The settings of the controller and of the loop of torques below it.
+/// The settings of the controller and of the torque loop below it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RobotSettings {
     /// The controller, from percepts to velocities.
     pub controller: ControllerSettings,
-    /// What turns the velocities of the arm into torques, and torques into who pushes.
+    /// The torque law of the arm, and the observer of external torques.
     pub torque: TorqueLoopSettings,
 }
 
-/// Those of the simulated robot, whose motors compensate nothing.
+/// Creates the settings of the simulated robot, whose motors compensate nothing.
 impl Default for RobotSettings {
     fn default() -> Self {
         Self::from(&PlantSettings::default())
@@ -35,24 +35,24 @@ impl From<&PlantSettings> for RobotSettings {
 }
 
 impl RobotSettings {
-    /// The same for a robot that does this with commands.
+    /// The settings of a plant with this drive.
     pub fn of_plant(self, drive: Drive) -> PlantSettings {
         PlantSettings { drive, controller: self.controller, torques: self.torque }
     }
 
-    /// The text of a file with all settings, each with what it means. Where the person's hand works is
-    /// written as a comment, since it follows from the person's stature unless a file says otherwise.
+    /// The text of a file with all settings and their meanings. The range of the person's hand is written as a comment,
+    /// since it follows from the person's stature unless a file sets it.
     ///
     /// # Errors
-    /// [`SettingsError::Write`] for what TOML cannot hold, a count above 2⁶³.
+    /// [`SettingsError::Write`] for values that TOML cannot represent, such as a count above 2⁶³.
     pub fn to_toml(&self) -> Result<String, SettingsError> {
         text::write(self)
     }
 
-    /// Checks the ranges that need no robot to be checked.
+    /// Checks the ranges that do not depend on a robot.
     ///
     /// # Errors
-    /// The first that is outside its range.
+    /// The first setting that is outside its range.
     pub fn validate(&self) -> Result<(), moca_model::Error> {
         let Self { controller, torque } = self;
         controller.validate()?;

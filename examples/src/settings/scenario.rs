@@ -1,4 +1,4 @@
-//! A scenario with the settings of a file.
+//! Scenarios with the settings of a file.
 
 use moca_simulation::run::Scenario;
 
@@ -6,11 +6,10 @@ use super::error::SettingsError;
 use super::file::SettingsFile;
 use super::robot::RobotSettings;
 
-/// The scenario with what a file of settings says in place of its settings so far. The goal is that of each run all the
-/// same.
+/// The scenario with the values of a settings file. The goal stays that of each run.
 ///
 /// # Errors
-/// Values that are out of range or do not go together.
+/// Values that are out of range or do not fit together.
 pub fn with_settings(scenario: Scenario, file: &SettingsFile) -> Result<Scenario, SettingsError> {
     let base = RobotSettings { controller: scenario.settings, torque: scenario.torques };
     let RobotSettings { controller, torque } = file.over(&base)?;

@@ -9,10 +9,10 @@ use super::field::{Field, join};
 use super::ranges;
 use super::robot::{RobotSettings, SETTINGS_VERSION};
 
-/// Settings that follow from the person unless a file says otherwise.
+/// Settings that follow from the person unless a file sets them.
 const OF_THE_PERSON: [&str; 2] = ["controller.space.min", "controller.space.max"];
 
-/// Of a comment.
+/// Largest width of a comment.
 const WIDTH: usize = 100;
 
 const HEADER: &str = "\
@@ -31,7 +31,7 @@ pub(super) fn write(settings: &RobotSettings) -> Result<String, SettingsError> {
     Ok(text)
 }
 
-/// A table: its settings, then the tables within it.
+/// Writes a table: its settings, then the tables within it.
 fn table(text: &mut String, field: &Field, path: &str, values: &Table, defaults: &Table) {
     let fields = || ordered(field, values);
     let is_table = |field: &Field| matches!(values.get(&field.name), Some(Value::Table(_)));
@@ -64,14 +64,14 @@ fn table(text: &mut String, field: &Field, path: &str, values: &Table, defaults:
     }
 }
 
-/// The fields of a table in the order of the values, then those that have none.
+/// The fields of a table in the order of the values, then those without values.
 fn ordered<'a>(field: &'a Field, values: &'a Table) -> impl Iterator<Item = &'a Field> {
     let all = || field.fields.iter().flatten();
     let with_value = values.keys().filter_map(|name| field.get(name));
     with_value.chain(all().filter(|field| !values.contains_key(&field.name)))
 }
 
-/// What a setting means, with its default and its choices if its documentation does not name them.
+/// The meaning of a setting, with its default and its choices if the documentation does not name them.
 fn meaning(field: &Field, path: &str, default: Option<&Value>) -> String {
     let mut meaning = field.meaning.clone();
     let mut add = |sentence: String| {
@@ -97,7 +97,7 @@ fn meaning(field: &Field, path: &str, default: Option<&Value>) -> String {
     meaning
 }
 
-/// A value in TOML, long lists over several lines.
+/// A value in TOML, with long lists over several lines.
 fn inline(value: &Value) -> String {
     match value {
         Value::Array(items) if items.iter().any(|item| item.is_table() || item.is_array()) => {

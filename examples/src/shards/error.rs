@@ -1,4 +1,4 @@
-//! What can be wrong with shards.
+//! Errors of shards.
 
 use std::{io, path::PathBuf};
 
@@ -6,21 +6,21 @@ use std::{io, path::PathBuf};
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ShardError {
-    /// Not of the form I/N.
+    /// A shard is not of the form I/N.
     #[error("\"{found}\" is no shard; give I/N with I from 1 to N, as 2/4 for the second of four")]
     Form {
-        /// What was given.
+        /// The given text.
         found: String,
     },
-    /// A file that cannot be read.
+    /// A file cannot be read.
     #[error("cannot read {path}: {source}", path = path.display())]
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// What the operating system reports.
         source: io::Error,
     },
-    /// A file that holds no shard, or is cut off.
+    /// A file does not contain a shard, or is cut off.
     #[error("{path} is not the whole file of a shard: {reason}; compute this shard again", path = path.display())]
     Broken {
         /// The file.
@@ -28,41 +28,41 @@ pub enum ShardError {
         /// What is wrong with it.
         reason: String,
     },
-    /// No files at all.
+    /// There are no files.
     #[error("there is nothing to merge; give the files of all shards")]
     Nothing,
-    /// Shards of different runs.
+    /// The shards are of different runs.
     #[error("shard {shard} is of another run than shard {first}: {what}; merge shards of one run")]
     Different {
-        /// The one that differs.
+        /// The shard that differs.
         shard: String,
         /// The first of the files.
         first: String,
         /// What differs.
         what: &'static str,
     },
-    /// A shard that came twice.
+    /// A shard is given twice.
     #[error("shard {shard} is there twice; give the file of each shard once")]
     Twice {
-        /// Which.
+        /// The shard.
         shard: String,
     },
-    /// Shards that are not there.
+    /// Some shards are missing.
     #[error("of {of} shards these are missing: {missing}; compute them and merge again")]
     Missing {
-        /// Which, as I/N.
+        /// The missing shards as I/N.
         missing: String,
-        /// How many there are in all.
+        /// The number of all shards.
         of: u64,
     },
-    /// A shard without all of its cases, or with others.
+    /// A shard lacks cases, or has others.
     #[error("shard {shard} holds {found} cases, expected {expected}; compute it again")]
     Cases {
-        /// Which.
+        /// The shard.
         shard: String,
-        /// How many it holds.
+        /// The number of its cases in the file.
         found: usize,
-        /// How many are its own.
+        /// The number of its own cases.
         expected: usize,
     },
 }

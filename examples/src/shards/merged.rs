@@ -1,4 +1,4 @@
-//! All shards of a run together.
+//! Merging of all shards of a run.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -9,14 +9,14 @@ use serde::de::DeserializeOwned;
 use super::error::ShardError;
 use super::part::Part;
 
-/// What all shards of a run computed.
+/// The merged results of all shards of a run.
 #[derive(Clone, Debug)]
 pub struct Merged<Job, Case, Times = ()> {
-    /// What was to be computed.
+    /// The job.
     pub job: Job,
-    /// Of all cases, in their order.
+    /// Results of all cases in their order.
     pub results: Vec<Case>,
-    /// Of each shard.
+    /// Times of each shard.
     pub times: Vec<Times>,
 }
 
@@ -37,7 +37,7 @@ where
     /// Merges all shards, in any order.
     ///
     /// # Errors
-    /// Shards of different runs, shards that are missing, incomplete or there twice.
+    /// Shards of different runs, and shards that are missing, incomplete or given twice.
     pub fn of(mut parts: Vec<Part<Job, Case, Times>>) -> Result<Self, ShardError> {
         let first = parts.first().ok_or(ShardError::Nothing)?;
         let (count, cases) = (first.shard.count(), first.cases);

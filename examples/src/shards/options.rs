@@ -1,4 +1,4 @@
-//! `--shard` and `--shard-file`.
+//! The options `--shard` and `--shard-file`.
 
 use std::path::PathBuf;
 
@@ -10,11 +10,11 @@ use super::part::Part;
 use super::shard::Shard;
 use crate::program::{OutputFile, ProgramError};
 
-/// Which share of the cases a program computes.
+/// The share of the cases that a program computes.
 #[derive(Args, Clone, Debug)]
 pub struct ShardOptions {
-    /// Compute only the I-th of N equal shares of the cases, for machines side by side; `merge` makes the
-    /// whole result of the files of all shards.
+    /// Compute only the I-th of N equal shares of the cases, for several machines; `merge` makes the whole result of
+    /// the files of all shards.
     #[arg(long, value_name = "I/N", requires = "shard_file")]
     shard: Option<Shard>,
     /// The file for the shard's results.
@@ -23,12 +23,12 @@ pub struct ShardOptions {
 }
 
 impl ShardOptions {
-    /// The shard; all cases if none is asked for.
+    /// The shard, or all cases if none is given.
     pub fn shard(&self) -> Shard {
         self.shard.unwrap_or_default()
     }
 
-    /// Begins the shard's file, if one is asked for; before the work, so that a wrong place is known early.
+    /// Creates the shard's file, if one is asked for. Call this before the work, so that a wrong place is known early.
     ///
     /// # Errors
     /// As [`OutputFile::create`].
@@ -36,7 +36,7 @@ impl ShardOptions {
         self.shard_file.as_ref().map(OutputFile::create).transpose()
     }
 
-    /// Writes what [`create`](Self::create) began.
+    /// Writes the file of [`create`](Self::create).
     ///
     /// # Errors
     /// A file that cannot be written.

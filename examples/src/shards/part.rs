@@ -1,4 +1,4 @@
-//! What one shard has computed, and the file that holds it.
+//! The results of a shard, and their file.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -10,23 +10,23 @@ use super::error::ShardError;
 use super::shard::Shard;
 use crate::program::read_text;
 
-/// The largest file of a shard (bytes).
+/// Largest file of a shard (bytes).
 const LARGEST: u64 = 1 << 30;
 
 /// The results of a shard.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Part<Job, Case, Times = ()> {
-    /// Which program computed it.
+    /// The program that computed it.
     pub program: String,
-    /// What was to be computed; the same in all shards of a run.
+    /// The job, which is the same in all shards of a run.
     pub job: Job,
-    /// Which shard it is.
+    /// The shard.
     pub shard: Shard,
-    /// How many cases all shards have together.
+    /// The number of cases of all shards.
     pub cases: u64,
     /// The results of its own cases.
     pub results: BTreeMap<u64, Case>,
-    /// How long that took: the only thing that differs from machine to machine.
+    /// The computation times, which are the only part that depends on the machine.
     pub times: Times,
 }
 
@@ -36,10 +36,10 @@ where
     Case: Serialize + DeserializeOwned,
     Times: Serialize + DeserializeOwned,
 {
-    /// The text of its file, one JSON object.
+    /// The text of its file, a JSON object.
     ///
     /// # Errors
-    /// Numbers that are not finite in place of map keys, as serde_json says.
+    /// Numbers that are not finite as map keys; see serde_json.
     pub fn to_json(&self) -> serde_json::Result<String> {
         Ok(serde_json::to_string(self)? + "\n")
     }
@@ -47,13 +47,13 @@ where
     /// Reads a file.
     ///
     /// # Errors
-    /// [`ShardError::Read`], and [`ShardError::Broken`] for what is no part of this program.
+    /// [`ShardError::Read`], and [`ShardError::Broken`] for content that is not a part of this program.
     pub fn read(path: &Path) -> Result<Self, ShardError> {
         parse(path, &text(path)?)
     }
 }
 
-/// The program that computed a file.
+/// The name of the program that computed a file.
 ///
 /// # Errors
 /// As [`Part::read`].

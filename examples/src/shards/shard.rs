@@ -20,31 +20,31 @@ use super::error::ShardError;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct Shard {
-    /// From 0.
+    /// Index of the shard, from 0.
     index: u64,
     count: u64,
 }
 
 impl Shard {
-    /// The only one: all cases.
+    /// The only shard, with all cases.
     pub const WHOLE: Self = Self { index: 0, count: 1 };
 
-    /// Which it is, from 0.
+    /// The index, from 0.
     pub fn index(self) -> u64 {
         self.index
     }
 
-    /// Of how many.
+    /// The number of shards.
     pub fn count(self) -> u64 {
         self.count
     }
 
-    /// Returns true if this case is its own.
+    /// Returns true if this case belongs to the shard.
     pub fn holds(self, case: u64) -> bool {
         case % self.count == self.index
     }
 
-    /// Its own of so many cases.
+    /// The shard's cases among `cases`.
     pub fn of(self, cases: u64) -> impl Iterator<Item = u64> {
         (0..cases).filter(move |case| self.holds(*case))
     }

@@ -1,4 +1,4 @@
-//! Images of surfaces by class, of frames whose truth is known.
+//! Extraction of images of surfaces by class from frames with a known truth.
 
 use anyhow::Result;
 use clap::Args;
@@ -13,8 +13,8 @@ use crate::{
 /// Takes the images of the on-board camera out of frames with their truth: a folder for each class, as `train` and
 /// `evaluate` take them.
 ///
-/// They are taken whole, as `perceive` looks at them: that camera faces the object. Images in which the robot does not
-/// hold it are left out.
+/// Images are taken whole, as `perceive` uses them, since that camera faces the object. Images in which the robot does
+/// not hold it are left out.
 #[derive(Args, Debug)]
 pub struct Cut {
     #[command(flatten)]
@@ -30,7 +30,7 @@ impl Cut {
         self.options.quiet()
     }
 
-    /// Takes them out.
+    /// Extracts the images.
     ///
     /// # Errors
     /// As of [`CutOptions::run`].

@@ -1,4 +1,4 @@
-//! Measures trained models, as the paper's Table I does.
+//! Evaluation of trained models, as in the paper's Table I.
 
 use std::{collections::BTreeMap, io::Write, path::PathBuf};
 
@@ -27,8 +27,7 @@ use crate::{
 
 /// Classifies images of known classes by each model, and prints accuracy and confusion matrices.
 ///
-/// With --output, a picture of each confusion matrix, the scores of every image and the result as JSON go into a
-/// folder.
+/// --output FOLDER writes a picture of each confusion matrix, the scores of every image and the result as JSON.
 #[derive(Args, Debug)]
 pub struct Evaluate {
     /// A folder with a folder of JPEG or PNG files for each class.
@@ -38,10 +37,10 @@ pub struct Evaluate {
     model: PathBuf,
     #[command(flatten)]
     weights: ModelWeights,
-    /// The folder for features, which later runs take from there.
+    /// The folder for features, which later runs reuse.
     #[arg(long, value_name = "FOLDER")]
     cache: Option<PathBuf>,
-    /// Which images of the folder: a part of the training's split, or all.
+    /// The images of the folder to take: a part of the training's split, or all.
     #[arg(long, default_value = "test")]
     part: PartOption,
     /// Write pictures, scores and the result into this folder.
@@ -60,22 +59,22 @@ pub struct Evaluate {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum PartOption {
-    /// The tenth that no training has seen.
+    /// The tenth of the images that no training has seen.
     Test,
-    /// The fifth for validation.
+    /// The fifth of the images for validation.
     Validation,
-    /// What was trained with.
+    /// Images of the training.
     Training,
     /// Every image.
     All,
 }
 
-/// The line of `--json`.
+/// The JSON object of `--json`.
 #[derive(Default, Serialize)]
 struct Evaluated {
     classes: Vec<String>,
     unreadable: usize,
-    /// By the models' names.
+    /// Evaluations by the models' names.
     models: BTreeMap<String, Evaluation>,
 }
 
@@ -85,10 +84,10 @@ impl Evaluate {
         self.quiet
     }
 
-    /// Measures every model.
+    /// Evaluates every model.
     ///
     /// # Errors
-    /// Names the folder, the class, the image or the option that is wrong.
+    /// The folder, the class, the image or the option that is wrong.
     pub fn run(self, session: &mut Session) -> Result<Ending> {
         self.output.as_deref().map(check_folder).transpose()?;
         let model = SurfaceModel::read(&self.model)?;
@@ -141,7 +140,7 @@ impl Evaluate {
         session.conclude(self.json, &report, Ending::Complete)
     }
 
-    /// The images of the part that is asked for.
+    /// The images of the selected part.
     fn images(&self, model: &SurfaceModel, watch: &mut Watch<'_>) -> Result<Vec<LabelledImage>> {
         let part = match self.part {
             PartOption::All => None,

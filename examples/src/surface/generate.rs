@@ -1,4 +1,4 @@
-//! Pictures of smooth and drilled surfaces, a folder for each.
+//! Generated pictures of smooth and drilled surfaces, a folder for each class.
 
 use std::{
     fs,
@@ -17,7 +17,7 @@ use crate::program::{Ending, Json, OutputFile, Quiet, Seed, Session, check_folde
 
 /// Draws pictures of plates, smooth and drilled: light, pose, background, blur and noise differ.
 ///
-/// They are for trying the program. What does well on them does not therefore do well on photographs.
+/// They are for trying the program. Success with them does not imply success with photographs.
 #[derive(Args, Debug)]
 pub struct Generate {
     /// The folder, which gets the folders `smooth` and `drilled`.
@@ -36,11 +36,11 @@ pub struct Generate {
     quiet: Quiet,
 }
 
-/// The line of `--json`.
+/// The JSON object of `--json`.
 #[derive(Serialize)]
 struct Generated {
     folder: PathBuf,
-    /// Pictures in all.
+    /// Number of all pictures.
     images: u64,
 }
 
@@ -50,10 +50,10 @@ impl Generate {
         self.quiet
     }
 
-    /// Draws them.
+    /// Draws the pictures.
     ///
     /// # Errors
-    /// With the place that cannot be written; a folder that has pictures already.
+    /// The place that cannot be written; a folder that already has pictures.
     pub fn run(self, session: &mut Session) -> Result<Ending> {
         check_folder(&self.folder)?;
         let classes = [Surface::Smooth, Surface::Drilled];

@@ -1,4 +1,4 @@
-//! Options that the commands share.
+//! Options that several commands share.
 
 use std::path::PathBuf;
 
@@ -14,18 +14,18 @@ use crate::vision::choices;
 #[derive(Args, Clone, Debug)]
 pub struct Backbones {
     /// A ResNet's checkpoint with torchvision's names, behind its number of layers: 50=resnet50.pth. May be given
-    /// for several.
+    /// several times.
     #[arg(long, value_name = "DEPTH=FILE", value_parser = weights)]
     weights: Vec<(ResNetDepth, PathBuf)>,
-    /// Take networks with random weights of this seed instead: nothing is learnt in them.
+    /// Take networks with random weights of this seed instead, which have learnt nothing.
     #[arg(long, value_name = "SEED", conflicts_with = "weights")]
     random_backbone: Option<u64>,
-    /// How many layers the random networks have; 50 and 152 if it is not given.
+    /// Number of layers of the random networks. Default 50 and 152.
     #[arg(long, requires = "random_backbone", value_parser = choices::depth())]
     depth: Vec<ResNetDepth>,
 }
 
-/// DEPTH=FILE.
+/// Parses DEPTH=FILE.
 fn weights(text: &str) -> Result<(ResNetDepth, PathBuf), String> {
     let wrong = || format!("\"{text}\": give DEPTH=FILE, such as 50=resnet50.pth");
     let (depth, file) = text.split_once('=').ok_or_else(wrong)?;
@@ -34,7 +34,7 @@ fn weights(text: &str) -> Result<(ResNetDepth, PathBuf), String> {
 }
 
 impl Backbones {
-    /// The networks, none twice.
+    /// The networks without repetition.
     ///
     /// # Errors
     /// If there are none, or one is given twice.
@@ -70,13 +70,13 @@ impl Backbones {
 /// The checkpoints of a trained model's networks.
 #[derive(Args, Clone, Debug)]
 pub struct ModelWeights {
-    /// The checkpoint that the model was trained with, behind the ResNet's number of layers: 50=resnet50.pth.
-    /// Networks with random weights need none.
+    /// The checkpoint that the model was trained with, behind the ResNet's number of layers: 50=resnet50.pth. Not
+    /// needed for random weights.
     #[arg(long, value_name = "DEPTH=FILE", value_parser = weights)]
     pub weights: Vec<(ResNetDepth, PathBuf)>,
 }
 
 impl ModelWeights {
-    /// The option, for messages.
+    /// The name of the option, for messages.
     pub const OPTION: &str = "--weights DEPTH=FILE";
 }

@@ -1,4 +1,4 @@
-//! Trains the paper's models.
+//! Training of the paper's models.
 
 use std::{collections::BTreeMap, io::Write, path::PathBuf};
 
@@ -35,10 +35,10 @@ pub struct Train {
     output: PathBuf,
     #[command(flatten)]
     backbones: Backbones,
-    /// The folder for features, which later runs take from there. An interrupted run keeps them.
+    /// The folder for features, which later runs reuse. An interrupted run keeps them.
     #[arg(long, value_name = "FOLDER")]
     cache: Option<PathBuf>,
-    /// Train with the images as they are, without their mirror images.
+    /// Train without mirror images of the images.
     #[arg(long)]
     no_flips: bool,
     /// The penalty of the support vector machine.
@@ -47,7 +47,7 @@ pub struct Train {
     /// The weight of the penalty against the margin.
     #[arg(long, default_value_t = 1.0, allow_negative_numbers = true)]
     cost: f64,
-    /// Let each class weigh the same in the support vector machine, however many images it has.
+    /// Give each class the same weight in the support vector machine, whatever its number of images.
     #[arg(long)]
     balanced: bool,
     #[command(flatten)]
@@ -73,17 +73,17 @@ enum LossOption {
     SquaredHinge,
 }
 
-/// The line of `--json`.
+/// The JSON object of `--json`.
 #[derive(Default, Serialize)]
 struct Trained {
     classes: Vec<String>,
     training_images: usize,
     validation_images: usize,
     test_images: usize,
-    /// Images whose content is also in another part.
+    /// Number of images whose content is also in another part.
     in_two_parts: usize,
     unreadable: usize,
-    /// By the models' names.
+    /// Reports by the models' names.
     models: BTreeMap<String, ModelReport>,
 }
 
@@ -91,7 +91,7 @@ struct Trained {
 struct ModelReport {
     training_accuracy: Option<f64>,
     validation_accuracy: Option<f64>,
-    /// Of the support vector machine: the largest duality gap of its planes, as a part of the objective.
+    /// Largest duality gap of the support vector machine's planes, as a share of the objective.
     #[serde(skip_serializing_if = "Option::is_none")]
     gap: Option<f64>,
 }
@@ -102,10 +102,10 @@ impl Train {
         self.quiet
     }
 
-    /// Trains, and writes the model.
+    /// Trains and writes the model.
     ///
     /// # Errors
-    /// Names the folder, the class, the image or the option that is wrong.
+    /// The folder, the class, the image or the option that is wrong.
     pub fn run(self, session: &mut Session) -> Result<Ending> {
         check_folder(&self.output)?;
         let watch = &mut session.watch();
@@ -189,7 +189,7 @@ impl Train {
     }
 }
 
-/// Names the first of the images whose content is also in another part; how many there are.
+/// Names the first image whose content is also in another part. Returns the number of such images.
 fn tell_twins(parts: &ImageParts, session: &Session) -> Result<usize> {
     const SHOWN: usize = 3;
     let twins = parts.twins(&mut session.watch())?;

@@ -1,4 +1,4 @@
-//! The networks by their names on the command line.
+//! Networks by their names on the command line.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use human_perception::{Error, networks::names};
@@ -14,7 +14,7 @@ pub fn slow_only() -> impl TypedValueParser<Value = SlowOnlyForm> {
     parser(names::forms().into(), NetworkKind::SlowOnly)
 }
 
-/// Reads the name of a form of SlowOnly, as it is.
+/// Reads the name of a form of SlowOnly without conversion.
 pub fn slow_only_name() -> impl TypedValueParser<Value = String> {
     let value =
         |(name, form)| PossibleValue::new(name).help(NetworkKind::SlowOnly(form).to_string());
@@ -35,7 +35,7 @@ fn parser<T: Copy + Send + Sync + 'static>(
     })
 }
 
-/// An error with the option that would be right.
+/// Adds the option that would be right to an error.
 pub fn with_option(error: Error, option: &str) -> anyhow::Error {
     match error {
         Error::OtherNetwork { found, .. } => {

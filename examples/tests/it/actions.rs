@@ -7,7 +7,7 @@ use vision_models::Action;
 
 use crate::support::{Runs, save_picture, slow_only_r18};
 
-/// A folder of clips of two classes, one named as HRI30's copies do.
+/// A folder of clips of two classes, one of which is named as in HRI30's copies.
 struct Clips(tempfile::TempDir);
 
 impl Clips {
@@ -91,11 +91,11 @@ fn trains_evaluates_and_recognises() {
     let figure = fs::read_to_string(format!("{out}/confusion.svg")).unwrap();
     assert!(figure.contains("Deliver Object") && figure.contains("100.0"));
     assert_eq!(fs::read_to_string(format!("{out}/scores.csv")).unwrap().lines().count(), 3);
-    // A second time the features come from disk.
+    // The second run reads the features from disk.
     let again = clips.evaluate().with(&["--json"]).run().done().json();
     assert_eq!(again["by_class"], json["by_class"]);
 
-    // In two shards it is the same to the byte.
+    // Two shards give the same bytes.
     let files = ["1", "2"].map(|shard| {
         let file = clips.path(&format!("shard-{shard}.json"));
         let options = [format!("--shard={shard}/2"), "--shard-file".to_owned(), file.clone()];
@@ -114,7 +114,7 @@ fn trains_evaluates_and_recognises() {
     assert_eq!(whole["classes"][0]["name"], "Deliver Object");
     let live = clips.recognise().with(&["--live", "--json"]).run().done();
     let json = live.json();
-    // The window has the frames 0, 2; then 2, 4.
+    // The windows have the frames 0, 2 and 2, 4.
     let frames: Vec<_> =
         json["live"]["decided"].as_array().unwrap().iter().map(|d| d["frame"].clone()).collect();
     assert_eq!(frames, [2, 4]);
@@ -161,12 +161,12 @@ fn lists_of_clips_are_taken_by_name() {
     train(Some("CID09_SID01_VID01 with the frames of \"CID09_SID01_VID01.avi\""));
     fs::write(&list, "CID01_SID01_VID01.avi,1\n").unwrap();
     train(Some("list.csv: no clip of the class \"Move Backwards While Drilling\""));
-    // Refused by its size, before it is read.
+    // The list is refused by its size before it is read.
     fs::File::create(&list).unwrap().set_len(1 << 36).unwrap();
     train(Some("list.csv: larger than such a file can be: at most 67108864 bytes"));
 }
 
-/// A mirror image of walking left is of walking right.
+/// A mirror image of walking left shows walking right.
 #[test]
 fn mirror_images_are_of_the_mirrored_class() {
     let clips = Clips::new(2, 2);
@@ -184,7 +184,7 @@ fn mirror_images_are_of_the_mirrored_class() {
             left.unwrap().fliph().save(format!("{folder}/{frame}")).unwrap();
         }
     }
-    // Left and right differ in nothing but the mirror: a class of the wrong label would keep them from being learnt.
+    // Left and right only differ by the mirror. They could not be learnt if a label were wrong.
     let json = clips.train().with(&["--json", "--standardise"]).run().done().json();
     assert_eq!(json["training_accuracy"], 1.0, "{json}");
 }
@@ -193,11 +193,11 @@ fn mirror_images_are_of_the_mirrored_class() {
 fn clips_that_cannot_be_learnt_are_named() {
     let clips = Clips::new(2, 2);
     let refused = |says: &str| clips.train().run().failed(1, says);
-    // Shorter than a window.
+    // The clip is shorter than a window.
     fs::remove_file(clips.path("clips/DeliverObject/0/1.png")).unwrap();
     fs::remove_file(clips.path("clips/DeliverObject/1/1.png")).unwrap();
     refused("1 frames are fewer than the 2 of a window");
-    // One clip of a class; none; one class.
+    // A class has one clip; a class has none; there is one class.
     fs::remove_dir_all(clips.path("clips/DeliverObject/1")).unwrap();
     refused("class \"Deliver Object\" has 1 samples: give at least 2");
     fs::remove_dir_all(clips.path("clips/DeliverObject/0")).unwrap();
@@ -210,7 +210,7 @@ fn clips_that_cannot_be_learnt_are_named() {
 }
 
 #[test]
-fn labels_weights_and_caches_that_do_not_match_are_refused() {
+fn mismatched_labels_weights_and_caches_are_refused() {
     let clips = Clips::new(2, 3);
     clips.train().run().done();
     let (folder, model, cache) = (clips.path("clips"), clips.path("model"), clips.path("cache"));
@@ -241,12 +241,12 @@ fn an_interrupted_training_keeps_the_features_so_far() {
     assert_eq!(ran.code(), Some(130), "{ran:?}");
     assert!(ran.errors.contains("the features so far are kept in"), "{}", ran.errors);
     assert!(!Path::new(&clips.path("model")).exists());
-    // Two views of 512 features each.
+    // There are two views of 512 features each.
     let kept = fs::read(clips.path("cache/slowonly_r18_mm.features")).unwrap();
     assert!(kept.len() > 36 + 8 * 512 + 8, "{}", kept.len());
 }
 
-/// Thirty classes, as HRI30's: each name stands beside a row and below a column, and every share that is not zero
+/// There are thirty classes, as in HRI30. Each name is beside a row and below a column. Every share other than zero is
 /// in its cell.
 #[test]
 fn thirty_classes_fit_into_one_figure() {

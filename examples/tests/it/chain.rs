@@ -1,10 +1,10 @@
-//! From pixels to the controller: data sets cut out of films, and the script that closes the chain.
+//! From pixels to the controller: data sets from films, and the script that runs the chain.
 
 use std::{fs, path::Path, process::Command};
 
 use crate::support::{Runs, coarse_map_file};
 
-/// Films of somebody who comes with the object, and of somebody with a polisher: their folders.
+/// Makes films of a person who brings the object, and of one with a polisher. Returns their folders.
 fn films(folder: &Path) -> [String; 2] {
     [("drilling", "--tool=drill"), ("polishing", "--tool=polisher")].map(|(name, tool)| {
         let frames = folder.join(name).to_str().unwrap().to_owned();
@@ -35,7 +35,7 @@ fn films_become_clips_and_images_by_class() {
     let classes = ["Deliver Object", "Walking With Object"];
     assert_eq!(names(&folder.path().join("clips")), classes);
     let counts = classes.map(|class| json["classes"][class].as_u64().unwrap());
-    // 111 frames of each: 21 beginnings, and clips over the change are in no class.
+    // There are 111 frames of each: 21 beginnings. Clips over the change belong to no class.
     let sum: u64 = counts.iter().sum();
     assert_eq!(json["samples"], sum);
     assert!((2 * 17..2 * 21).contains(&sum), "{counts:?}");
@@ -44,7 +44,7 @@ fn films_become_clips_and_images_by_class() {
     let frame = |path: String| fs::read(path).unwrap();
     let shown = frame(clip.join("00003.png").to_str().unwrap().to_owned());
     assert_eq!(shown, frame(format!("{other}/colour/000008.png")));
-    // With less of the action at the end, more clips.
+    // More clips follow if less of the action must be at the end.
     let options = ["--length=10", "--every=5", "--settled=2"];
     let more = cut("actions", "more", &options).run().done().json();
     assert!(more["samples"].as_u64() > json["samples"].as_u64());
@@ -107,7 +107,7 @@ fn the_chain_is_closed_by_one_script() {
     for stage in ["resnet18+svm", "clips: top-1 ", "against the truth: surface ", "ergonomics"] {
         assert!(said.contains(stage), "no {stage:?} in {said}");
     }
-    // A folder of its own, and the first error ends it.
+    // The script needs its own folder, and ends at the first error.
     assert!(!run(programs).0);
     fs::remove_dir_all(folder.path().join("chain")).unwrap();
     let (done, said) = run(folder.path());

@@ -26,7 +26,7 @@ fn lists_and_converts() {
     assert!(text.ends_with("3 tensors, 54 elements\n"), "{text}");
     assert_eq!(Tensors::read(&out).unwrap(), Tensors::read(data("wrapped.pth")).unwrap());
 
-    // The same by the option that all programs have.
+    // The option that all programs have gives the same.
     let again = path("again.safetensors");
     let ran = convert(&[&data("wrapped.pth"), "--output", &again, "--json"]).done();
     assert_eq!(fs::read(&again).unwrap(), fs::read(&out).unwrap());
@@ -34,7 +34,7 @@ fn lists_and_converts() {
     assert_eq!((&json["tensors"], &json["elements"]), (&3.into(), &54.into()));
     assert_eq!((&json["network"], &json["output"]), (&().into(), &again.as_str().into()));
 
-    // Not onto itself: it would be lost.
+    // The output must not be the input, which would be lost.
     let before = fs::read(&out).unwrap();
     convert(&[&out, &out]).failed(1, "out.safetensors would be overwritten while it is read");
     assert_eq!(fs::read(&out).unwrap(), before);
@@ -52,7 +52,7 @@ fn refuses_what_is_no_checkpoint() {
     convert(&[&data("checkpoints.py")]).failed(1, "checkpoints.py: not a checkpoint");
 }
 
-/// A name is data from outside: it starts no line of its own and sends no codes to the terminal.
+/// A name is external data. It must not start a line of its own or send codes to the terminal.
 #[test]
 fn names_are_shown_escaped() {
     let folder = tempfile::tempdir().unwrap();
@@ -100,8 +100,8 @@ fn an_interrupted_conversion_leaves_no_file() {
     }
     tensors.write_safetensors(fs::File::create(path("in.safetensors")).unwrap()).unwrap();
 
-    // The list is longer than a pipe holds: the program cannot come to the writing before it is
-    // read, and by its first byte the handler of signals stands.
+    // The list is longer than the buffer of a pipe, so that the program cannot write the file before the list is read.
+    // Its first byte shows that the signal handler is installed.
     let convert = Runs::new("convert").with(&[path("in.safetensors"), path("out.safetensors")]);
     let mut child = convert.start();
     child.stdout.as_mut().unwrap().read_exact(&mut [0]).unwrap();

@@ -33,7 +33,7 @@ fn near(value: &Value, expected: f64) -> bool {
     (value.as_f64().unwrap() - expected).abs() <= 1e-12 * expected.abs().max(1.0)
 }
 
-/// Whether this is a whole picture with these texts; what is drawn where, the tests of `ergo-report` judge.
+/// Asserts that this is a complete picture with these texts. The tests of `ergo-report` check the drawing.
 fn assert_is_picture(svg: &str, texts: &[&str]) {
     assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"));
     for text in texts {
@@ -42,13 +42,13 @@ fn assert_is_picture(svg: &str, texts: &[&str]) {
 }
 
 #[test]
-fn a_map_its_report_and_its_pictures_are_written() {
+fn map_report_and_pictures_are_written() {
     let folder = tempfile::tempdir().unwrap();
     let folder = folder.path();
     let shown = made(folder, &["--stature=1.75", "--spacing=0.1", "--hand-at", "0.5,-0.2,0.8"]);
 
     let map = ErgonomicsMap::load(folder.join("person.ergomap")).unwrap();
-    // As bytes: unreachable nodes hold NaN.
+    // Bytes are compared, since unreachable nodes hold NaN.
     assert!(map.to_bytes() == coarse_map().to_bytes());
     let (quadratic, fit) = map.fit(&FitOptions::default()).unwrap();
     let regret = fit.regret.unwrap();
@@ -93,7 +93,7 @@ fn a_map_its_report_and_its_pictures_are_written() {
 }
 
 #[test]
-fn a_saved_map_is_shown_as_when_it_was_made() {
+fn saved_map_is_shown_as_when_made() {
     let (first, second) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
     let lengths = ["--segments", "upper_arm=0.36,forearm=0.26"];
     let person = ["--preset=short", "--hand=left", "--spacing=0.1"];
@@ -110,7 +110,7 @@ fn a_saved_map_is_shown_as_when_it_was_made() {
     assert!(drawn.contains("Left hand at") && drawn.contains("from the left"));
 }
 
-/// Recorded postures: those that the map of a person holds.
+/// Recorded postures: those of a person's map.
 fn recording(map: &ErgonomicsMap) -> String {
     let names = JointAngles::NAMES.map(|name| format!("{name}_deg")).join(",");
     let mut table = format!("hand_x_m,hand_y_m,hand_z_m,{names}\n");

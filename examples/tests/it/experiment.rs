@@ -1,4 +1,4 @@
-//! The program `experiment`, and what `merge` makes of its shards.
+//! The program `experiment`, and the output of `merge` for its shards.
 
 use std::fs;
 use std::ops::ControlFlow;
@@ -15,11 +15,11 @@ use crate::support::{Runs, coarse_map};
 
 const KINEMATIC: Conditions = Conditions { drive: Drive::Kinematic, sight: Sight::Modelled };
 
-/// Two machines have played a trial each: the program `merge` prints and draws what one machine does.
+/// Two machines have played a trial each. `merge` prints and draws the same as one machine.
 #[test]
 fn merged_experiments_are_the_whole() {
     let go_on = || ControlFlow::Continue(());
-    // In the first the robot has turned the object once.
+    // The robot turns the object once in the first trial.
     let play = |(mut case, duration): (Case, f64)| {
         let Source::Simulated(person) = &mut case.person else { panic!("{case:?}") };
         person.duration = duration;

@@ -9,7 +9,7 @@ use vision_models::Percept;
 
 use crate::support::Runs;
 
-/// Somebody who uses the tool from the seventh second on.
+/// A person who uses the tool from the seventh second on.
 fn walker() -> Walker {
     let settings = WalkerSettings { offer: 0.0, duration: 13.0, ..WalkerSettings::default() };
     Walker::new(settings).unwrap()
@@ -21,14 +21,14 @@ fn write(path: &Path, header: &Header, percepts: impl Iterator<Item = Percept>) 
     fs::write(path, writer.finish().unwrap()).unwrap();
 }
 
-/// The walker's recording, changed.
+/// The walker's recording with a change.
 fn changed(path: &Path, change: impl Fn(Percept) -> Percept) {
     write(path, &walker().header(), walker().map(change));
 }
 
-/// The page's numbers are those of the line that the program prints, and its table is the program's.
+/// The page has the numbers of the JSON line and the program's table.
 #[test]
-fn a_run_of_a_recording_is_a_page_with_the_numbers_of_the_table() {
+fn page_has_the_numbers_of_the_table() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     changed(&folder.path().join("walk.jsonl"), |percept| percept);
@@ -60,7 +60,7 @@ fn a_run_of_a_recording_is_a_page_with_the_numbers_of_the_table() {
 }
 
 #[test]
-fn recordings_that_do_not_fit_are_refused_before_the_work() {
+fn unfit_recordings_are_refused_before_the_work() {
     let folder = tempfile::tempdir().unwrap();
     let name = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let refused = |experiment: &str, file: &str, says: &str| {
@@ -95,7 +95,7 @@ fn recordings_that_do_not_fit_are_refused_before_the_work() {
     refused("subjects", &short, "how tall the person is");
 
     refused("following", &name("gone.jsonl"), "No such file");
-    // One that fits does not hide one that does not.
+    // A recording that fits does not hide one that does not.
     let whole = name("walk.jsonl");
     let both = ["following", "--no-report", "--recording", &whole, &cut];
     Runs::new("experiment").with(&both).run().failed(1, "cut off");

@@ -1,4 +1,4 @@
-//! Files as the field has them: too large, beside others, with names of their own.
+//! Files as they occur in practice: too large, beside others, with special names.
 
 use std::{fs, path::Path};
 
@@ -11,16 +11,17 @@ use moca_model::whole_body::{Description, Model};
 
 use crate::support::{Runs, SmallDisk, resnet18, save_picture, small_frames};
 
-/// A file of so many bytes that takes no room.
+/// A sparse file of this length that takes no disk space.
 fn sparse(folder: &Path, name: &str) -> String {
     let path = folder.join(name);
     fs::File::create(&path).unwrap().set_len(6 << 30).unwrap();
     path.to_str().unwrap().to_owned()
 }
 
-/// No file is taken into memory before its length is known, and of what has no length no more than is read.
+/// Files are only read into memory if their length is acceptable. Streams of unknown length are only read up to the
+/// limit.
 #[test]
-fn files_that_are_too_large_are_refused_in_little_memory() {
+fn too_large_files_are_refused_cheaply() {
     let folder = tempfile::tempdir().unwrap();
     let file = sparse(folder.path(), "large");
     let endless = Path::new("/dev/zero");
@@ -60,11 +61,11 @@ fn names_from_outside_steer_no_terminal() {
         assert!(!text.contains(['\u{1b}', '\u{7}', '\u{202e}', '\u{2066}']), "{text:?}");
     }
     assert!(ran.output.contains("cat\\u{1b}[2J\\u{202e}gnp.png"), "{}", ran.output);
-    // In JSON the name is whole.
+    // The JSON has the complete name.
     assert_eq!(ran.json()["images"][0]["image"], image);
 }
 
-/// torchvision's weights are measured after 256 or 232 pixels, the paper's after 255; an image may be turned.
+/// torchvision's weights need 256 or 232 pixels, the paper's 255. An image may be rotated.
 #[test]
 fn the_size_and_the_orientation_are_choices() {
     let folder = tempfile::tempdir().unwrap();
@@ -77,7 +78,7 @@ fn the_size_and_the_orientation_are_choices() {
     assert_eq!(infer(&["--resize=255", "--orientation=stored"]), of_paper);
     assert_ne!(infer(&["--resize=232"]), of_paper);
     assert_ne!(infer(&["--resize=256"]), of_paper);
-    // The file says nothing about how the camera was held.
+    // The file does not say how the camera was held.
     assert_eq!(infer(&["--orientation=exif"]), of_paper);
     Runs::new("infer")
         .with(&["--weights", resnet18(), &image, "--resize=100"])
@@ -85,9 +86,9 @@ fn the_size_and_the_orientation_are_choices() {
         .failed(2, "--resize");
 }
 
-/// A data set as it lies on disks: what systems put there is no data, and nothing vanishes without a word.
+/// System files in a data set do not count, and nothing is skipped without a message.
 #[test]
-fn folders_are_data_and_what_lies_beside_is_counted() {
+fn only_data_folders_count_and_others_are_reported() {
     let folder = tempfile::tempdir().unwrap();
     let images = folder.path().join("images");
     for (class, level) in [("drilled", 30), ("smooth", 200)] {
@@ -127,7 +128,7 @@ fn folders_are_data_and_what_lies_beside_is_counted() {
     assert!(ran.json()["in_two_parts"].as_u64().unwrap() >= 2);
     assert!(ran.errors.contains("is the same picture as"), "{}", ran.errors);
 
-    // Of other types alone.
+    // The only files are of other types.
     for seed in 0..4 {
         let png = images.join(format!("smooth/{seed}.png"));
         fs::rename(&png, png.with_extension("bmp")).unwrap();
@@ -138,7 +139,7 @@ fn folders_are_data_and_what_lies_beside_is_counted() {
     train(&images).run().failed(1, "no JPEG or PNG files, but 5 .bmp");
 }
 
-/// A folder of frames of its own, with files as links to those of the small film.
+/// A folder of frames with links to the files of the small film.
 fn film(change: impl Fn(&Path)) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     let from = Path::new(small_frames());
@@ -181,9 +182,9 @@ fn edit(path: &Path, change: impl Fn(&mut serde_json::Value)) {
     fs::write(path, value.to_string()).unwrap();
 }
 
-/// OpenPose names its files by twelve digits, behind the name of a video.
+/// OpenPose's file names have twelve digits after the name of a video.
 #[test]
-fn skeletons_are_found_by_the_names_that_openpose_gives() {
+fn skeletons_are_found_by_openpose_names() {
     let plain = perceive(film(|_| {}).path()).run().done().json();
     let seen = plain["with_body"].as_u64().unwrap();
     assert!(seen > 0, "{plain}");
@@ -196,19 +197,19 @@ fn skeletons_are_found_by_the_names_that_openpose_gives() {
     }
 }
 
-/// What keeps anybody from being found is an error that says which of three things it is, and leaves no recording.
+/// If nobody can be found, the error names one of three reasons and no recording is left.
 #[test]
 fn nothing_found_is_no_success() {
     let check = |folder: &tempfile::TempDir, says: &str| {
         perceive(folder.path()).run().failed(1, says);
         assert!(!folder.path().join("out.jsonl").exists());
     };
-    // Names that are no frame's.
+    // The names do not belong to frames.
     let names = film(|folder| {
         rename_skeletons(folder, |number| format!("{:06}_keypoints.json", number + 500_000));
     });
     check(&names, "no frame has a file of joints");
-    // Joints from 0 to 1.
+    // The joints are from 0 to 1.
     let scaled = film(|folder| {
         for entry in fs::read_dir(folder.join("skeletons")).unwrap() {
             edit(&entry.unwrap().path(), |value| {
@@ -222,7 +223,7 @@ fn nothing_found_is_no_success() {
         }
     });
     check(&scaled, "--keypoint_scale 0");
-    // A scale of the depth that is a thousand times too small, and one that is too large.
+    // The scale of the depth is a thousand times too small, or too large.
     for scale in [1e-6, 1.0] {
         let wrong = film(|folder| {
             edit(&folder.join("camera.json"), |camera| camera["depth_scale"] = scale.into());
@@ -232,7 +233,7 @@ fn nothing_found_is_no_success() {
 }
 
 #[test]
-fn a_broken_frame_is_named_and_the_good_ones_are_kept() {
+fn broken_frame_is_named_and_others_kept() {
     let folder = film(|folder| {
         fs::write(folder.join("depth/000012.png"), "").unwrap();
         fs::write(folder.join("skeletons/000020_keypoints.json"), "{\"people\":[").unwrap();
@@ -247,7 +248,7 @@ fn a_broken_frame_is_named_and_the_good_ones_are_kept() {
     assert_eq!(text.lines().count() as u64, json["frames"].as_u64().unwrap() + 2);
 }
 
-/// A frame that a full disk has no room for is not there, in place of an empty file under its name.
+/// A frame without room on a full disk is missing, and not an empty file.
 #[test]
 fn a_full_disk_leaves_no_empty_frame() {
     let Some(disk) = SmallDisk::new(300) else { return };

@@ -1,4 +1,4 @@
-//! The program `follow`: its maps.
+//! Maps of the program `follow`.
 
 use std::fs;
 
@@ -6,7 +6,7 @@ use ergo_map::{ErgonomicsMap, MapOptions, Person, Side};
 
 use crate::support::{Runs, average_map};
 
-/// Plays what `record` makes of a second; what it says, and the scores of every tick.
+/// Plays a second of `record`. Returns the messages and the scores of every tick.
 fn scores(options: &[&str]) -> (String, Vec<String>) {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
@@ -20,7 +20,7 @@ fn scores(options: &[&str]) -> (String, Vec<String>) {
 }
 
 #[test]
-fn a_saved_map_is_played_as_the_one_that_is_built() {
+fn saved_map_plays_like_a_built_one() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     average_map().save(path("average.ergomap")).unwrap();
@@ -50,7 +50,7 @@ fn a_map_of_another_person_is_refused() {
         let says = format!("1.94 m, but --stature says {stature} m");
         follow(&["--stature", stature]).failed(1, &says);
     }
-    // To the centimetre it is the same person.
+    // Statures that agree to the centimetre are of the same person.
     let short = folder.path().join("short.jsonl");
     let record = Runs::new("record").with(&["--duration=1", "--stature=1.935", "--output"]);
     record.with(&[&short]).run().done();

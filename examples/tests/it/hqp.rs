@@ -47,14 +47,14 @@ fn problems_are_read_as_they_are_written() {
 }
 
 #[test]
-fn a_variable_that_is_bounded_twice_keeps_both_bounds() {
+fn variable_bounded_twice_keeps_both_bounds() {
     let text = "hqpset s 1 problem 0 p 1 1 level B 1 2 0 -1 3 0 2 5";
     let problems = read(text).unwrap();
     assert_eq!(problems[0].hierarchy.levels()[0].constraints().len(), 2);
 }
 
 #[test]
-fn line_ends_of_every_kind_and_no_last_one_will_do() {
+fn every_kind_of_line_end_is_accepted() {
     let windows = TWO.replace('\n', "\r\n");
     let one_line = TWO.replace('\n', " ");
     let expected = read(TWO).unwrap();
@@ -62,7 +62,7 @@ fn line_ends_of_every_kind_and_no_last_one_will_do() {
     for text in [windows.as_str(), TWO.trim_end(), marked.as_str()] {
         assert_eq!(read(text).unwrap(), expected);
     }
-    // Only the lines on which the levels stand differ.
+    // Only the lines of the levels differ.
     for (problem, expected) in read(&one_line).unwrap().into_iter().zip(expected) {
         assert_eq!((problem.name, problem.hierarchy), (expected.name, expected.hierarchy));
     }
@@ -90,7 +90,7 @@ fn what_is_wrong_is_named_with_its_line() {
         ("hqpset x 1\nproblem 0 p 1 1\nlevel G 0 1\n1 nan 1", 4, "lower bound"),
         ("hqpset x 1\nproblem 0 p 1 1\nlevel G 0 1\n1 0 x", 4, "upper bound"),
         ("hqpset x 1\nproblem 0 p 1 1\nlevel B 1 1\n1 0 0", 4, "between 0 and 0"),
-        // Counts that promise more or less than there is.
+        // Counts are larger or smaller than the data.
         ("hqpset x 1\nproblem 0 p 1 1\nlevel G 0 2\n1 0 1", 4, "coefficient"),
         ("hqpset x 1\nproblem 0 p 1 2\nlevel G 0 1\n1 0 1\n", 5, "`level`"),
         ("hqpset x 2\nproblem 0 p 1 0\n", 3, "`problem`"),
@@ -126,7 +126,7 @@ fn huge_counts_cost_nothing_until_there_are_numbers() {
 }
 
 #[test]
-fn bounds_that_would_not_fit_as_rows_are_refused() {
+fn bounds_too_many_for_rows_are_refused() {
     // Each short line would become a row of 4096 coefficients.
     let bounds = "0 0 1\n".repeat(20_000);
     let text = format!("hqpset x 1\nproblem 0 p {MOST_VARIABLES} 1\nlevel B 0 20000\n{bounds}");
@@ -140,7 +140,7 @@ fn after_an_error_there_is_nothing() {
     assert!(reader.next().is_none());
 }
 
-/// Gives its text a byte at a time.
+/// A reader that returns its text byte by byte.
 struct Slow<'a>(&'a [u8]);
 
 impl Read for Slow<'_> {
@@ -184,7 +184,7 @@ fn lines(output: &Output) -> Vec<Vec<String>> {
 }
 
 #[test]
-fn the_program_prints_a_line_for_each_problem_and_the_times() {
+fn prints_a_line_for_each_problem() {
     for options in [&[][..], &["--warm"], &["--repeat", "3"], &["--warm", "--repeat", "2"]] {
         let output = hqp(TWO, options);
         assert!(output.status.success());
@@ -252,7 +252,7 @@ level G 0 1
     let [infeasible, refused, times] = errors.lines().collect::<Vec<_>>()[..] else {
         panic!("{errors}")
     };
-    // The file's name stands before the first colon.
+    // The file's name is before the first colon.
     let [infeasible, refused] = [infeasible, refused].map(|line| line.split_once(": ").unwrap().1);
     assert!(
         infeasible.starts_with(
@@ -276,7 +276,7 @@ level G 0 1
 }
 
 #[test]
-fn bounds_that_are_the_same_infinity_and_long_conflicts_are_told() {
+fn equal_infinite_bounds_and_long_conflicts_are_reported() {
     let impossible = "1 2 1e30\n".repeat(30);
     let text = format!(
         "hqpset x 2
@@ -298,7 +298,7 @@ level G 1 30
 }
 
 #[test]
-fn the_program_refuses_a_file_that_is_not_there_or_not_one() {
+fn missing_file_or_folder_is_refused() {
     let output = Command::new(env!("CARGO_BIN_EXE_hqp")).arg("/not/there.hqp").output().unwrap();
     assert!(!output.status.success());
     assert!(String::from_utf8(output.stderr).unwrap().contains("/not/there.hqp"));

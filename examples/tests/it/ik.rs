@@ -1,4 +1,4 @@
-//! Any robot along a path.
+//! The program `ik`, which moves any robot along a path.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ fn urdf(name: &str) -> String {
 }
 
 #[test]
-fn a_panda_follows_a_circle_and_writes_a_report() {
+fn panda_follows_circle_and_writes_report() {
     let folder = tempfile::tempdir().unwrap();
     let output = folder.path().to_str().unwrap();
     let start = "--start=0,-0.785,0,-2.356,0,1.571,0.785";
@@ -33,7 +33,7 @@ fn a_panda_follows_a_circle_and_writes_a_report() {
 }
 
 #[test]
-fn a_frame_that_ends_off_its_path_is_said_to() {
+fn frame_that_ends_off_its_path_is_reported() {
     let ran = Runs::new("ik")
         .with(&[&urdf("panda"), "--frame", "panda_hand_tcp", "--path", "line", "--length", "2.5"])
         .with(&["--rounds", "0.5", "--json", "--quiet", "--no-report"])

@@ -19,7 +19,7 @@ impl Arrays {
         self.0.path().join(name).to_str().unwrap().to_owned()
     }
 
-    /// Writes two images, and gives them.
+    /// Writes and returns two images.
     fn images(&self) -> Array4<f32> {
         let images = Array4::from_shape_fn((2, 3, 64, 48), |(image, channel, row, column)| {
             ((image * 7 + channel * 5 + row * 3 + column) % 11) as f32 / 5.0 - 1.0
@@ -41,7 +41,7 @@ impl Arrays {
 }
 
 #[test]
-fn writes_the_scores_of_the_network_and_its_times() {
+fn writes_scores_and_times_of_the_network() {
     let arrays = Arrays::new();
     let images = arrays.images();
     let weights = Checkpoint::open(resnet18()).unwrap();
@@ -68,7 +68,7 @@ fn writes_the_scores_of_the_network_and_its_times() {
 }
 
 #[test]
-fn networks_of_tensorflow_lite_say_themselves_what_they_take() {
+fn tensorflow_lite_networks_describe_their_inputs() {
     let arrays = Arrays::new();
     let weights =
         concat!(env!("CARGO_MANIFEST_DIR"), "/../vision-models/tests/data/operators.tflite");
@@ -87,14 +87,14 @@ fn networks_of_tensorflow_lite_say_themselves_what_they_take() {
     infer.with(&[&arrays.path("images.npy")]).run().failed(1, "but the network takes [3, 13, 18]");
 }
 
-/// An array file with this header and this many bytes of data.
+/// An array file with this header and this number of data bytes.
 fn npy(header: &str, data: usize) -> Vec<u8> {
     let length = u16::try_from(header.len()).unwrap();
     [b"\x93NUMPY\x01\x00", &length.to_le_bytes()[..], header.as_bytes(), &vec![0; data]].concat()
 }
 
 #[test]
-fn arrays_that_claim_more_than_they_hold_are_refused_in_little_memory() {
+fn arrays_that_claim_too_much_are_refused() {
     let arrays = Arrays::new();
     let header = |kind: &str, shape: &str| {
         format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': {shape}, }}\n")
@@ -102,7 +102,7 @@ fn arrays_that_claim_more_than_they_hold_are_refused_in_little_memory() {
     let long = format!("{}\n", " ".repeat(5000));
     let nested = format!("{}{}\n", "(".repeat(2000), ")".repeat(2000));
     for (file, says) in [
-        // 120 GB.
+        // The array would take 120 GB.
         (npy(&header("<f4", "(30000000000,)"), 64), "takes 120000000000 bytes, but it has 64"),
         (npy(&header("<f4", "(200000, 3, 224, 224)"), 64), "it is cut off"),
         (npy(&header("<f4", "(1, 3, 64, 64)"), 49_151), "takes 49152 bytes, but it has 49151"),
@@ -123,7 +123,7 @@ fn arrays_that_claim_more_than_they_hold_are_refused_in_little_memory() {
         let named = format!("cannot read {} as an f32 array", arrays.path("a.npy"));
         assert!(ran.errors.contains(&named) && ran.errors.lines().count() == 1, "{ran:?}");
     }
-    // A file with holes can be as large as it claims.
+    // A sparse file can be as large as it claims.
     let file = npy(&header("<f4", "(30000000000,)"), 0);
     fs::write(arrays.path("a.npy"), &file).unwrap();
     let holes = fs::File::options().write(true).open(arrays.path("a.npy")).unwrap();
@@ -135,7 +135,7 @@ fn arrays_that_claim_more_than_they_hold_are_refused_in_little_memory() {
 }
 
 #[test]
-fn arrays_of_the_other_byte_order_and_of_pipes_are_read() {
+fn big_endian_and_piped_arrays_are_read() {
     let arrays = Arrays::new();
     let images = arrays.images();
     arrays.infer("images.npy").run().done();
@@ -167,7 +167,7 @@ fn outputs_are_checked_before_the_work() {
 }
 
 #[test]
-fn a_wrong_network_or_array_is_told_in_one_line() {
+fn wrong_network_or_array_takes_one_line() {
     let arrays = Arrays::new();
     arrays.images();
     write_npy(arrays.path("clips.npy"), &Array5::<f32>::zeros((1, 3, 2, 40, 40)));
@@ -214,7 +214,7 @@ fn threads_and_repetitions_are_checked() {
 }
 
 #[test]
-fn an_interrupt_keeps_the_scores_and_the_times_so_far() {
+fn interrupt_keeps_scores_and_times_so_far() {
     let arrays = Arrays::new();
     arrays.images();
     let infer = arrays.infer("images.npy").with(&["--repeat=1000000", "--json"]);

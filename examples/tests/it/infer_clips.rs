@@ -72,7 +72,7 @@ fn averages_the_probabilities_of_all_clips() {
 }
 
 #[test]
-fn another_network_is_named_with_the_option_that_takes_it() {
+fn unsuitable_network_is_named_with_its_option() {
     let video = Video::new(2);
     let (folder, slow_only) = (video.path(""), slow_only_r18());
     for (weights, says) in [
@@ -83,7 +83,7 @@ fn another_network_is_named_with_the_option_that_takes_it() {
         let ran = Runs::new("infer").with(&options).run().failed(1, says);
         assert_eq!(ran.errors, format!("error: {weights}: {says}\n"));
     }
-    // Without a name the checkpoint says what it is; what it takes is told.
+    // The checkpoint identifies its network and names the suitable option.
     let image = Runs::new("infer").with(&["a.png", "--weights", slow_only]).run();
     image.failed(1, "a.png: a SlowOnly-R18 of mmaction2 takes a folder of JPEG or PNG files");
     let clip = Runs::new("infer").with(&[&folder, "--weights", resnet18()]).run();
@@ -93,7 +93,7 @@ fn another_network_is_named_with_the_option_that_takes_it() {
 }
 
 #[test]
-fn wrong_options_and_frames_are_told_in_the_program_s_words() {
+fn wrong_options_and_frames_are_reported() {
     let video = Video::new(3);
     let none = |folder: &str| {
         Runs::new("infer").with(&[folder, "--model=slowonly_mm", "--weights=/nope/w.pth"])
@@ -118,7 +118,7 @@ fn wrong_options_and_frames_are_told_in_the_program_s_words() {
 }
 
 #[test]
-fn an_interrupt_gives_the_mean_of_the_clips_so_far() {
+fn interrupt_gives_mean_of_clips_so_far() {
     let video = Video::new(4);
     let out = video.path("out.txt");
     let infer = video.infer().with(&["--clips=1000", "--json", "-o", &out]);

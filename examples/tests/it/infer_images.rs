@@ -15,7 +15,7 @@ fn infer() -> Runs {
 }
 
 #[test]
-fn prints_the_most_probable_classes_as_the_network_scores_them() {
+fn prints_the_most_probable_classes() {
     let folder = tempfile::tempdir().unwrap();
     let image = save_picture(&folder.path().join("a.png"), 90, 1);
     let names = folder.path().join("names.txt");
@@ -52,7 +52,7 @@ fn prints_the_most_probable_classes_as_the_network_scores_them() {
 }
 
 #[test]
-fn an_unreadable_image_among_others_fails_the_run_but_not_the_others() {
+fn unreadable_image_only_fails_the_exit_status() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
     let (one, two) = (save_picture(&path("1.png"), 30, 1), save_picture(&path("2.png"), 60, 2));
@@ -65,9 +65,9 @@ fn an_unreadable_image_among_others_fails_the_run_but_not_the_others() {
     assert_eq!(images, [one.as_str(), &two]);
 }
 
-/// 33 kB that claim 16,384 × 16,384 pixels took 1.7 GB.
+/// A file of 33 kB claims 16,384 × 16,384 pixels, which would take 1.7 GB.
 #[test]
-fn a_small_file_with_a_large_claim_is_refused_in_little_memory() {
+fn small_file_with_large_claim_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("huge.png");
     fs::write(&path, png_that_claims(16_384, 16_384)).unwrap();
@@ -103,7 +103,7 @@ fn threads_are_from_1_to_1024() {
     }
 }
 
-/// The weights are not there, either: what is written is looked at before what is read.
+/// The weights do not exist either: outputs are checked before inputs.
 #[test]
 fn outputs_are_checked_before_the_work() {
     let none = || Runs::new("infer").with(&["--weights=/nope/weights.pth"]);
@@ -157,7 +157,7 @@ fn names_that_do_not_fit_are_refused() {
 }
 
 #[test]
-fn a_strict_program_ends_at_the_first_unreadable_image() {
+fn strict_program_ends_at_first_unreadable_image() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     fs::write(path("broken.png"), "no image").unwrap();

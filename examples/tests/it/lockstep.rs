@@ -1,4 +1,4 @@
-//! `drive --lockstep`, moved on by a robot's packets.
+//! `drive --lockstep`, advanced by a robot's packets.
 
 use std::net::{SocketAddr, UdpSocket};
 use std::thread::{self, JoinHandle};
@@ -11,8 +11,8 @@ use moca_simulation::plant::RobotNoise;
 
 use crate::support::{Runs, coarse_map_file};
 
-/// The simulated robot as fast as its controller, until it is halted. It measures nothing in ticks for which `silent`
-/// returns true. The commands that came.
+/// The simulated robot answers as fast as its controller until it is halted. It measures nothing in ticks for which
+/// `silent` returns true. Returns the commands.
 fn robot(silent: fn(u32) -> bool) -> (SocketAddr, JoinHandle<Vec<Vec<u8>>>) {
     let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
     socket.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
@@ -70,7 +70,7 @@ fn the_same_run_twice_sends_the_same_bytes() {
 }
 
 #[test]
-fn a_period_without_a_measurement_passes_and_its_fault_is_listed() {
+fn missing_measurement_is_listed_as_a_fault() {
     let (address, answering) = robot(|tick| (300..310).contains(&tick));
     let json = drive(address, "0.5").run().done().json();
     answering.join().unwrap();
@@ -83,7 +83,7 @@ fn a_period_without_a_measurement_passes_and_its_fault_is_listed() {
 }
 
 #[test]
-fn a_robot_that_does_not_answer_ends_it_by_name() {
+fn silent_robot_ends_drive_by_name() {
     let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
     drive(socket.local_addr().unwrap(), "1").run().failed(1, "no packet for 5 s");
 }

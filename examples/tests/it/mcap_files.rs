@@ -15,7 +15,7 @@ use vision_models::{Body, Body25, Confidence, Keypoint, Percept};
 
 use crate::support::Runs;
 
-/// The beginning of the shipped recording: so many frames, and no closing line.
+/// The beginning of the shipped recording: this number of frames without a closing line.
 fn beginning(frames: usize) -> Vec<u8> {
     shipped::bytes()
         .split_inclusive(|byte| *byte == b'\n')
@@ -26,14 +26,14 @@ fn beginning(frames: usize) -> Vec<u8> {
 }
 
 #[test]
-fn the_shipped_recording_comes_back_to_the_byte_and_takes_less_room() {
+fn shipped_recording_survives_conversion_and_shrinks() {
     let file = from_json_lines(shipped::bytes()).unwrap();
     assert_eq!(to_json_lines(&file).unwrap(), shipped::bytes());
     assert!(file.len() < shipped::bytes().len(), "{} bytes", file.len());
 }
 
 #[test]
-fn what_was_cut_off_or_written_otherwise_comes_back_as_it_was() {
+fn cut_or_reformatted_recordings_survive_conversion() {
     let cut = beginning(5);
     for text in [&cut[..], &cut[..cut.len() - 1], &cut[..cut.len() - 40]] {
         let file = from_json_lines(text).unwrap();
@@ -44,7 +44,7 @@ fn what_was_cut_off_or_written_otherwise_comes_back_as_it_was() {
     assert_eq!(to_json_lines(&file).unwrap(), windows.as_bytes());
 }
 
-/// Other people in view come back, too, and are drawn beside the person.
+/// Other people in view are kept, and drawn beside the person.
 #[test]
 fn other_people_are_kept_and_drawn() {
     let at = |x: f64| {
@@ -147,7 +147,7 @@ fn a_file_of_something_else_is_refused() {
     assert!(error.contains("\"other\", expected moca.Percept"), "{error}");
 }
 
-/// A file whose messages were written out of order, as several writers do: they count by their time.
+/// Several writers may store messages out of order. They count by their time.
 #[test]
 fn messages_come_in_the_order_of_their_time() {
     let file = include_bytes!("../data/neighbours.mcap");
@@ -158,13 +158,13 @@ fn messages_come_in_the_order_of_their_time() {
         .collect();
     assert!(times.len() > 2);
     assert!(times.is_sorted_by(|one, other| one < other), "{times:?}");
-    // The same in the order in which they stand is refused by the reader of recordings.
+    // The reader of recordings refuses messages in stored order.
     assert_eq!(to_json_lines(&from_json_lines(&text).unwrap()).unwrap(), text);
 }
 
-/// What comes out is a recording, or an error: a message that is none is not passed on.
+/// The output is a valid recording, or there is an error. An invalid message is not passed on.
 #[test]
-fn what_comes_out_is_held_to_the_reader_of_recordings() {
+fn converted_recordings_are_checked() {
     let (header, line) =
         (br#"{"format":"moca-recording","version":2,"frame":"world","rate":20.0}"#, "{}\n");
     let mut sink = mcap::Writer::new(std::io::Cursor::new(Vec::new())).unwrap();
@@ -186,9 +186,9 @@ fn what_comes_out_is_held_to_the_reader_of_recordings() {
     assert!(matches!(to_json_lines(&file), Err(McapError::Recording(_))));
 }
 
-/// A schema that claims four gigabytes takes none of them.
+/// A schema that claims four gigabytes takes no memory.
 #[test]
-fn the_length_of_a_schema_is_held_against_the_file() {
+fn schema_length_is_checked_against_the_file() {
     let mut file = from_json_lines(&beginning(2)).unwrap();
     let name = b"\x0a\0\0\0jsonschema";
     let place = file.windows(name.len()).rposition(|text| text == name).unwrap() + name.len();
@@ -196,16 +196,17 @@ fn the_length_of_a_schema_is_held_against_the_file() {
     let folder = tempfile::tempdir().unwrap();
     let [from, to] = ["a.mcap", "a.jsonl"].map(|name| folder.path().join(name));
     fs::write(&from, file).unwrap();
-    // What is in the summary is not needed for the recording.
+    // The recording does not need the summary.
     Runs::within("mcap", 1000).with(&[&from]).with(&["--output"]).with(&[&to]).run().done();
     assert_eq!(fs::read(&to).unwrap(), beginning(2));
 }
 
-/// LZ4 is named, and what would help.
+/// The error names LZ4 and a remedy.
 #[test]
 fn a_compression_that_is_not_read_is_named() {
     let file = from_json_lines(&beginning(2)).unwrap();
-    // The name of the compression stands behind its length in the head of a chunk; one of the same length is none.
+    // The name of the compression follows its length in the head of a chunk. It is replaced by an unknown one of that
+    // length.
     let place = file.windows(8).position(|name| name == b"\x04\0\0\0zstd").unwrap();
     let mut other = file;
     other[place + 4..place + 8].copy_from_slice(b"lz4!");
@@ -215,7 +216,7 @@ fn a_compression_that_is_not_read_is_named() {
 }
 
 proptest! {
-    /// A file that is cut off is an error, never a panic and never a part taken for the whole.
+    /// A cut file gives an error, never a panic and never a part that counts as complete.
     #[test]
     fn a_cut_file_is_refused(place in any::<proptest::sample::Index>(), damage in any::<u8>()) {
         let mut file = from_json_lines(&beginning(3)).unwrap();
@@ -226,7 +227,7 @@ proptest! {
     }
 }
 
-/// Whatever a byte claims: a length of 10¹⁹ made the library ask for as much memory, and abort.
+/// Any byte may be wrong. A length of 10¹⁹ must not make the library allocate that memory and abort.
 #[test]
 fn no_byte_of_a_file_breaks_its_reader() {
     let file = from_json_lines(&beginning(1)).unwrap();

@@ -1,4 +1,4 @@
-//! Scores of measured bodies, followed over time.
+//! Scores of measured bodies over time.
 
 use human_perception::percepts::{Assessor, PostureSettings};
 use vision_models::{Body, Body25, Confidence, Keypoint};
@@ -8,7 +8,7 @@ use Body25::{
     RightAnkle, RightEar, RightElbow, RightHip, RightKnee, RightShoulder, RightWrist,
 };
 
-/// Somebody who stands upright, as a real detector sees them (m).
+/// An upright person, as a real detector sees them \[m\].
 const UPRIGHT: [(Body25, [f64; 3]); 17] = [
     (Nose, [0.13, 0.0, 1.55]),
     (Neck, [-0.04, 0.0, 1.43]),
@@ -38,7 +38,7 @@ fn body(joints: &[(Body25, [f64; 3])]) -> Body {
     body
 }
 
-/// The right arm raised forward by an angle (rad).
+/// The right arm is raised forwards by an angle \[rad\].
 fn raised(angle: f64) -> Body {
     let (sin, cos) = angle.sin_cos();
     let mut joints = UPRIGHT;
@@ -48,7 +48,7 @@ fn raised(angle: f64) -> Body {
 }
 
 #[test]
-fn an_arm_that_goes_round_and_hangs_scores_as_one_that_hangs() {
+fn arm_score_is_independent_of_full_turns() {
     for turns in [1, 2, 3] {
         for backward in [false, true] {
             let mut assessor = Assessor::default();
@@ -71,7 +71,7 @@ fn an_arm_that_goes_round_and_hangs_scores_as_one_that_hangs() {
 fn what_is_known_of_a_person_counts() {
     let seated = |options: PostureSettings| {
         let mut joints = UPRIGHT;
-        // On bent knees, still over the feet.
+        // The knees are bent over the feet.
         for (index, y) in [(10, -0.09), (13, 0.09)] {
             joints[index].1 = [0.29, y, 0.62];
             joints[index + 1].1 = [-0.05, y, 0.38];
@@ -96,7 +96,7 @@ fn what_is_known_of_a_person_counts() {
     assert!(PostureSettings { upright: 3.0, ..options }.checked().is_ok());
 }
 
-/// A head held 55° ahead of the shoulders counts as bent, unless the person has shown that they stand so.
+/// A head 55° in front of the shoulders counts as bent, unless the person has shown it as their neutral posture.
 #[test]
 fn some_seconds_of_standing_make_a_neutral_posture() {
     let head = |degrees: f64| {

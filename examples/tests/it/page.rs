@@ -1,4 +1,4 @@
-//! The page of a run: what is read back from it is what went in.
+//! The data that are read from the page of a run are those that were recorded.
 
 use std::ops::ControlFlow;
 
@@ -17,10 +17,10 @@ use vision_models::{Body, Body25, Confidence, Keypoint, Percept};
 
 use crate::support::coarse_map;
 
-/// Ticks from sample to sample.
+/// Number of ticks between two samples.
 const STRIDE: usize = 20;
 
-/// Six seconds of a walk, and every tick of it; `prepare` has the recorder first.
+/// Six seconds of a walk with all ticks. `prepare` gets the recorder first.
 fn recorded(prepare: impl FnOnce(&mut Recorder)) -> (Replay, Vec<TickRow>) {
     let percepts = Walker::random(7).take(120).collect();
     let scenario = Scenario::new(percepts, &Person::average(), coarse_map().clone()).unwrap();
@@ -46,7 +46,7 @@ fn data_of(page: &str) -> Value {
     serde_json::from_str(data).unwrap()
 }
 
-/// The numbers of a group, row by row.
+/// The numbers of a group by rows.
 fn numbers(table: &Value, name: &str) -> Vec<Vec<f64>> {
     let groups = table["groups"].as_array().unwrap();
     let group = groups.iter().find(|group| group["name"] == name).unwrap();
@@ -123,7 +123,7 @@ fn what_is_read_back_is_what_went_in() {
         }
         for axis in 0..3 {
             assert_eq!(series[actual + axis], exactly(row.actual[axis]));
-            // In steps of some hundredths of a millimetre.
+            // The resolution is some hundredths of a millimetre.
             assert!((frames[tool + axis] - row.actual[axis]).abs() < 1e-4, "{row:?}");
         }
     }
@@ -131,7 +131,7 @@ fn what_is_read_back_is_what_went_in() {
 }
 
 #[test]
-fn the_page_needs_nothing_from_elsewhere_and_a_minute_of_two_runs_is_small() {
+fn page_is_small_and_self_contained() {
     let (replay, rows) = recorded(|_| ());
     let one = page("One", &[&replay], &Results::default()).unwrap();
     let two = page("Two", &[&replay, &replay], &Results::default()).unwrap();
@@ -148,7 +148,7 @@ fn the_page_needs_nothing_from_elsewhere_and_a_minute_of_two_runs_is_small() {
 
 /// A frame before the run shows two people beside the person.
 #[test]
-fn other_people_are_in_the_page_where_they_were_seen() {
+fn page_shows_others_where_they_were_seen() {
     let at = |x: f64| {
         let mut body = Body::default();
         let position = Point3::new(x, -1.0, 0.9);
@@ -168,7 +168,7 @@ fn other_people_are_in_the_page_where_they_were_seen() {
         assert!(rows[1][pelvis].is_nan(), "who is not seen again is not shown");
     }
     assert!(numbers(others, "other 3")[0][pelvis].is_nan());
-    // Where there was nobody nothing is said.
+    // There is no entry for others if nobody else was there.
     let (alone, _) = recorded(|_| ());
     let data = data_of(&page("Alone", &[&alone], &Results::default()).unwrap());
     assert!(data["runs"][0]["others"].is_null());
@@ -221,7 +221,7 @@ fn a_frame_of_another_recorder_is_refused() {
 }
 
 #[test]
-fn pictures_have_a_scene_a_run_and_stay_small() {
+fn pictures_have_scenes_and_stay_small() {
     let (replay, _) = recorded(|_| ());
     let runs = [&replay, &replay];
     let (still, moving) = (still(&runs).unwrap(), animation(&runs).unwrap());
@@ -235,7 +235,7 @@ fn pictures_have_a_scene_a_run_and_stay_small() {
 }
 
 #[test]
-fn a_run_that_is_longer_than_the_memory_is_sampled_less_often() {
+fn long_run_is_sampled_less_often() {
     let mut table = Table::new(Vec::new());
     for tick in 0..4 * Table::MOST {
         table.push(tick as f64, &[]);

@@ -1,4 +1,4 @@
-//! From rendered frames to percepts, against the truth.
+//! From rendered frames to percepts, compared with the truth.
 
 use std::{
     f64::consts::TAU,
@@ -16,7 +16,7 @@ use vision_models::{
     TrackerSettings,
 };
 
-/// What came out, against the truth: root mean squares.
+/// Errors against the truth as root mean squares.
 #[derive(Debug, Default)]
 struct Figures {
     pelvis: f64,
@@ -35,13 +35,13 @@ struct Figures {
     mean_us: f64,
 }
 
-/// What is judged: the person has come up to speed, and walks until 10 s; then they turn and leave.
+/// Judged is the time from full speed to 10 s, while the person walks. Later they turn and leave.
 const FROM: f64 = 2.0;
 const WALKING: f64 = 10.0;
 const TURNING: f64 = 11.0;
 
-/// Round a circle at 1 m/s before the camera, a fifth of the joints missing, joints off by 3 pixels and
-/// the depth noise of a D435i. Judged `until` this time (s).
+/// Measures a walk around a circle at 1 m/s in front of the camera until this time \[s\]. A fifth of the joints is
+/// missing, joints have errors of 3 pixels, and the depth has the noise of a D435i.
 fn walk(viewpoint: Viewpoint, seed: u64, until: f64) -> Figures {
     let (size, duration) = ([640, 480], 16.0);
     let settings = WalkerSettings {
@@ -78,7 +78,7 @@ fn walk(viewpoint: Viewpoint, seed: u64, until: f64) -> Figures {
         let scores = body.as_ref().and_then(|body| assessor.update(time, body).unwrap());
         let truth = shot.truth.body.unwrap();
         let at = |joint| truth.get(joint).unwrap().position;
-        // Somebody walks whose true pelvis has moved by more than 10 cm in half a second.
+        // A person walks if their true pelvis has moved by more than 10 cm in half a second.
         pelves.push((time, at(Body25::MidHip).xy()));
         let before = pelves.iter().rev().find(|(then, _)| time - then >= 0.5);
         let walks = before.is_some_and(|(_, then)| (at(Body25::MidHip).xy() - then).norm() > 0.1);
@@ -131,9 +131,9 @@ fn walk(viewpoint: Viewpoint, seed: u64, until: f64) -> Figures {
     figures
 }
 
-/// Further seeds: `AHQP_CASES=8 cargo test --release -p examples --test it measured_from -- --nocapture`.
+/// Run further seeds by `AHQP_CASES=8 cargo test --release -p examples --test it measured_from -- --nocapture`.
 #[test]
-fn a_walking_person_is_measured_from_frames_with_noise() {
+fn walking_person_is_measured_from_noisy_frames() {
     for seed in 1..=cases(1) {
         let figures = walk(Viewpoint::Facing, seed, TURNING);
         println!("seed {seed}: {figures:?}");
@@ -143,14 +143,14 @@ fn a_walking_person_is_measured_from_frames_with_noise() {
     }
 }
 
-/// From beside, farther away and with half of the body hidden behind the other.
+/// The camera is beside and farther away, and half of the body is hidden by the other half.
 #[test]
 fn a_walking_person_is_measured_from_beside() {
     for seed in 1..=cases(1) {
         let figures = walk(Viewpoint::Beside, seed, WALKING);
         println!("seed {seed}: {figures:?}");
         figures.assert_place();
-        // The far wrist is hidden half of the time, and depth is off by 35 mm there.
+        // The far wrist is hidden half of the time, and its depth has an error of 35 mm then.
         assert!(figures.wrists < 0.055, "wrists {} m RMS", figures.wrists);
         figures.assert_posture(0.8, 0.6);
     }
@@ -164,8 +164,8 @@ impl Figures {
         assert!((self.stature - 1.75).abs() < 0.025, "stature {} m", self.stature);
     }
 
-    /// REBA is measured in this share of the frames, and in nine of ten of these within 1; on average it is off
-    /// by no more than `bias`.
+    /// Asserts that REBA is measured in this share of the frames, in nine of ten of these within 1. The mean error is
+    /// at most `bias`.
     fn assert_posture(&self, share: f64, bias: f64) {
         assert!(self.reba_of > share * self.frames, "{} of {}", self.reba_of, self.frames);
         assert!(self.reba_within >= 0.9, "REBA within 1 in {}", self.reba_within);
@@ -225,7 +225,7 @@ fn rendered_frames_become_a_recording() {
     assert!(mean < 0.1, "{mean} m in small images");
 }
 
-/// Two people in the images: the second is the first once more, farther to the right.
+/// The images show two people. The second one is the first again, farther to the right.
 #[test]
 fn everybody_else_in_a_frame_is_an_other() {
     const ASIDE: usize = 40;
@@ -312,15 +312,15 @@ fn broken_folders_are_named_before_the_work() {
     with_index(&[lines[0], lines[2]]);
     let ran = perceive(&frames, &output);
     assert!(ran.status.success() && value(&ran, "lost") == 1, "{}", ran.errors);
-    // A place where nothing can be written is found at once.
+    // A place that cannot be written is detected at once.
     let ran = perceive(&frames, &folder.path().join("missing/walk.jsonl"));
     assert!(!ran.status.success() && ran.errors.contains("missing"), "{}", ran.errors);
-    // The folder is not written over.
+    // The folder is not overwritten.
     let ran = Runs::new("record").with(&["--frames", &frames, "--duration=0.1"]).run();
     assert!(!ran.status.success() && ran.errors.contains("holds frames already"), "{}", ran.errors);
 }
 
-/// The lines of an index, the last of which closes it.
+/// The lines of an index, with the closing line.
 fn lines(frames: &str) -> Vec<String> {
     let index = std::fs::read_to_string(Path::new(frames).join("frames.jsonl")).unwrap();
     index.lines().map(|line| format!("{line}\n")).collect()
@@ -340,7 +340,7 @@ fn a_folder_that_grows_is_waited_for() {
     while !said.contains("waiting for further frames") {
         assert!(errors.read_line(&mut said).unwrap() > 0, "{said}");
     }
-    // A line comes in two parts, and the rest after it.
+    // A line arrives in two parts, followed by the others.
     let (begin, end) = lines[5].split_at(9);
     for part in [begin, end, &lines[6..].concat()] {
         let mut index = std::fs::OpenOptions::new().append(true).open(&index).unwrap();
@@ -367,7 +367,7 @@ fn an_interrupt_keeps_the_frames_so_far() {
     assert_eq!(kept.lines().count(), 7, "a header, five frames and the end");
 }
 
-/// Depth in metres in NumPy's arrays says the same as in PNG.
+/// Depth in metres in NumPy's arrays gives the same result as PNG.
 #[test]
 fn depth_comes_as_png_or_npy() {
     let folder = tempfile::tempdir().unwrap();
@@ -389,7 +389,7 @@ fn depth_comes_as_png_or_npy() {
     let npy = necks("npy.jsonl");
     assert!(png.len() > 5 && png.len() == npy.len());
     assert!(png.iter().zip(&npy).all(|(one, other)| (one - other).norm() < 1e-3));
-    // Columns and rows the wrong way round.
+    // Columns and rows are exchanged.
     let turned = Path::new(&frames).join("depth/000003.npy");
     write_npy(turned, &ndarray::Array2::<f32>::ones((160, 120)));
     let ran = perceive(&frames, &folder.path().join("turned.jsonl"));

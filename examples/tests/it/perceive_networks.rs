@@ -1,4 +1,4 @@
-//! `perceive` with networks: joints, surface and action, each with when it was seen and known.
+//! `perceive` with networks: joints, surface and action, each with its times of capture and recognition.
 
 use std::{collections::BTreeMap, path::Path};
 
@@ -17,7 +17,7 @@ use vision_models::{
 
 use crate::support::{Runs, resnet18, simple_baseline, slow_only_r18};
 
-/// A short film of somebody who works, small: its folder.
+/// Makes a short small film of a working person. Returns its folder.
 fn film(folder: &Path) -> String {
     let frames = folder.join("frames").to_str().unwrap().to_owned();
     let film = ["--frames", &frames, "--size=160x120", "--duration=1.2", "--drop=0"];
@@ -25,8 +25,8 @@ fn film(folder: &Path) -> String {
     frames
 }
 
-/// A trained model of surfaces over a random ResNet-18: its machine takes every surface for a smooth one, and its
-/// layer for a drilled one.
+/// Makes a model of surfaces over a random ResNet-18. Its support vector machine takes every surface for a smooth one,
+/// its layer for a drilled one.
 fn surface_model(folder: &Path) -> String {
     let classes = vec!["drilled".to_owned(), "smooth".to_owned()];
     let (none, bias) = (Array2::zeros((1, 512)), Array1::from_elem(1, 0.7));
@@ -43,7 +43,7 @@ fn surface_model(folder: &Path) -> String {
     folder.to_str().unwrap().to_owned()
 }
 
-/// A trained model of actions over a random SlowOnly-R18, which gives classes always the same logits.
+/// Makes a model of actions over a random SlowOnly-R18, which always gives the classes the same logits.
 fn action_model(folder: &Path, logits: &[(&str, f32)]) -> String {
     let classes = logits.iter().map(|(class, _)| (*class).to_owned()).collect();
     let biases = logits.iter().map(|(_, logit)| *logit).collect();
@@ -95,7 +95,7 @@ fn surfaces_and_actions_come_with_their_own_ages() {
         let surface = percept.surface.unwrap();
         assert_eq!(surface.surface, Surface::Smooth);
         assert!((surface.confidence.value() - 1.0 / (1.0 + (-0.7_f64).exp())).abs() < 1e-3);
-        // Looked at every eighth frame, 0.4 s apart, and known after the camera took the image.
+        // Every eighth frame, 0.4 s apart, is examined. The result is known after the camera took the image.
         let age = |captured: f64| percept.time - captured;
         let captured = timing.surface.captured.unwrap();
         assert!((0.0..0.4).contains(&age(captured)) && timing.surface.arrived.unwrap() > captured);
@@ -103,12 +103,12 @@ fn surfaces_and_actions_come_with_their_own_ages() {
         assert!(timing.arrived.unwrap() > percept.time);
         assert!(timing.action.captured.is_none_or(|captured| (0.0..0.4).contains(&age(captured))));
     }
-    // It plays.
+    // The recording can be played.
     let follow = Runs::follow().with(&["--no-report", "--stature=1.75", "--recording", &output]);
     follow.run().done();
 }
 
-/// The controller need not know which tool is in use: what counts is how probable it is that the person works.
+/// The controller need not know the tool. The probability that the person works counts.
 #[test]
 fn trained_models_are_compared_with_the_truth() {
     let folder = tempfile::tempdir().unwrap();
@@ -124,13 +124,13 @@ fn trained_models_are_compared_with_the_truth() {
         assert!(ran.output.contains("\nagainst the truth: surface "), "{ran:?}");
         (ran.json()["truth"].clone(), read(&output).percepts.pop().unwrap())
     };
-    // Whoever carries the object shows no surface. The window is full in the ninth of 25 frames.
+    // A person who carries the object shows no surface. The window is full in the ninth of 25 frames.
     let carrying =
         [("Walking With Object", 1.0), ("Using The Drill", 0.9), ("Using The Polisher", 0.8)];
     let (json, percept) = perceive(&carrying);
     assert_eq!((&json["surface_right"], &json["delay"]), (&serde_json::Value::Null, &0.5.into()));
     assert_eq!(json["action_right"], 0.0);
-    // Apart until they have been seen at work for 0.2 s.
+    // The intention is apart until work has been seen for 0.2 s.
     assert!((0.3..0.9).contains(&json["intention_right"].as_f64().unwrap()), "{json}");
     let seen = percept.action.unwrap();
     assert_eq!(seen.action.name(), "Using The Drill");
@@ -172,7 +172,7 @@ fn a_pose_network_stands_in_for_skeletons() {
     let frames = film(folder.path());
     let index = Path::new(&frames).join("frames.jsonl");
     let lines = std::fs::read_to_string(&index).unwrap();
-    // One frame is enough for a network that costs 11 GFLOP.
+    // One frame suffices for a network that takes 11 GFLOP.
     let first = lines.lines().next().unwrap();
     std::fs::write(&index, format!("{first}\n")).unwrap();
     let output = folder.path().join("p.jsonl").to_str().unwrap().to_owned();
@@ -187,8 +187,7 @@ fn a_pose_network_stands_in_for_skeletons() {
     with(resnet18()).failed(1, says);
 }
 
-/// Somebody who stands before a wall, beside a box, is found in the depth image and where a tracker
-/// expects them.
+/// A person stands in front of a wall beside a box. They are found in the depth image and where a tracker expects them.
 #[test]
 fn a_person_is_found_without_a_detector() {
     let size = [160, 120];
@@ -196,7 +195,7 @@ fn a_person_is_found_without_a_detector() {
     let (eye, target) =
         (nalgebra::Point3::new(0.0, 0.0, 1.2), nalgebra::Point3::new(3.0, 0.0, 1.2));
     let camera = Camera::looking_at(intrinsics, eye, target, DepthNoise::D435I).unwrap();
-    // At 3 m a pixel is 2 cm: the person is 0.5 m wide and from 0.3 to 1.8 m high, the box 0.4 m high.
+    // A pixel is 2 cm at 3 m. The person is 0.5 m wide and from 0.3 to 1.8 m high, the box 0.4 m high.
     let at = |column: usize, row: usize| match (column, row) {
         (70..95, 30..105) => 3.0,
         (110..135, 85..105) => 2.0,
@@ -219,7 +218,7 @@ fn a_person_is_found_without_a_detector() {
     );
 }
 
-/// Networks that find somebody where everything is white, their landmarks along a line.
+/// The networks find a person where everything is white, with their landmarks along a line.
 #[test]
 fn blaze_pose_is_a_pose_network() {
     let folder = tempfile::tempdir().unwrap();

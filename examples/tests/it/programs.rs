@@ -1,5 +1,4 @@
-//! What every program does in the same way: closed and full outputs, interrupts, wrong places for
-//! results, and messages.
+//! Common behaviour of all programs: closed and full outputs, interrupts, wrong places for results, and messages.
 
 use std::fs;
 use std::io::Write;
@@ -77,7 +76,7 @@ fn a_closed_output_ends_every_program_quietly() {
 }
 
 #[test]
-fn a_full_output_is_an_error_with_a_code_of_its_own() {
+fn full_output_has_its_own_exit_status() {
     let says = "cannot write to standard output: No space left on device";
     for program in Inputs::new().programs() {
         program.run_full().failed(74, says);
@@ -85,7 +84,7 @@ fn a_full_output_is_an_error_with_a_code_of_its_own() {
     for name in PROGRAMS {
         Runs::new(name).with(&["--help"]).run_full().failed(74, says);
     }
-    // Nor does a full standard error matter.
+    // A full standard error does not matter either.
     let folder = tempfile::tempdir().unwrap();
     let output = folder.path().join("r.jsonl");
     let record = ["--duration=1", "--output", output.to_str().unwrap()];
@@ -95,7 +94,7 @@ fn a_full_output_is_an_error_with_a_code_of_its_own() {
 }
 
 #[test]
-fn nothing_is_lost_when_the_reader_of_standard_output_goes_away() {
+fn closed_output_loses_no_files() {
     let inputs = Inputs::new();
     let report = inputs.path("report");
     let ran =
@@ -113,7 +112,7 @@ fn nothing_is_lost_when_the_reader_of_standard_output_goes_away() {
 }
 
 #[test]
-fn help_says_what_each_program_does_and_how_it_ends() {
+fn help_describes_each_program_and_its_status() {
     for (name, does) in [
         ("record", "Simulates a person"),
         ("follow", "Lets the simulated robot MOCA follow a recorded person"),
@@ -134,10 +133,10 @@ fn help_says_what_each_program_does_and_how_it_ends() {
     }
 }
 
-/// Where nothing can be written, whoever asks: below a file, in a folder that is not there, where a
-/// folder stands, and in a file system of the kernel's own.
+/// No user can write in these places: below a file, in a folder that does not exist, where a folder is, and in a kernel
+/// file system.
 #[test]
-fn places_where_nothing_can_be_written_are_refused_before_the_work() {
+fn unwritable_places_are_refused_before_the_work() {
     let inputs = Inputs::new();
     let (set, sheets) = (inputs.path("set.hqp"), inputs.path("sheets.csv"));
     let below = format!("{set}/out");
@@ -148,7 +147,7 @@ fn places_where_nothing_can_be_written_are_refused_before_the_work() {
         (inputs.folder.path().to_str().unwrap(), "it is a folder"),
         ("/proc/out", "cannot write /proc/out"),
     ] {
-        // An hour of recording, and many solves: the answer comes before.
+        // The work would be an hour of recording and many solves. The error comes before.
         let record = Runs::new("record").with(&["--duration=3600", "--output", place]);
         let hqp = Runs::new("hqp").with(&[&set, "--repeat=4000000000", "--output", place]);
         let reba = Runs::new("reba").with(&["--input", &sheets, "--output", place]);
@@ -203,7 +202,7 @@ fn a_second_signal_ends_a_program_at_once() {
     let mut child = Runs::new("soak").with(&["--ticks=1000000000"]).start();
     wait_for_line(&mut child);
     signal(&child, "STOP");
-    // Both arrive before the program can look at the first.
+    // Both signals arrive before the program can see the first.
     signal(&child, "INT");
     signal(&child, "TERM");
     signal(&child, "CONT");
@@ -213,7 +212,7 @@ fn a_second_signal_ends_a_program_at_once() {
 }
 
 #[test]
-fn a_soak_that_is_interrupted_prints_what_it_has() {
+fn interrupted_soak_prints_its_counts_so_far() {
     for (name, code) in [("INT", 130), ("TERM", 143)] {
         let soak = Runs::new("soak").with(&["--ticks=1000000000", "--json"]);
         let ran = soak.interrupt_at("soak: ", name);
@@ -228,7 +227,7 @@ fn a_soak_that_is_interrupted_prints_what_it_has() {
 }
 
 #[test]
-fn a_follow_that_is_interrupted_keeps_what_it_has_under_another_name() {
+fn interrupted_follow_keeps_partial_files() {
     let inputs = Inputs::new();
     let (recording, report) = (inputs.path("long.jsonl"), inputs.path("report"));
     Runs::new("record").with(&["--duration=200", "--output", &recording]).run().done();
@@ -266,7 +265,7 @@ fn a_map_that_is_interrupted_leaves_nothing() {
 }
 
 #[test]
-fn a_set_that_is_interrupted_prints_what_it_has() {
+fn interrupted_set_prints_its_results_so_far() {
     let inputs = Inputs::new();
     let (set, output) = (inputs.path("set.hqp"), inputs.path("x.txt"));
     let hqp = Runs::new("hqp").with(&[&set, "--repeat=4000000000", "--json", "-o", &output]);
@@ -278,15 +277,15 @@ fn a_set_that_is_interrupted_prints_what_it_has() {
     assert_eq!(kept.split(' ').take(2).collect::<Vec<_>>(), ["0", "0"]);
 }
 
-/// Waiting for the next line of standard input, a program does not wait for ever.
+/// A program does not wait for ever for the next line of standard input.
 #[test]
-fn a_table_that_is_interrupted_keeps_the_rows_before() {
+fn interrupted_table_keeps_earlier_rows() {
     let inputs = Inputs::new();
     let output = inputs.path("out.csv");
     let reba = Runs::new("reba").with(&["--input", "-", "--json", "--output", &output]);
     let mut child = reba.start();
     let mut table = SHEETS.replacen("trunk", "id,trunk", 1).replace("\n0,", "\n1,0,");
-    // The second row has only begun.
+    // The second row is incomplete.
     table.push_str("2,0,0");
     let mut stdin = child.stdin.take().unwrap();
     stdin.write_all(table.as_bytes()).unwrap();
@@ -322,7 +321,7 @@ fn devices_stay_devices() {
     full.failed(1, "cannot write /dev/full: No space left on device");
 }
 
-/// The names of what is in a folder.
+/// The names of the files in a folder.
 fn names(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).unwrap();
     let mut names: Vec<String> =

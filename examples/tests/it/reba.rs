@@ -10,7 +10,7 @@ use crate::support::Runs;
 const ANGLES: &str = "trunk_flex_deg,neck_flex_deg,knee_flex_deg,upper_arm_flex_deg,\
                       lower_arm_flex_deg,wrist_flex_deg";
 
-/// What the library makes of a table.
+/// The library's result for a table.
 fn scored<S: Sheet>(table: &str) -> String {
     let mut table = SheetTable::<S, _>::new(table.as_bytes(), Unknown::PassThrough).unwrap();
     let mut output = Vec::new();
@@ -18,13 +18,13 @@ fn scored<S: Sheet>(table: &str) -> String {
     String::from_utf8(output).unwrap()
 }
 
-/// A sheet in a table with a column for what the laboratory calls it.
+/// A sheet in a table with columns for the laboratory's own identifier and remark.
 const WITH_ID: &str = "id,trunk_flex_deg,neck_flex_deg,knee_flex_deg,upper_arm_flex_deg,\
                        lower_arm_flex_deg,wrist_flex_deg,Remark\n\
                        7, 30,0,0,0,80,0,\"lifts, then turns\"\n";
 
 #[test]
-fn columns_that_are_not_known_are_passed_through_unchanged() {
+fn unknown_columns_are_passed_through_unchanged() {
     let ran = Runs::new("reba").with(&["--input", "-"]).run_on(WITH_ID).done();
     let (header, row) = ran.output.split_once('\n').unwrap();
     assert!(header.starts_with("id,trunk_flex_deg,") && header.contains(",Remark,s_neck,"));
@@ -37,9 +37,9 @@ fn columns_that_are_not_known_are_passed_through_unchanged() {
         .failed(1, "standard input: line 1, column 1: there is no column \"id\"; there are trunk");
 }
 
-/// A cell as large as this would take half a gigabyte to read and to show.
+/// This cell would take half a gigabyte to read and to show.
 #[test]
-fn a_huge_cell_is_refused_before_it_is_read() {
+fn huge_cell_is_refused_before_reading() {
     let reba = |table: &str| Runs::within("reba", 200).with(&["--input", "-"]).run_on(table);
     let huge = "9".repeat(200 << 20);
     let cell = format!("{ANGLES}\n0,0,0,0,0,{huge}\n");
@@ -47,7 +47,7 @@ fn a_huge_cell_is_refused_before_it_is_read() {
     let open = format!("{ANGLES}\n\"{}", "9,9\n".repeat(1 << 20));
     reba(&open).failed(1, "a row of more than 1048576 bytes; is a quotation mark open?");
     reba(&huge).failed(1, "line 1: a row of more than 1048576 bytes");
-    // One that is read is not shown whole.
+    // An accepted long cell is not shown in full.
     let long = format!("{ANGLES}\n0,0,0,0,0,{}\n", &huge[..500_000]);
     let ran = reba(&long).failed(1, "line 2, column 6 (wrist_flex_deg): \"999");
     assert!(ran.errors.len() < 300 && ran.errors.contains("(500000 bytes)"), "{ran:?}");
@@ -72,7 +72,7 @@ fn the_program_reads_files_and_standard_input() {
     let ran = reba(&["--input", &input, "--output", &output, "--json"]).run().done();
     assert_eq!(ran.output.trim_end(), "{\"rows\":1,\"passed_through\":[],\"partial\":false}");
     assert_eq!(std::fs::read_to_string(&output).unwrap(), expected);
-    // A table that is refused leaves the one before as it was.
+    // A refused table leaves the previous output as it was.
     let bad = format!("{ANGLES}\n1,2,3,4,5,much\n");
     reba(&["--input", "-", "--output", &output]).run_on(&bad).failed(1, "much");
     assert_eq!(std::fs::read_to_string(&output).unwrap(), expected);

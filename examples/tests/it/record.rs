@@ -48,7 +48,7 @@ fn options_are_obeyed() {
     assert!(percepts.iter().any(|percept| percept.body.is_none()));
 }
 
-/// The truth is that of the recording without noise, between its frames, too.
+/// The truth is that of the recording without noise, also between its frames.
 #[test]
 fn the_truth_is_written_beside_the_recording() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! Recordings: every fault is named with its line, and what is written is what is read.
+//! Recordings: every fault is named with its line, and written data are read back.
 
 mod properties;
 
@@ -17,7 +17,7 @@ use vision_models::{
 const HEADER: &str =
     r#"{"format":"moca-recording","version":2,"frame":"world","rate":20.0,"stature":1.75}"#;
 
-/// A frame with a mid hip and nothing else, its parts replaced by what is given.
+/// A frame with only a mid hip; its parts are replaced by the arguments.
 fn frame(time: &str, hip: &str, action: &str) -> String {
     let mut keypoints = vec!["null"; 25];
     keypoints[8] = hip;
@@ -39,12 +39,12 @@ fn read(text: &str) -> Result<Vec<Percept>, RecordingError> {
     Reader::new(text.as_bytes())?.collect()
 }
 
-/// The error of a recording whose third line is `line`, after a good frame at 0 s.
+/// The error of a recording whose third line is `line`, after a valid frame at 0 s.
 fn error_of(line: &str) -> RecordingError {
     read(&format!("{HEADER}\n{}\n{line}\n{}\n", good("0.0"), good("9.0"))).unwrap_err()
 }
 
-/// Checks the kind of the error, and that its text names the line and the remedy.
+/// Asserts the kind of the error, and that its text names the line and the remedy.
 macro_rules! assert_error {
     ($error:expr, $kind:pat, $($part:literal),+) => {{
         let error = $error;
@@ -218,13 +218,13 @@ fn wrong_times() {
     );
 }
 
-/// What `follow` makes of a text, with and without `--partial`.
+/// The result of `follow` for a text, with and without `--partial`.
 fn whole(text: &str, if_partial: IfPartial) -> Result<Recording, RecordingError> {
     Recording::read(Reader::new(text.as_bytes())?, if_partial)
 }
 
 #[test]
-fn early_ends_are_named_and_the_frames_before_them_can_be_taken() {
+fn early_end_is_named_and_frames_kept() {
     let frames = format!("{HEADER}\n{}\n{}\n", good("0.0"), good("0.1"));
     let interrupted = format!("{frames}{}\n", end(2).replace("true", "false"));
     for (text, line, says) in [
@@ -240,7 +240,7 @@ fn early_ends_are_named_and_the_frames_before_them_can_be_taken() {
         let taken = whole(&text, IfPartial::Take).unwrap();
         assert_eq!((taken.percepts.len(), taken.completeness), (2, Completeness::Partial));
     }
-    // Without a whole frame there is nothing to take.
+    // A text without a complete frame has nothing to take.
     for text in [HEADER.to_owned(), format!("{HEADER}\n{}", &good("0.0")[..150])] {
         assert_error!(
             whole(&text, IfPartial::Take).unwrap_err(),
@@ -248,7 +248,7 @@ fn early_ends_are_named_and_the_frames_before_them_can_be_taken() {
             "line 2"
         );
     }
-    // Damage is no early end.
+    // A damaged recording is not the same as a cut one.
     let damaged = format!("{HEADER}\n{}\nwrong\n", good("0.0"));
     assert_error!(
         whole(&damaged, IfPartial::Take).unwrap_err(),
@@ -264,7 +264,7 @@ fn recordings_of_the_first_version_have_no_end() {
     let recording = whole(&text, IfPartial::Refuse).unwrap();
     assert_eq!(recording.completeness, Completeness::Unmarked);
     assert_eq!(recording.percepts.len(), 1);
-    // One that stops within a line is cut off, whatever its version.
+    // A recording that ends within a line is cut off, whatever its version.
     let cut = format!("{text}{}", &good("0.1")[..150]);
     assert_error!(
         whole(&cut, IfPartial::Refuse).unwrap_err(),
@@ -333,7 +333,7 @@ fn errors_quote_little() {
 }
 
 #[test]
-fn a_line_without_end_is_refused_before_it_fills_the_memory() {
+fn endless_line_is_refused_in_time() {
     let endless = HEADER.as_bytes().chain(&b"\n"[..]).chain(io::repeat(b' '));
     let error = Reader::new(BufReader::new(endless)).unwrap().next().unwrap().unwrap_err();
     assert_error!(error, RecordingError::LineTooLong { line: 2, .. }, "line 2", "longer than");
@@ -354,7 +354,7 @@ fn files_that_are_not_there() {
 }
 
 #[test]
-fn a_writer_refuses_what_no_reader_takes_and_goes_on() {
+fn writer_refuses_unreadable_data_and_goes_on() {
     let mut writer = Writer::new(Vec::new(), &Header::default()).unwrap();
     let at = |time, body| Percept { time, body, action: None, surface: None };
     let hip = |x| {

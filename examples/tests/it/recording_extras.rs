@@ -1,4 +1,4 @@
-//! What recordings may say beside percepts: when each part was seen and known, and the person's segments.
+//! Further content of recordings: times of capture and recognition of each part, and the person's segments.
 
 use nalgebra::Point3;
 use percept_recording::{
@@ -6,7 +6,7 @@ use percept_recording::{
 };
 use vision_models::{Action, Body, Body25, Confidence, Keypoint, Percept, RecognisedAction};
 
-/// When parts of a percept were seen and known is kept; recordings without it read as before.
+/// The times of the parts of a percept are kept. Recordings without them are read as before.
 #[test]
 fn timings_are_kept_and_checked() {
     let percept = Percept {
@@ -54,7 +54,7 @@ fn measured_segments_are_kept_and_checked() {
 }
 
 #[test]
-fn what_is_wrong_with_another_person_is_said_of_them() {
+fn errors_in_other_people_name_them() {
     let header = r#"{"format":"moca-recording","version":2,"frame":"world","rate":20.0}"#;
     let nobody = ["null"; 25].join(",");
     let error = |others: &str| {
@@ -74,7 +74,7 @@ fn what_is_wrong_with_another_person_is_said_of_them() {
     );
     let far = error(&nobody.replacen("null", "[0.0,1500.0,0.9,0.5]", 1));
     assert!(far.contains("1500") && far.contains("of other person 2 in the frame"), "{far}");
-    // As the writer says it.
+    // The writer reports the same.
     let mut body = Body::default();
     let position = Point3::new(0.0, f64::NAN, 1.0);
     body.set(Body25::Neck, Some(Keypoint { position, confidence: Confidence::ONE }));

@@ -8,7 +8,7 @@ use proptest::prelude::*;
 
 const PAGE: &str = include_str!("../../../docs/src/robot-packets.md");
 
-/// The bytes of the page's code blocks, comments left out.
+/// The bytes of the page's code blocks, without comments.
 fn blocks() -> Vec<Vec<u8>> {
     let texts = PAGE.split("```text\n").skip(1).map(|rest| rest.split("```").next().unwrap());
     let bytes = |text: &str| {
@@ -32,7 +32,7 @@ fn head(kind: PacketKind, counter: u64) -> PacketHead {
 }
 
 #[test]
-fn the_packet_of_the_books_page_is_read_and_written_to_the_byte() {
+fn documented_packet_survives_reading_and_writing() {
     let [packet, code] = &blocks()[..] else { panic!("two blocks of bytes") };
     let head = PacketHead {
         kind: PacketKind::Measurement,
@@ -102,7 +102,7 @@ proptest! {
     }
 
     #[test]
-    fn no_bytes_are_taken_for_a_packet_of_another_size(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
+    fn bytes_of_another_size_are_refused(bytes in prop::collection::vec(any::<u8>(), 0..200)) {
         let mut packet = Packet::new(3, None);
         let mut marked = b"MOm2\x03\0".to_vec();
         marked.extend(&bytes);
@@ -114,9 +114,9 @@ proptest! {
         prop_assert!(packet.take(&bytes).is_err() || long_enough);
     }
 
-    /// With a key no bit of a packet can change.
+    /// No bit of a packet with a key can change.
     #[test]
-    fn a_packet_with_another_bit_has_not_the_code(at in 0_usize..57 + 32, bit in 0_u8..8) {
+    fn changed_bit_invalidates_the_code(at in 0_usize..57 + 32, bit in 0_u8..8) {
         let mut sent = Packet::new(1, Some(&key()));
         sent.write_measurement(head(PacketKind::Measurement, 7), &resting(1));
         let mut bytes = sent.bytes().to_vec();
@@ -131,7 +131,7 @@ proptest! {
 }
 
 #[test]
-fn a_packet_without_the_key_is_refused_with_what_is_missing() {
+fn packet_without_key_is_refused() {
     let other = SharedKey::new(&[1; 32]).unwrap();
     let mut sent = Packet::new(1, Some(&other));
     sent.write(head(PacketKind::Hello, 1));
@@ -146,7 +146,7 @@ fn a_packet_without_the_key_is_refused_with_what_is_missing() {
     }
 }
 
-/// What a byte may not be, at its offset of the page, in a packet of one joint.
+/// Bytes that are not allowed at their offset of the page, in a packet of one joint.
 #[test]
 fn bytes_that_could_be_mistaken_are_refused() {
     use PacketKind::{Command, Halt, Hello, Measurement};
@@ -176,7 +176,7 @@ fn bytes_that_could_be_mistaken_are_refused() {
     assert_eq!(refusal(Measurement, &of(4, 2)), PacketError::Joints { found: 2, expected: 1 });
     assert_eq!(refusal(Measurement, &of(6, 5)), PacketError::Mode { found: 5 });
     assert_eq!(refusal(Measurement, &of(7, 3)), PacketError::Took { found: 3 });
-    // A torque that is not measured is no number, and a flag is 0 or 1.
+    // A torque that is not measured is not a number, and a flag is 0 or 1.
     let torque = |flag, torque| PacketError::Torque { joint: 0, flag, torque };
     assert_eq!(refusal(Measurement, &number(48, 7.0)), torque(0, 7.0));
     assert_eq!(refusal(Measurement, &of(56, 2)), torque(2, 0.0));

@@ -1,4 +1,4 @@
-//! Robots at the other end of a loop.
+//! Robots at the other end of a loop over UDP.
 
 use std::net::{SocketAddr, UdpSocket};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -22,12 +22,12 @@ pub(crate) fn at_rest(joints: usize) -> JointMeasurement {
     JointMeasurement::resting(vec![0.0; joints], joints)
 }
 
-/// A robot of one joint, written by hand, and the loop's end that has said hello to it.
+/// A robot of one joint, written by hand, and the loop's end that has sent a hello to it.
 struct Hand {
     socket: UdpSocket,
     side: UdpSide,
     measured: JointMeasurement,
-    /// The hello, and where it came from.
+    /// The hello, and its sender.
     hello: PacketHead,
     from: SocketAddr,
     key: Option<SharedKey>,
@@ -57,7 +57,7 @@ impl Hand {
         self.socket.send_to(packet.bytes(), self.from).unwrap();
     }
 
-    /// Receives until so many packets were judged.
+    /// Receives until this number of packets was judged.
     fn judged(&mut self, count: u64) {
         for _ in 0..2000 {
             let statistics = self.side.statistics();
@@ -85,7 +85,7 @@ fn only_the_newest_measurement_of_this_session_counts() {
     }
     hand.socket.send_to(b"nonsense", hand.from).unwrap();
     hand.socket.send_to(Packet::new(2, None).bytes(), hand.from).unwrap();
-    // Of somebody who does not know the number that the controller chose.
+    // The sender does not know the number that the controller chose.
     hand.send(PacketHead { controller: hand.hello.controller ^ 1, ..hand.head(8) }, 0.8);
     hand.send(PacketHead { kind: PacketKind::Command, ..hand.head(8) }, 0.8);
     hand.judged(8);
@@ -97,7 +97,7 @@ fn only_the_newest_measurement_of_this_session_counts() {
     assert!(refusals.contains(&LinkRefusal::Direction));
 }
 
-/// Somebody who sees the packets sends the highest counter: with the numbers of the session, and without a key.
+/// A stranger who sees the packets sends the highest counter with the numbers of the session and without a key.
 #[test]
 fn a_spoofed_counter_locks_nobody_out() {
     for first in [true, false] {
@@ -121,16 +121,16 @@ fn a_spoofed_counter_locks_nobody_out() {
 }
 
 #[test]
-fn with_a_key_only_packets_of_this_session_and_of_the_key_count() {
+fn only_packets_of_session_and_key_count() {
     let key = SharedKey::new(&[7; 32]).unwrap();
     let mut hand = Hand::new(Some(key.clone()));
     hand.send(hand.head(1), 0.1);
     hand.judged(1);
-    // What was recorded of another session with the same key.
+    // The packet was recorded in another session with the same key.
     let other = Hand::new(Some(key));
     hand.send(other.head(2), 0.2);
     hand.judged(2);
-    // What somebody sends who has another key.
+    // The sender has another key.
     hand.key = Some(SharedKey::new(&[8; 32]).unwrap());
     hand.send(hand.head(3), 0.3);
     hand.judged(3);
@@ -138,8 +138,7 @@ fn with_a_key_only_packets_of_this_session_and_of_the_key_count() {
     assert_eq!(hand.refusals(), [LinkRefusal::Session, LinkRefusal::Packet(PacketError::Code)]);
 }
 
-/// Every error of a socket is a lost packet: nobody listens at the port of this one, which the system says at the next
-/// call.
+/// Every error of a socket is a lost packet. Nobody listens at this port, which the system reports at the next call.
 #[test]
 fn errors_of_the_socket_are_lost_packets() {
     let gone = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
@@ -150,11 +149,11 @@ fn errors_of_the_socket_are_lost_packets() {
         side.send(&JointCommand::at_rest(&measured)).unwrap();
     }
     assert!(side.statistics().lost >= 50, "{:?}", side.statistics());
-    // A network that cannot be reached: no route leads from a loopback address there.
+    // The network cannot be reached: no route leads there from a loopback address.
     side.halt().unwrap();
 }
 
-/// A robot at a port of its own, a thread that serves it, and what its controller sends by hand.
+/// Creates a robot at its own port with a thread that serves it. `use_it` sends as its controller.
 fn with_server<T>(key: Option<&SharedKey>, use_it: impl FnOnce(SocketAddr) -> T) -> (T, UdpServer) {
     let robot = SimulatedSide::new(&MOCA_HOME, 1e-3, RobotNoise::new(1)).unwrap();
     let mut server = UdpServer::bind("127.0.0.1:0", robot, &MOCA_HOME, key).unwrap();
@@ -207,13 +206,13 @@ fn the_robots_own_status_comes_with_its_measurements() {
             took |= measured.robot.took_command == Some(true);
         }
         assert!(took);
-        // No more commands: it stops by itself, and says so.
+        // No more commands come. The robot stops by itself and reports it.
         let stopped = (0..2000).any(|_| {
             wait(&mut side, &mut measured) && measured.robot.mode == Some(RobotMode::Stopped)
         });
         assert!(stopped);
         assert_eq!(measured.robot.took_command, Some(false));
-        // It takes commands again that begin at rest.
+        // The robot takes commands again that begin at rest.
         let runs = (0..2000).any(|_| {
             let mut fast = command(&measured);
             fast.velocity[0] = 0.5;
@@ -253,7 +252,7 @@ fn a_robots_side_refuses_what_its_limits_exclude() {
         told.torque[joint] += torque;
         let refused = robot.check(&told).unwrap_err();
         assert!(matches!(refused, CommandRefusal::Limit { .. }), "{refused}");
-        // It counts as lost: twenty of them stop the robot, which moved nowhere.
+        // The command counts as lost. Twenty of them stop the robot, which has not moved.
         for _ in 0..100 {
             robot.send(&told).unwrap();
             robot.receive(&mut measured).unwrap();
@@ -266,7 +265,7 @@ fn a_robots_side_refuses_what_its_limits_exclude() {
     }
 }
 
-/// One packet of each of these ended a robot's side or its controller.
+/// None of these packets may end a robot's side or its controller.
 #[test]
 fn no_packet_ends_a_robots_side() {
     let key = None;
@@ -274,7 +273,7 @@ fn no_packet_ends_a_robots_side() {
         let mut side = UdpSide::connect(address, 10, key).unwrap();
         let mut measured = at_rest(10);
         assert!(wait(&mut side, &mut measured));
-        // A stranger knows no numbers of the session, and those of the offer that answers its hello are for it alone.
+        // A stranger does not know the numbers of the session. Those of the offer to its hello are for it alone.
         let stranger = UdpSocket::bind("127.0.0.1:0").unwrap();
         let mut packet = Packet::new(10, None);
         let mut mad = command(&measured);
@@ -332,7 +331,7 @@ fn a_robot_that_obeys_somebody_answers_nobody_else() {
     });
 }
 
-/// Turns the base at 0.2 rad/s, and carries the arm by the torques measured.
+/// Turns the base at 0.2 rad/s, and supports the arm by the measured torques.
 struct Turn(f64);
 
 impl ControlLaw for Turn {
@@ -368,7 +367,7 @@ fn a_loop_moves_a_robot_behind_udp() {
     for key in [None, Some(&key)] {
         with_server(key, |address| {
             let mut side = UdpSide::connect(address, MOCA_HOME.len(), key).unwrap();
-            // However busy the machine is.
+            // The timeout must suit a busy machine.
             let patient = LoopSettings { robot_timeout: 20.0, ..LoopSettings::default() };
             let mut control = ControlLoop::new(patient, at_rest(MOCA_HOME.len())).unwrap();
             let (mut asked, mut clock) = (0, MonotonicClock::default());
@@ -384,7 +383,7 @@ fn a_loop_moves_a_robot_behind_udp() {
 }
 
 #[test]
-fn nobody_at_the_other_end_is_an_error_that_says_so() {
+fn missing_robot_is_an_error() {
     let gone = UdpSocket::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
     let mut side = UdpSide::connect(gone, 10, None).unwrap();
     let mut control = ControlLoop::new(LoopSettings::default(), at_rest(10)).unwrap();
@@ -399,7 +398,7 @@ fn drive_ends_in_order_and_counts() {
     let json = drive().with(&["--duration=0.3"]).run().done().json();
     assert_eq!((&json["ended"], &json["at_rest"]), (&"requested".into(), &true.into()));
     let ticks = json["ticks"].as_u64().unwrap() + json["missed"].as_u64().unwrap();
-    // Of 0.3 s the loop listens for 0.05 s how often the robot measures.
+    // The loop listens for 0.05 of the 0.3 s how often the robot measures.
     assert!(ticks >= 248, "{json}");
     drive().with(&["--robot=127.0.0.1:9"]).run().failed(1, "--compensation: say what");
     let drive = || drive().with(&["--compensation=nothing"]);

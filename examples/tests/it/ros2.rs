@@ -14,10 +14,10 @@ use moca_drivers::ros2::messages::{
 use moca_drivers::ros2::{BASE_FRAME, Measurements, Refusal, RobotJoints, WORLD_FRAME};
 use moca_model::{MOCA_BASE_JOINTS, MOCA_JOINTS};
 
-/// When the messages of these tests were stamped.
+/// Time stamp of the messages of these tests.
 const STAMP: Time = Time { sec: 1_700_000_000, nanosec: 250_000_000 };
 
-/// So long after the stamp \[ms\].
+/// The time this long after the stamp \[ms\].
 fn after(milliseconds: u64) -> SystemTime {
     UNIX_EPOCH + Duration::from_millis(1_700_000_000_250 + milliseconds)
 }
@@ -38,7 +38,7 @@ fn joint_state() -> JointState {
     }
 }
 
-/// A base that looks along this yaw \[rad\] and drives forwards at 1 m/s.
+/// A base with this yaw \[rad\] that drives forwards at 1 m/s.
 fn odometry(yaw: f64) -> Odometry {
     let mut odometry = Odometry {
         header: header(WORLD_FRAME),
@@ -51,7 +51,7 @@ fn odometry(yaw: f64) -> Odometry {
     odometry
 }
 
-/// All joints one above the other.
+/// All joints on a vertical line.
 fn body() -> PoseArray {
     let pose = |joint: u32| Pose {
         position: Vector3 { x: 2.0, y: 0.0, z: 0.1 * f64::from(joint) },
@@ -64,14 +64,14 @@ fn twist(x: f64, y: f64, turn: f64) -> TwistStamped {
     TwistStamped { header: header(BASE_FRAME), twist: [x, y, turn].into() }
 }
 
-/// After odometry at the origin.
+/// Measurements after odometry at the origin.
 fn measurements() -> Measurements {
     let mut measurements = Measurements::new(RobotJoints::moca());
     measurements.take_odometry(&odometry(0.0), after(1)).unwrap();
     measurements
 }
 
-/// What a change makes of the joint state.
+/// The refusal of a changed joint state.
 fn refused(change: impl FnOnce(&mut JointState)) -> Refusal {
     let (mut measurements, mut state) = (measurements(), joint_state());
     change(&mut state);

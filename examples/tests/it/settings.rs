@@ -1,4 +1,4 @@
-//! Settings in files: nothing is lost, nothing is unknown, and what is wrong is told with its line.
+//! Settings in files: no setting is lost or unknown, and errors have their line.
 
 use std::fs;
 
@@ -18,7 +18,7 @@ fn error(below_version: &str) -> String {
     read(&format!("version = 1\n{below_version}")).unwrap_err().to_string()
 }
 
-/// Settings of which every kind of value differs from the default.
+/// Settings with values of every kind that differ from the default.
 fn others() -> RobotSettings {
     let mut settings = RobotSettings::default();
     let controller = &mut settings.controller;
@@ -47,7 +47,7 @@ fn others() -> RobotSettings {
 }
 
 #[test]
-fn what_is_written_is_read_back_to_the_last_bit() {
+fn written_settings_are_read_back_exactly() {
     for settings in [RobotSettings::default(), others()] {
         let text = settings.to_toml().unwrap();
         assert_eq!(read(&text).unwrap(), settings, "{text}");
@@ -92,25 +92,25 @@ proptest! {
 }
 
 #[test]
-fn what_a_file_leaves_out_stays_as_it_was() {
+fn settings_missing_in_file_stay_unchanged() {
     let mut base = RobotSettings::default();
     base.controller.space.min = Vector3::new(0.3, -0.3, 0.8);
     let file = SettingsFile::parse("version = 1\n[controller.space]\nlead = 0.1\n").unwrap();
     let settings = file.over(&base).unwrap();
     base.controller.space.lead = 0.1;
     assert_eq!(settings, base);
-    // Also within a table that may be missing.
+    // This also holds within an optional table.
     let text = "version = 1\n[controller.safety.separation.base]\ndeceleration = 0.7\n";
     let braking = read(text).unwrap().controller.safety.separation.base.unwrap();
     assert_eq!((braking.joints, braking.deceleration), (3, 0.7));
 }
 
 #[test]
-fn what_is_wrong_is_told_with_its_line_and_what_would_be_right() {
+fn errors_have_line_and_remedy() {
     for (text, line, says) in [
         ("[controler]\n", 2, "nearest is controller"),
         ("\n[controller.safety]\ncontact_sped = 1\n", 4, "controller.safety.contact_speed"),
-        // A setting in the wrong table.
+        // The setting is in the wrong table.
         ("[controller]\nlead = 0.1\n", 3, "controller.space.lead"),
         ("controller.space = 3\n", 2, "[controller.space]"),
         ("[controller]\ntool = 3.0\n", 3, "expected a string"),

@@ -1,18 +1,18 @@
-//! No number of the settings makes a program panic, or run without ever solving anything and call it done.
+//! No number of the settings makes a program panic, or succeed without ever solving anything.
 
 use examples::settings::{RobotSettings, SettingsFile};
 use toml::{Table, Value};
 
 use crate::support::Runs;
 
-/// Where a number stands in a table: names and places in lists.
+/// A step on the path to a number in a table: a name or an index.
 #[derive(Clone, Debug)]
 enum Step {
     Name(String),
     Place(usize),
 }
 
-/// The places of all numbers, of long lists the first.
+/// Finds the paths of all numbers, and of the first number of long lists.
 fn numbers(value: &Value, path: &[Step], found: &mut Vec<Vec<Step>>) {
     let below = |step: Step| path.iter().cloned().chain([step]).collect::<Vec<_>>();
     match value {
@@ -60,9 +60,9 @@ fn all() -> Table {
 const WRONG: [&str; 9] =
     ["nan", "inf", "-inf", "1e308", "-1e308", "0", "0.0", "-1", "9223372036854775807"];
 
-/// Every number has a range: outside it an error names the setting, and within it a controller can be made.
+/// Every number has a range. Outside it an error names the setting; within it a controller can be made.
 #[test]
-fn each_number_that_cannot_work_is_refused_by_name() {
+fn each_unusable_number_is_refused_by_name() {
     let whole = all();
     let mut places = Vec::new();
     numbers(&Value::Table(whole.clone()), &[], &mut places);
@@ -92,7 +92,7 @@ fn each_number_that_cannot_work_is_refused_by_name() {
             }
         }
     }
-    // Zero may mean none; no number that is none may.
+    // Zero may mean none, but NaN never does.
     let strange =
         |one: &&String| !one.ends_with("= 0") && !one.ends_with("= 0.0") && !one.ends_with("= -1");
     let strange: Vec<_> = accepted.iter().filter(strange).collect();
@@ -104,7 +104,7 @@ fn each_number_that_cannot_work_is_refused_by_name() {
         });
         assert!(known, "accepted: {one}");
     }
-    // What is accepted runs, or says what is wrong with it; nothing panics.
+    // Accepted settings run or give an error; nothing panics.
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("settings.toml");
     for one in &accepted {
@@ -126,9 +126,9 @@ fn each_number_that_cannot_work_is_refused_by_name() {
     }
 }
 
-/// What memory could not hold aborted.
+/// Sizes beyond the memory must not abort the program.
 #[test]
-fn sizes_that_no_memory_holds_are_refused_with_file_line_and_range() {
+fn sizes_beyond_memory_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("settings.toml");
     for (table, name) in [
@@ -151,7 +151,7 @@ fn sizes_that_no_memory_holds_are_refused_with_file_line_and_range() {
 }
 
 #[test]
-fn a_run_in_which_nothing_is_solved_is_a_failure() {
+fn run_without_solutions_is_a_failure() {
     let folder = tempfile::tempdir().unwrap();
     let (file, recording) = (folder.path().join("settings.toml"), folder.path().join("a.jsonl"));
     std::fs::write(&file, "version = 1\n[controller.budget]\niterations = 1\n").unwrap();

@@ -72,7 +72,7 @@ fn shards_that_do_not_fit_are_refused() {
     }
 }
 
-/// Few, for a test, and more than an episode of some seeds.
+/// Number of ticks: few for a test, and more than an episode of some seeds.
 const TICKS: u64 = 4_300;
 
 fn soak(seed: u64) -> Soak {
@@ -81,7 +81,7 @@ fn soak(seed: u64) -> Soak {
 }
 
 #[test]
-fn a_soak_in_shards_is_the_soak_but_for_times() {
+fn sharded_soak_equals_whole_except_times() {
     let second = "2/3".parse().unwrap();
     let seed = (0..100).find(|seed| !soak::episodes(&soak(*seed), second).is_empty()).unwrap();
     let run = |shard: Shard| -> SoakPart {
@@ -92,7 +92,7 @@ fn a_soak_in_shards_is_the_soak_but_for_times() {
     let whole = Summary::of(&whole.results, &whole.times);
     assert_eq!((whole.episodes, whole.ticks), (2, TICKS));
     let parts: Vec<_> = shards(3).map(run).collect();
-    // As they come out of their files.
+    // The shards come from their files.
     let folder = tempfile::tempdir().unwrap();
     let files: Vec<_> = parts
         .iter()

@@ -1,4 +1,4 @@
-//! What the tests of programs share.
+//! Data that the tests of programs share.
 
 use std::{fs::File, path::PathBuf};
 
@@ -18,7 +18,7 @@ pub(crate) use npy::{read_npy, write_npy};
 pub(crate) use pictures::{png_that_claims, save_picture};
 pub(crate) use run::{Ran, Runs, signal};
 
-/// Writes a file into the folder for files of tests, from where it may be read at any time; its path.
+/// Writes a file into the folder for test files and returns its path. It may be read at any time.
 fn keep(name: &str, write: impl FnOnce(&File)) -> String {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
     let unfinished = tempfile::NamedTempFile::new_in(&folder).unwrap();
@@ -28,7 +28,7 @@ fn keep(name: &str, write: impl FnOnce(&File)) -> String {
     path.to_str().unwrap().to_owned()
 }
 
-/// How many random cases to try: AHQP_CASES, or so many.
+/// Number of random cases: AHQP_CASES, or the default.
 pub(crate) fn cases(default: u64) -> u64 {
     std::env::var("AHQP_CASES").ok().and_then(|value| value.parse().ok()).unwrap_or(default)
 }

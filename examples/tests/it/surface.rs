@@ -1,10 +1,10 @@
-//! The program that learns to tell surfaces apart.
+//! The program that learns to distinguish surfaces.
 
 use std::{fs, path::Path};
 
 use crate::support::{Runs, resnet18, save_picture};
 
-/// A folder for the tests, with so many pictures of two classes.
+/// A folder for the tests with pictures of two classes.
 struct Pictures(tempfile::TempDir);
 
 impl Pictures {
@@ -24,7 +24,7 @@ impl Pictures {
         self.0.path().join(name).to_str().unwrap().to_owned()
     }
 
-    /// A command with a random network of 18 layers.
+    /// The training command with a random network of 18 layers.
     fn train(&self) -> Runs {
         Runs::new("surface")
             .with(&["train", &self.path("images"), "--output", &self.path("model")])
@@ -144,12 +144,12 @@ fn classes_that_cannot_be_learnt_are_named() {
     let pictures = Pictures::new(3);
     let refused = |says: &str| pictures.train().run().failed(1, says);
     let images = pictures.path("images");
-    // One class alone.
+    // There is one class only.
     fs::rename(format!("{images}/smooth"), pictures.path("aside")).unwrap();
     refused("images: 1 folders with images, give one for each of at least two classes");
     fs::create_dir(format!("{images}/smooth")).unwrap();
     refused("smooth: no JPEG or PNG files");
-    // One image a class.
+    // Each class has one image.
     save_picture(Path::new(&format!("{images}/smooth/0.png")), 200, 1);
     refused("class \"smooth\" has 1 samples: give at least 3");
     for name in ["1.png", "2.png"] {
@@ -162,7 +162,7 @@ fn classes_that_cannot_be_learnt_are_named() {
     none.run().failed(1, "no network: give --weights 50=FILE");
 }
 
-/// Descriptions that never end, are of another version, or of another program.
+/// Descriptions never end, have another version, or are of another program.
 #[test]
 fn models_that_are_none_are_named() {
     let folder = tempfile::tempdir().unwrap();
@@ -185,10 +185,10 @@ fn models_that_are_none_are_named() {
 }
 
 #[test]
-fn labels_weights_and_caches_that_do_not_match_are_refused() {
+fn mismatched_labels_weights_and_caches_are_refused() {
     let pictures = Pictures::new(3);
     pictures.train().run().done();
-    // Another seed's features.
+    // The features are of another seed.
     let other = pictures.train().with(&["--no-flips"]).run().done();
     assert!(!other.output.is_empty());
     let seed = Runs::new("surface").with(&[
@@ -203,14 +203,14 @@ fn labels_weights_and_caches_that_do_not_match_are_refused() {
         1,
         "resnet18.features: the features are of other weights: of \"resnet18, 255 x 255",
     );
-    // A checkpoint in place of the random network.
+    // A checkpoint replaces the random network.
     let weights = format!("--weights=18={}", resnet18());
     pictures
         .evaluate()
         .with(&[&weights])
         .run()
         .failed(1, "but the model was trained with random weights of seed 1");
-    // A class too many, and one too few.
+    // There is one class too many, then one too few.
     let images = pictures.path("images");
     fs::create_dir(format!("{images}/rusty")).unwrap();
     pictures.evaluate().run().failed(1, "the folder \"rusty\" is no class of");
@@ -221,7 +221,7 @@ fn labels_weights_and_caches_that_do_not_match_are_refused() {
     fs::remove_dir(format!("{images}/more")).unwrap();
     fs::create_dir(format!("{images}/smooth")).unwrap();
     pictures.evaluate().run().failed(1, "smooth: no JPEG or PNG files");
-    // A file that is no cache.
+    // The file is not a cache.
     save_picture(Path::new(&format!("{images}/smooth/9.png")), 200, 1);
     fs::write(pictures.path("cache/resnet18.features"), "what else\n").unwrap();
     let cached = pictures.cached().with(&["--part=all"]).run();
@@ -237,7 +237,7 @@ fn an_interrupted_training_keeps_the_features_so_far() {
     assert!(!Path::new(&pictures.path("model")).exists());
     let cache = pictures.path("cache/resnet18.features");
     let kept = fs::read(&cache).unwrap();
-    // A record that was cut short is dropped, the others count: each has 512 features.
+    // An incomplete record is dropped, the others count: each has 512 features.
     let head = kept.iter().take_while(|byte| **byte != b'\n').count() + 1;
     let head = head + kept[head..].iter().take_while(|byte| **byte != b'\n').count() + 1;
     let record = 36 + 4 * 512 + 8;

@@ -40,13 +40,13 @@ fn the_program_prints_scores_tests_and_a_figure() {
     for scale in Scale::ALL {
         assert!(svg.contains(scale.abbreviation()), "{svg}");
     }
-    // A place that cannot be written is known before the table is read.
+    // A place that cannot be written is detected before the table is read.
     let nowhere = path("none/boxes.svg");
     Runs::new("tlx").with(&["--input", "-", "--figure", &nowhere]).run_on("").failed(1, "none");
 }
 
 #[test]
-fn ratings_to_a_hundred_are_those_to_twenty_times_five() {
+fn ratings_to_100_are_divided_by_five() {
     let row = |values: [f64; 6]| {
         format!("subject,{RATINGS}\nS1,{}\n", values.map(|value| value.to_string()).join(","))
     };

@@ -1,5 +1,4 @@
-//! Recordings that are not finished, by the programs: what `record` leaves when it is interrupted,
-//! killed or has nowhere to write, and what `follow` makes of it.
+//! Unfinished recordings. `record` is interrupted, killed or has nowhere to write, and `follow` plays the remainder.
 #![cfg(unix)]
 
 use std::fs::{self, File};
@@ -12,16 +11,16 @@ use percept_recording::{self, Completeness, IfPartial, Reader, Recording, Record
 
 use crate::support::{Ran, Runs, signal};
 
-/// An hour of camera frames: some 70 MB.
+/// An hour of camera frames takes some 70 MB.
 const HOUR: &str = "--duration=3600";
 
-/// `follow` with a recording and no report, to its end.
+/// Runs `follow` with a recording and no report, to its end.
 fn follow(recording: &Path, options: &[&str]) -> Ran {
     let played = Runs::follow().with(&["--no-report", "--recording"]).with(&[recording]);
     played.with(options).run()
 }
 
-/// A program in a shell that has set its limits by `before`.
+/// Runs a program in a shell that has set its limits by `before`.
 fn after(before: &str, program: &str, arguments: &[&str]) -> Ran {
     let script = format!("{before}; exec \"$0\" \"$@\"");
     let mut command = Command::new("sh");
@@ -42,12 +41,12 @@ fn record_hour(output: &Path) -> Child {
     Runs::new("record").with(&[HOUR, "--output"]).with(&[output]).start()
 }
 
-/// The files of a folder, those that are hidden too.
+/// The files of a folder, with hidden ones.
 fn files(folder: &Path) -> Vec<PathBuf> {
     fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect()
 }
 
-/// A whole recording of some seconds.
+/// A complete recording of some seconds.
 fn short(folder: &Path) -> PathBuf {
     let path = folder.join("short.jsonl");
     Runs::new("record").with(&["--duration=4", "--output"]).with(&[&path]).run().done();
@@ -55,7 +54,7 @@ fn short(folder: &Path) -> PathBuf {
 }
 
 #[test]
-fn a_recording_cut_in_the_middle_is_refused_or_played_as_partial() {
+fn cut_recording_is_refused_or_partial() {
     let folder = tempfile::tempdir().unwrap();
     let path = short(folder.path());
     let bytes = fs::read(&path).unwrap();
@@ -75,12 +74,12 @@ fn a_recording_cut_in_the_middle_is_refused_or_played_as_partial() {
 }
 
 #[test]
-fn a_recording_of_the_first_version_plays_with_a_warning() {
+fn first_version_recording_plays_with_warning() {
     let folder = tempfile::tempdir().unwrap();
     let path = short(folder.path());
     let whole = fs::read_to_string(&path).unwrap().replace("\"version\":2", "\"version\":1");
     let old: Vec<&str> = whole.lines().filter(|line| !line.contains("\"end\"")).collect();
-    // As an editor of texts may store it.
+    // A text editor may store it like this.
     fs::write(&path, format!("\u{feff}{}\r\n", old.join("\r\n"))).unwrap();
     let played = follow(&path, &["--json", "--quiet"]).done();
     let says = format!("{} is of version 1, which has no closing line", path.display());
@@ -89,7 +88,7 @@ fn a_recording_of_the_first_version_plays_with_a_warning() {
 }
 
 #[test]
-fn what_is_played_of_a_partial_recording_is_kept_as_partial() {
+fn partial_recording_gives_partial_files() {
     let folder = tempfile::tempdir().unwrap();
     let path = short(folder.path());
     let whole = fs::read_to_string(&path).unwrap();
@@ -106,7 +105,7 @@ fn what_is_played_of_a_partial_recording_is_kept_as_partial() {
 
 /// The second line is 200 MB long, and the program has less memory than that.
 #[test]
-fn a_line_of_200_mb_is_refused_in_few_words() {
+fn line_of_200_mb_is_refused_briefly() {
     let folder = tempfile::tempdir().unwrap();
     let path = short(folder.path());
     let header = fs::read_to_string(&path).unwrap().lines().next().unwrap().to_owned();
@@ -134,7 +133,7 @@ fn a_killed_record_leaves_nothing_that_plays() {
     }
 }
 
-/// The system refuses to write on in the middle of the file.
+/// The system refuses further writes in the middle of the file.
 #[test]
 fn a_full_disk_leaves_nothing_behind() {
     let folder = tempfile::tempdir().unwrap();
@@ -145,9 +144,9 @@ fn a_full_disk_leaves_nothing_behind() {
     assert_eq!(files(folder.path()), Vec::<PathBuf>::new());
 }
 
-/// Nobody reads on from a pipe until the signal is there, so that it comes in the middle.
+/// Nobody reads from the pipe until the signal is sent, so that it arrives in the middle.
 #[test]
-fn an_interrupted_record_says_so_in_its_last_line() {
+fn interrupted_record_marks_its_last_line() {
     let folder = tempfile::tempdir().unwrap();
     let pipe = folder.path().join("pipe");
     assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
@@ -171,9 +170,9 @@ fn an_interrupted_record_says_so_in_its_last_line() {
 }
 
 #[test]
-fn an_interrupted_record_keeps_what_it_has_as_partial() {
+fn interrupted_record_keeps_a_partial_file() {
     for (name, code) in [("INT", 130), ("TERM", 143)] {
-        // Whoever comes too late tries again.
+        // A signal that came too late is tried again.
         let caught = (0..20).find_map(|_| {
             let folder = tempfile::tempdir().unwrap();
             let path = folder.path().join("walk.jsonl");
@@ -201,7 +200,7 @@ fn an_interrupted_record_keeps_what_it_has_as_partial() {
     }
 }
 
-/// Of a file that may be gone by now.
+/// The length of a file that may no longer exist.
 fn length(path: &Path) -> u64 {
     fs::metadata(path).map_or(0, |found| found.len())
 }

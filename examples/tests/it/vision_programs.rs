@@ -1,4 +1,4 @@
-//! What the programs with networks do in the same way.
+//! Common behaviour of the programs with networks.
 
 use std::path::Path;
 
@@ -41,7 +41,7 @@ fn a_closed_output_ends_each_quietly() {
 }
 
 #[test]
-fn a_full_output_is_an_error_with_a_code_of_its_own() {
+fn full_output_has_its_own_exit_status() {
     let says = "cannot write to standard output: No space left on device";
     let folder = tempfile::tempdir().unwrap();
     for program in programs(folder.path()) {
@@ -50,7 +50,7 @@ fn a_full_output_is_an_error_with_a_code_of_its_own() {
 }
 
 #[test]
-fn the_last_line_is_json_and_a_quiet_program_says_nothing_else() {
+fn quiet_program_only_prints_json() {
     let folder = tempfile::tempdir().unwrap();
     for program in programs(folder.path()) {
         let ran = program.with(&["--json", "--quiet"]).run().done();
@@ -90,7 +90,7 @@ fn help_says_what_each_command_does() {
 }
 
 #[test]
-fn a_directory_or_a_device_in_place_of_a_checkpoint_is_refused() {
+fn folder_or_device_as_checkpoint_is_refused() {
     for place in ["/", "/dev/zero", "/dev/null", "/nope"] {
         let named = format!("error: {place}: ");
         Runs::new("convert").with(&[place]).run().failed(1, &named);

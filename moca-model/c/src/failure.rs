@@ -1,15 +1,15 @@
-//! How calls end.
+//! Results of calls.
 
 use std::cell::RefCell;
 use std::ffi::c_char;
 use std::fmt::{self, Write};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// How a call ended. Negative: nothing was done, and `ahqp_last_error` says why.
+/// Result of a call. If it is negative, nothing was done, and `ahqp_last_error` says why.
 #[repr(i32)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AhqpStatus {
-    /// All is done; of a solve: every level is at its optimum.
+    /// The call succeeded. A solve is at the optimum of every level.
     Ok = 0,
     /// The iterations ran out. Hard constraints and limits hold.
     IterationLimit = 1,
@@ -17,27 +17,27 @@ pub enum AhqpStatus {
     TimeLimit = 2,
     /// A pointer is null.
     NullPointer = -1,
-    /// A matrix, vector or buffer has another size than is needed, or a number is none of those that are meant.
+    /// A matrix, vector or buffer has the wrong size, or a number is not an allowed value.
     BadArgument = -2,
-    /// The data make no problem, or a robot cannot do what it is asked.
+    /// The data make no valid problem, or the robot cannot do what is asked.
     BadData = -3,
     /// Hard constraints contradict each other.
     Infeasible = -4,
-    /// The library has failed: a defect, to be reported. Free the handles of the call, and no more.
+    /// The library has failed; please report this defect. The handles of the call may only be freed.
     Panic = -5,
 }
 
-/// Room for the text of an error, with its end.
+/// Size of the buffer for the text of an error, with the zero byte at its end.
 const ROOM: usize = 1024;
 
-/// Text in a buffer that is there already.
+/// Text in an existing buffer.
 struct Message {
     bytes: [u8; ROOM],
     length: usize,
 }
 
 impl Write for Message {
-    /// Writes as many whole characters as there is room for.
+    /// Writes as many whole characters as fit.
     fn write_str(&mut self, text: &str) -> fmt::Result {
         for character in text.chars() {
             let end = self.length + character.len_utf8();
@@ -62,11 +62,11 @@ pub(crate) struct Failure(AhqpStatus);
 pub(crate) type Result<T> = std::result::Result<T, Failure>;
 
 impl Failure {
-    /// Keeps the text for the caller.
+    /// Stores the text for the caller.
     pub(crate) fn new(status: AhqpStatus, text: &dyn fmt::Display) -> Self {
         LAST.with_borrow_mut(|last| {
             last.length = 0;
-            // What does not fit is cut.
+            // Text that does not fit is cut.
             let _ = write!(last, "{text}");
             last.bytes[last.length] = 0;
         });
@@ -106,7 +106,7 @@ impl From<whole_body::Error> for Failure {
 
 /// Runs a call. Neither errors nor panics leave it.
 pub(crate) fn call(run: impl FnOnce() -> Result<AhqpStatus>) -> AhqpStatus {
-    // A handle that a panic leaves half-written is only to be freed: `AhqpStatus::Panic` says so.
+    // A handle that a panic leaves half-written may only be freed: `AhqpStatus::Panic` says so.
     if let Ok(Ok(status) | Err(Failure(status))) = catch_unwind(AssertUnwindSafe(run)) {
         return status;
     }
@@ -114,7 +114,7 @@ pub(crate) fn call(run: impl FnOnce() -> Result<AhqpStatus>) -> AhqpStatus {
     Failure::new(AhqpStatus::Panic, &text).0
 }
 
-/// The ending of a solve.
+/// Returns the status for the result of a solve.
 pub(crate) fn status(status: ahqp_core::Status) -> AhqpStatus {
     match status {
         ahqp_core::Status::Solved => AhqpStatus::Ok,
@@ -123,8 +123,8 @@ pub(crate) fn status(status: ahqp_core::Status) -> AhqpStatus {
     }
 }
 
-/// What was wrong with the last call of this thread that returned a negative status, where, and what would
-/// be right: UTF-8, at most 1023 bytes, valid until the next such call of this thread. Never null.
+/// Returns the error text of this thread's last call with a negative status: what was wrong, where, and what would
+/// be right. It is UTF-8, at most 1023 bytes, and valid until the next such call of this thread. It is never null.
 #[unsafe(no_mangle)]
 pub extern "C" fn ahqp_last_error() -> *const c_char {
     LAST.with_borrow(|last| last.bytes.as_ptr().cast())

@@ -1,10 +1,10 @@
-//! What the caller holds by pointer.
+//! Handles: pointers that the caller holds.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use crate::failure::{AhqpStatus, Failure, Result};
 
-/// Gives the caller something to hold.
+/// Passes a new handle to the caller.
 ///
 /// # Safety
 /// `out`, if not null, points to room for a pointer.
@@ -23,7 +23,7 @@ pub(crate) unsafe fn give<T>(
     Ok(AhqpStatus::Ok)
 }
 
-/// What a handle holds.
+/// Returns the contents of a handle.
 ///
 /// # Safety
 /// `handle`, if not null, came from [`give`], was not freed, and nobody changes it meanwhile.
@@ -32,7 +32,7 @@ pub(crate) unsafe fn read<'a, T>(what: &str, handle: *const T) -> Result<&'a T> 
     unsafe { handle.as_ref() }.ok_or_else(|| Failure::null(what))
 }
 
-/// What a handle holds, to be changed.
+/// Returns the contents of a handle for changes.
 ///
 /// # Safety
 /// `handle`, if not null, came from [`give`], was not freed, and nobody else uses it meanwhile.
@@ -41,13 +41,13 @@ pub(crate) unsafe fn write<'a, T>(what: &str, handle: *mut T) -> Result<&'a mut 
     unsafe { handle.as_mut() }.ok_or_else(|| Failure::null(what))
 }
 
-/// Frees what a handle holds; nothing for a null pointer.
+/// Frees the contents of a handle. Does nothing for a null pointer.
 ///
 /// # Safety
 /// `handle`, if not null, came from [`give`] and is not used again.
 pub(crate) unsafe fn free<T>(handle: *mut T) {
     if !handle.is_null() {
-        // SAFETY: the caller promises that it came from a box, and that this is its end.
+        // SAFETY: the caller promises that it came from a box and is not used again.
         let value = unsafe { Box::from_raw(handle) };
         // Freeing runs no code that could fail, but a panic must not leave in any case.
         let _ = catch_unwind(AssertUnwindSafe(|| drop(value)));

@@ -12,10 +12,10 @@ use crate::views::{AhqpMatrix, AhqpVector, optional_text};
 #[derive(Debug, Clone)]
 pub struct AhqpHierarchy(pub(crate) Hierarchy);
 
-/// Dense factors of more variables would not fit into memory.
+/// Largest number of variables. Dense factors of more would not fit into memory.
 const MOST_VARIABLES: usize = 4096;
 
-/// Makes a hierarchy over so many variables, at most 4096, without bounds and levels.
+/// Creates a hierarchy over `variables` variables, at most 4096, without bounds and levels.
 ///
 /// # Safety
 /// `out` points to room for a pointer.
@@ -38,7 +38,7 @@ pub unsafe extern "C" fn ahqp_hierarchy_new(
     })
 }
 
-/// Frees a hierarchy. Null is none.
+/// Frees a hierarchy. A null pointer is allowed.
 ///
 /// # Safety
 /// `hierarchy` came from `ahqp_hierarchy_new` and is not used again.
@@ -48,11 +48,11 @@ pub unsafe extern "C" fn ahqp_hierarchy_free(hierarchy: *mut AhqpHierarchy) {
     unsafe { free(hierarchy) }
 }
 
-/// Sets the bounds of the variables, one number each, ±INFINITY where there is none. They hold at every
-/// level. A null pointer leaves a side as it is.
+/// Sets the bounds of the variables, one number for each, ±INFINITY where there is no bound. They hold at every level.
+/// A null pointer leaves the lower or the upper bounds unchanged.
 ///
 /// # Safety
-/// The handle is valid; the vectors are what they say.
+/// The handle is valid; the vectors point to the numbers that they describe.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ahqp_hierarchy_set_bounds(
     hierarchy: *mut AhqpHierarchy,
@@ -74,13 +74,15 @@ pub unsafe extern "C" fn ahqp_hierarchy_set_bounds(
     })
 }
 
-/// Adds a level below all present ones: rows lower ≤ A x ≤ upper. Equal bounds make equalities; a null
-/// pointer stands for no bounds. `hard` rows must hold from this level down, else their violation is
-/// minimised. `name`, null for none, is for errors. `level`, null if it does not matter, is where to put
-/// the number of the level.
+/// Adds a level below all present ones: rows lower ≤ A x ≤ upper. Equal bounds make equalities; a null pointer means
+/// that there are no bounds.
+///
+/// `hard` rows must hold on this level and all below. The violation of other rows is minimised. `name` is used in
+/// errors and may be null. The number of the level is written to `level`, which may be null.
 ///
 /// # Safety
-/// The handle is valid; matrix, vectors and text are what they say; `level` points to room or is null.
+/// The handle is valid; matrix and vectors point to the numbers that they describe; the text ends with a zero byte;
+/// `level` points to room or is null.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ahqp_hierarchy_push(
     hierarchy: *mut AhqpHierarchy,
@@ -110,10 +112,10 @@ pub unsafe extern "C" fn ahqp_hierarchy_push(
     })
 }
 
-/// Adds a level that minimises ½ xᵀ H x + gᵀ x, H being n × n, symmetric and positive semidefinite.
+/// Adds a level that minimises ½ xᵀ H x + gᵀ x. H is n × n, symmetric and positive semidefinite.
 ///
 /// # Safety
-/// As of `ahqp_hierarchy_push`.
+/// See `ahqp_hierarchy_push`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ahqp_hierarchy_push_quadratic(
     hierarchy: *mut AhqpHierarchy,
@@ -155,11 +157,11 @@ unsafe fn push(
     Ok(AhqpStatus::Ok)
 }
 
-/// Rewrites data of a level of rows, in the same sizes; what is null stays. Allocates nothing, but the
-/// first weights of a level do.
+/// Replaces data of a level of rows by data of equal sizes. Null pointers leave the data unchanged. Allocates nothing,
+/// except for the first weights of a level.
 ///
 /// # Safety
-/// The handle is valid; matrix and vectors are what they say.
+/// The handle is valid; matrix and vectors point to the numbers that they describe.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ahqp_hierarchy_update(
     hierarchy: *mut AhqpHierarchy,
@@ -204,11 +206,11 @@ pub unsafe extern "C" fn ahqp_hierarchy_update(
     })
 }
 
-/// √(Σ wᵢ dᵢ²) of a level at x, dᵢ being the distance of row i to its range; zero for levels without rows
-/// to minimise.
+/// Computes the violation √(Σ wᵢ dᵢ²) of a level at x, where dᵢ is the distance of row i to its range. It is zero for
+/// levels without rows to minimise.
 ///
 /// # Safety
-/// The handle is valid; the vector is what it says; `violation` points to room for a number.
+/// The handle is valid; the vector points to the numbers that it describes; `violation` points to room for a number.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ahqp_hierarchy_violation(
     hierarchy: *const AhqpHierarchy,

@@ -13,9 +13,8 @@ use crate::handle::{free, give, read, write};
 use crate::model::AhqpModel;
 use crate::views::{AhqpVector, output, text};
 
-/// Differential inverse kinematics of one robot: velocities that do what levels of tasks ask, each level as
-/// well as those above it allow, within the limits of all joints. First tasks are added, then it is
-/// built, then it steps.
+/// Differential inverse kinematics of one robot. It computes velocities for levels of tasks within the limits of all
+/// joints. Each level is fulfilled as well as the levels above it allow. First add the tasks, then build, then step.
 #[derive(Debug)]
 pub struct AhqpIk {
     model: whole_body::Model,
@@ -59,7 +58,7 @@ impl AhqpIk {
     }
 }
 
-/// Makes an inverse kinematics without tasks.
+/// Creates an inverse kinematics without tasks.
 ///
 /// # Safety
 /// The model is valid; `out` points to room for a pointer.
@@ -77,7 +76,7 @@ pub unsafe extern "C" fn ahqp_ik_new(model: *const AhqpModel, out: *mut *mut Ahq
     })
 }
 
-/// Frees an inverse kinematics. Null is none.
+/// Frees an inverse kinematics. A null pointer is allowed.
 ///
 /// # Safety
 /// `ik` came from `ahqp_ik_new` and is not used again.
@@ -87,8 +86,8 @@ pub unsafe extern "C" fn ahqp_ik_free(ik: *mut AhqpIk) {
     unsafe { free(ik) }
 }
 
-/// Adds a task that brings the origin of a frame to a point, on a level below all so far. `task`, null if
-/// it does not matter, is where to put its number.
+/// Adds a task that brings the origin of a frame to a point, on a level below all present ones. The number of the task
+/// is written to `task`, which may be null.
 ///
 /// # Safety
 /// The handle is valid; the texts end with a zero byte; `task` points to room or is null.
@@ -107,10 +106,10 @@ pub unsafe extern "C" fn ahqp_ik_push_position(
     })
 }
 
-/// Adds a task that turns a frame into an orientation.
+/// Adds a task that turns a frame to an orientation.
 ///
 /// # Safety
-/// As of `ahqp_ik_push_position`.
+/// See `ahqp_ik_push_position`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ahqp_ik_push_orientation(
     ik: *mut AhqpIk,
@@ -129,7 +128,7 @@ pub unsafe extern "C" fn ahqp_ik_push_orientation(
 /// Adds a task that brings a frame to a pose.
 ///
 /// # Safety
-/// As of `ahqp_ik_push_position`.
+/// See `ahqp_ik_push_position`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ahqp_ik_push_frame(
     ik: *mut AhqpIk,
@@ -146,7 +145,7 @@ pub unsafe extern "C" fn ahqp_ik_push_frame(
 }
 
 /// # Safety
-/// As of `ahqp_ik_push_position`.
+/// See `ahqp_ik_push_position`.
 unsafe fn push_of_frame(
     ik: *mut AhqpIk,
     name: *const c_char,
@@ -175,10 +174,11 @@ unsafe fn number(ik: &mut AhqpIk, task: Task, out: *mut usize) {
     }
 }
 
-/// Adds a task that brings all joints to a configuration. As the last task it decides what no other does.
+/// Adds a task that brings all joints to a configuration. As the last task it decides the motions that no other task
+/// decides.
 ///
 /// # Safety
-/// As of `ahqp_ik_push_position`.
+/// See `ahqp_ik_push_position`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ahqp_ik_push_posture(
     ik: *mut AhqpIk,
@@ -197,11 +197,10 @@ pub unsafe extern "C" fn ahqp_ik_push_posture(
     })
 }
 
-/// Builds what the tasks ask for, with the robot at rest at q: tasks keep what they find there until they
-/// get a target.
+/// Builds the problem of all tasks, with the robot at rest at q. Tasks without a target hold the state at q.
 ///
 /// # Safety
-/// The handle is valid; the vector is what it says.
+/// The handle is valid; the vector points to the numbers that it describes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ahqp_ik_build(ik: *mut AhqpIk, q: AhqpVector) -> AhqpStatus {
     call(|| {
@@ -215,11 +214,11 @@ pub unsafe extern "C" fn ahqp_ik_build(ik: *mut AhqpIk, q: AhqpVector) -> AhqpSt
     })
 }
 
-/// Sets the target of a position task: a point of the world \[m\], three numbers, and how fast it moves
-/// \[m/s\], null for a point that rests.
+/// Sets the target of a position task: a point of the world \[m\] and its velocity \[m/s\], three numbers each. A null
+/// velocity means a point at rest.
 ///
 /// # Safety
-/// The handle is valid; the vectors are what they say.
+/// The handle is valid; the vectors point to the numbers that they describe.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ahqp_ik_set_position(
     ik: *mut AhqpIk,
@@ -245,7 +244,7 @@ pub unsafe extern "C" fn ahqp_ik_set_position(
 /// Sets the target of an orientation task: a unit quaternion x, y, z, w.
 ///
 /// # Safety
-/// The handle is valid; the vector is what it says.
+/// The handle is valid; the vector points to the numbers that it describes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ahqp_ik_set_orientation(
     ik: *mut AhqpIk,
@@ -268,7 +267,7 @@ pub unsafe extern "C" fn ahqp_ik_set_orientation(
 /// Sets the target of a frame task: a point of the world \[m\] and a unit quaternion x, y, z, w.
 ///
 /// # Safety
-/// The handle is valid; the vectors are what they say.
+/// The handle is valid; the vectors point to the numbers that they describe.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ahqp_ik_set_pose(
     ik: *mut AhqpIk,
@@ -291,10 +290,10 @@ pub unsafe extern "C" fn ahqp_ik_set_pose(
     })
 }
 
-/// Sets the target of a posture task, a whole q.
+/// Sets the target of a posture task, a complete q.
 ///
 /// # Safety
-/// The handle is valid; the vector is what it says.
+/// The handle is valid; the vector points to the numbers that it describes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ahqp_ik_set_posture(
     ik: *mut AhqpIk,
@@ -317,7 +316,7 @@ fn other(task: usize, kind: &str) -> Failure {
     Failure::new(AhqpStatus::BadArgument, &text)
 }
 
-/// The rotation of four numbers.
+/// Returns the rotation of four numbers.
 fn rotation(quaternion: &[f64]) -> Result<UnitQuaternion<f64>> {
     let quaternion = Quaternion::from_vector(nalgebra::Vector4::from_column_slice(quaternion));
     let norm = quaternion.norm();
@@ -328,15 +327,15 @@ fn rotation(quaternion: &[f64]) -> Result<UnitQuaternion<f64>> {
     Err(Failure::new(AhqpStatus::BadArgument, &text))
 }
 
-/// The velocities for the next `period` \[s\], with the robot at q and the velocity of the last step. Writes
-/// q̇ and q after the period; null for what is not wanted. `next_q` may be the same numbers as q. Allocates
-/// nothing, unless it returns an error.
+/// Computes the velocities for the next `period` \[s\], from q and the velocity of the last step. Writes q̇, and q
+/// after the period; either pointer may be null. `next_q` may point to the numbers of q. Allocates nothing, unless it
+/// returns an error.
 ///
-/// Returns `AHQP_STATUS_OK`, or `…_LIMIT` where the solver's iterations ran out: limits hold then, too. With
-/// an error `ahqp_ik_brake` gives velocities that stop the robot.
+/// Returns `AHQP_STATUS_OK`, or `…_LIMIT` if the solver's iterations ran out; the limits hold in this case too. After
+/// an error, `ahqp_ik_brake` gives velocities that stop the robot.
 ///
 /// # Safety
-/// The handle is valid; the vector is what it says; the pointers, if not null, point to room.
+/// The handle is valid; the vector points to the numbers that it describes; the pointers, if not null, point to room.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ahqp_ik_step(
     ik: *mut AhqpIk,
@@ -371,7 +370,7 @@ pub unsafe extern "C" fn ahqp_ik_step(
             out.copy_from_slice(step.velocity());
         }
         if !next_q.is_null() {
-            // SAFETY: both have room for as many numbers; they may be the same.
+            // SAFETY: both have room for as many numbers; they may be equal.
             unsafe { std::ptr::copy(q.data, next_q, positions) };
             // SAFETY: the caller's promise.
             step.integrate(unsafe { output("next_q", next_q, next_q_size, positions) }?)?;
@@ -402,10 +401,10 @@ pub unsafe extern "C" fn ahqp_ik_brake(
     })
 }
 
-/// Says that the robot moves at this velocity now, not accelerating.
+/// Sets the robot's current velocity, without acceleration.
 ///
 /// # Safety
-/// The handle is valid; the vector is what it says.
+/// The handle is valid; the vector points to the numbers that it describes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ahqp_ik_reset(ik: *mut AhqpIk, velocity: AhqpVector) -> AhqpStatus {
     call(|| {
@@ -418,11 +417,12 @@ pub unsafe extern "C" fn ahqp_ik_reset(ik: *mut AhqpIk, velocity: AhqpVector) ->
     })
 }
 
-/// Writes where a frame is in the world at q: its position \[m\], three numbers, and its orientation, a unit
-/// quaternion x, y, z, w; null for what is not wanted.
+/// Writes the pose of a frame in the world at q: its position \[m\], three numbers, and its orientation, a unit
+/// quaternion x, y, z, w. Either pointer may be null.
 ///
 /// # Safety
-/// The handle is valid; vector and text are what they say; the pointers, if not null, point to room.
+/// The handle is valid; the vector points to the numbers that it describes; the text ends with a zero byte; the
+/// pointers, if not null, point to room.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ahqp_ik_pose(
     ik: *mut AhqpIk,

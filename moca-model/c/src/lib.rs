@@ -1,4 +1,4 @@
-//! C interface of `ahqp-core` and of `whole-body`'s inverse kinematics; `include/ahqp.h` declares it and
+//! C interface of `ahqp-core` and of `whole-body`'s inverse kinematics. `include/ahqp.h` declares it, and
 //! `include/ahqp.hpp` is a C++17 layer over it.
 //!
 //! Every function checks its pointers for null and its sizes, returns an [`AhqpStatus`] and keeps the
@@ -6,7 +6,7 @@
 //! [`AhqpStatus::Panic`]. Handles are made by `ahqp_…_new` and freed by `ahqp_…_free`; a handle is used
 //! by one thread at a time.
 
-// A foreign interface: each block says why it holds.
+// A foreign interface needs unsafe code: each block says why it is sound.
 #![allow(unsafe_code)]
 
 pub mod failure;

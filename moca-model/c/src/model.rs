@@ -12,15 +12,15 @@ use crate::views::{output, text};
 #[derive(Debug, Clone)]
 pub struct AhqpModel(pub(crate) Model);
 
-/// How the root link moves in the world.
+/// Motion of the root link in the world.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AhqpBase {
-    /// Not at all.
+    /// No motion.
     Fixed,
-    /// On the plane z = 0: q begins with x, y \[m\] and yaw \[rad\].
+    /// Motion on the plane z = 0: q begins with x, y \[m\] and yaw \[rad\].
     Planar,
-    /// Freely: q begins with position \[m\] and quaternion x, y, z, w, q̇ with a twist in the world's axes.
+    /// Free motion: q begins with position \[m\] and quaternion x, y, z, w, q̇ with a twist in the world's axes.
     Floating,
 }
 
@@ -46,7 +46,7 @@ pub unsafe extern "C" fn ahqp_model_from_urdf(
 /// Reads a robot from a URDF file.
 ///
 /// # Safety
-/// As of `ahqp_model_from_urdf`.
+/// See `ahqp_model_from_urdf`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn ahqp_model_from_file(
     path: *const c_char,
@@ -62,7 +62,7 @@ pub unsafe extern "C" fn ahqp_model_from_file(
     })
 }
 
-/// A number is taken, as an enum of C may hold any.
+/// Takes a number, because an enum of C may hold any.
 fn description(base: i32) -> crate::failure::Result<Description> {
     let bases = [Base::Fixed, Base::Planar, Base::Floating];
     let base = usize::try_from(base).ok().and_then(|base| bases.get(base)).ok_or_else(|| {
@@ -72,7 +72,7 @@ fn description(base: i32) -> crate::failure::Result<Description> {
     Ok(Description { base: *base, ..Description::default() })
 }
 
-/// Frees a robot. Null is none. What was made of it stays.
+/// Frees a robot. A null pointer is allowed. Objects that were made from the robot stay valid.
 ///
 /// # Safety
 /// `model` came from this library and is not used again.
@@ -82,7 +82,7 @@ pub unsafe extern "C" fn ahqp_model_free(model: *mut AhqpModel) {
     unsafe { free(model) }
 }
 
-/// The size of q; 0 for null.
+/// Returns the size of q; 0 for null.
 ///
 /// # Safety
 /// The handle is valid or null.
@@ -92,7 +92,7 @@ pub unsafe extern "C" fn ahqp_model_position_count(model: *const AhqpModel) -> u
     unsafe { model.as_ref() }.map_or(0, |model| model.0.position_count())
 }
 
-/// The size of q̇, the number of degrees of freedom; 0 for null.
+/// Returns the size of q̇, the number of degrees of freedom; 0 for null.
 ///
 /// # Safety
 /// The handle is valid or null.

@@ -11,30 +11,30 @@ use crate::handle::{free, give, read, write};
 use crate::hierarchy::AhqpHierarchy;
 use crate::views::output;
 
-/// Solves hierarchies of one shape, each from where the one before ended.
+/// Solver for hierarchies of one shape. Each solve starts from the result of the one before.
 #[derive(Debug)]
 pub struct AhqpSolver {
     solver: Solver,
     iterations: usize,
 }
 
-/// The solver's few parameters; `ahqp_settings_default` fills them in.
+/// Settings of the solver. `ahqp_settings_default` returns the default values.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct AhqpSettings {
-    /// Iterations of one solve, at least 1.
+    /// Largest number of iterations of one solve, at least 1.
     pub max_iterations: usize,
-    /// A constraint holds when it is violated by less than this, relative to its terms.
+    /// Violation below which a constraint holds, relative to its terms.
     pub feasibility_tolerance: f64,
-    /// A row depends on others when what they leave of it is below this fraction of its norm.
+    /// Fraction of a row's norm. A row depends on others if the part that they do not span is smaller.
     pub rank_tolerance: f64,
-    /// A multiplier of the wrong sign frees its row beyond this.
+    /// Size beyond which a multiplier of the wrong sign frees its row.
     pub optimality_tolerance: f64,
     /// Whether a solve starts from the active set of the one before.
     pub warm_start: bool,
 }
 
-/// The settings that a solver has without being told.
+/// Returns the default settings.
 #[unsafe(no_mangle)]
 pub extern "C" fn ahqp_settings_default() -> AhqpSettings {
     let settings = Settings::default();
@@ -47,7 +47,7 @@ pub extern "C" fn ahqp_settings_default() -> AhqpSettings {
     }
 }
 
-/// Makes a solver for hierarchies of this one's shape, with settings, or null for the default ones.
+/// Creates a solver for hierarchies with the shape of this one. Null settings are the default ones.
 ///
 /// # Safety
 /// The hierarchy is valid; `settings` points to settings or is null; `out` points to room for a pointer.
@@ -80,7 +80,7 @@ pub unsafe extern "C" fn ahqp_solver_new(
     })
 }
 
-/// Frees a solver. Null is none.
+/// Frees a solver. A null pointer is allowed.
 ///
 /// # Safety
 /// `solver` came from `ahqp_solver_new` and is not used again.
@@ -90,10 +90,10 @@ pub unsafe extern "C" fn ahqp_solver_free(solver: *mut AhqpSolver) {
     unsafe { free(solver) }
 }
 
-/// Solves a hierarchy of the shape that the solver was made for, in at most `iterations` (0: as many as the
-/// settings allow) and `time` \[s\] (0: any), and writes x. Allocates nothing, unless it returns an error.
+/// Solves a hierarchy of the shape that the solver was made for, and writes x. `iterations` limits the iterations (0:
+/// the limit of the settings) and `time` the time \[s\] (0: no limit). Allocates nothing, unless it returns an error.
 ///
-/// Returns `AHQP_STATUS_OK` at the optimum, or `…_LIMIT` with x as far as it came.
+/// Returns `AHQP_STATUS_OK` at the optimum, or `…_LIMIT` with the best x so far.
 ///
 /// # Safety
 /// The handles are valid; `x` points to `size` numbers.
@@ -122,13 +122,13 @@ pub unsafe extern "C" fn ahqp_solver_solve(
         };
         let solution = solver.solver.solve_within(hierarchy, budget)?;
         solver.iterations = solution.iterations();
-        // A solver that was made for this shape has as many.
+        // A solver that was made for this shape has as many variables.
         x.iter_mut().zip(solution.best()).for_each(|(to, from)| *to = *from);
         Ok(status(solution.status()))
     })
 }
 
-/// Iterations of the last solve; 0 for null.
+/// Returns the number of iterations of the last solve; 0 for null.
 ///
 /// # Safety
 /// The handle is valid or null.
@@ -138,7 +138,7 @@ pub unsafe extern "C" fn ahqp_solver_iterations(solver: *const AhqpSolver) -> us
     unsafe { solver.as_ref() }.map_or(0, |solver| solver.iterations)
 }
 
-/// How many rows cannot hold together, after a solve that returned `AHQP_STATUS_INFEASIBLE`; else 0.
+/// Returns the number of rows that cannot hold together, after a solve that returned `AHQP_STATUS_INFEASIBLE`; else 0.
 ///
 /// # Safety
 /// The handle is valid or null.
@@ -148,7 +148,7 @@ pub unsafe extern "C" fn ahqp_solver_conflict_count(solver: *const AhqpSolver) -
     unsafe { solver.as_ref() }.map_or(0, |solver| solver.solver.conflict().len())
 }
 
-/// One of these rows in words, UTF-8 with a zero byte at its end, cut where there is no more room.
+/// Describes one of these rows in words: UTF-8 with a zero byte at its end, cut if it does not fit.
 ///
 /// # Safety
 /// The handles are valid; `text` points to `size` bytes.

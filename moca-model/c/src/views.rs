@@ -1,4 +1,4 @@
-//! Numbers and texts of the caller's.
+//! Numbers and texts of the caller.
 
 use std::ffi::{CStr, c_char};
 
@@ -6,37 +6,37 @@ use ahqp_core::CoefficientMatrix;
 
 use crate::failure::{AhqpStatus, Failure, Result};
 
-/// Numbers one after another, to be read. A null pointer stands for none at all where that is allowed.
+/// Contiguous numbers to read. A null pointer stands for an absent vector where that is allowed.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct AhqpVector {
-    /// The first number.
+    /// Pointer to the first number.
     pub data: *const f64,
-    /// How many there are.
+    /// Number of elements.
     pub size: usize,
 }
 
-/// A matrix to be read, in any layout.
+/// Matrix to read, in any layout.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct AhqpMatrix {
-    /// The number in the first row and column.
+    /// Pointer to the number in the first row and column.
     pub data: *const f64,
-    /// How many rows it has.
+    /// Number of rows.
     pub rows: usize,
-    /// How many columns it has.
+    /// Number of columns.
     pub columns: usize,
-    /// How many numbers a row is from the next one: the count of columns, where rows follow each other.
+    /// Distance from one row to the next, in numbers: the number of columns if rows are contiguous.
     pub row_stride: usize,
-    /// How many numbers a column is from the next one: 1, where rows follow each other.
+    /// Distance from one column to the next, in numbers: 1 if rows are contiguous.
     pub column_stride: usize,
 }
 
-/// Numbers beyond would not fit into memory several times.
+/// Largest number of entries. More would not fit into memory several times.
 const MOST_ENTRIES: usize = 1 << 26;
 
 impl AhqpVector {
-    /// Nothing for a null pointer.
+    /// Returns the numbers, or `None` for a null pointer.
     ///
     /// # Safety
     /// `data`, if not null, points to `size` numbers that nobody writes while the result is in use.
@@ -54,10 +54,10 @@ impl AhqpVector {
         Ok(Some(unsafe { std::slice::from_raw_parts(self.data, size) }))
     }
 
-    /// An error for a null pointer.
+    /// Returns the numbers, or an error for a null pointer.
     ///
     /// # Safety
-    /// As of [`optional`](Self::optional).
+    /// See [`optional`](Self::optional).
     pub(crate) unsafe fn required<'a>(self, what: &str, size: usize) -> Result<&'a [f64]> {
         // SAFETY: the caller promises what is needed.
         unsafe { self.optional(what, size) }?.ok_or_else(|| Failure::null(what))
@@ -68,12 +68,12 @@ fn unaligned(what: &str) -> Failure {
     Failure::new(AhqpStatus::BadArgument, &format_args!("{what} is not aligned to 8 bytes"))
 }
 
-/// A matrix whose pointer and sizes are checked.
+/// Matrix whose pointer and sizes are checked.
 #[derive(Debug)]
 pub(crate) struct Matrix(AhqpMatrix);
 
 impl AhqpMatrix {
-    /// Nothing for a null pointer.
+    /// Returns the matrix, or `None` for a null pointer.
     ///
     /// # Safety
     /// `data`, if not null, points to numbers at all of the strides' multiples, which nobody writes while
@@ -96,7 +96,8 @@ impl AhqpMatrix {
         Ok(if self.data.is_null() { None } else { Some(Matrix(self)) })
     }
 
-    /// How far the last number is from the first, in bytes, if that can be: not so with a negative stride.
+    /// Returns the offset of the last number from the first \[bytes\]. Returns `None` if there is no valid offset, as
+    /// for a negative stride.
     fn last_offset(&self) -> Option<isize> {
         let rows = self.rows.saturating_sub(1).checked_mul(self.row_stride)?;
         let columns = self.columns.saturating_sub(1).checked_mul(self.column_stride)?;
@@ -104,10 +105,10 @@ impl AhqpMatrix {
         bytes.try_into().ok()
     }
 
-    /// An error for a null pointer.
+    /// Returns the matrix, or an error for a null pointer.
     ///
     /// # Safety
-    /// As of [`optional`](Self::optional).
+    /// See [`optional`](Self::optional).
     pub(crate) unsafe fn required(self, what: &str) -> Result<Matrix> {
         // SAFETY: the caller promises what is needed.
         unsafe { self.optional(what) }?.ok_or_else(|| Failure::null(what))
@@ -131,7 +132,7 @@ impl CoefficientMatrix for Matrix {
     }
 }
 
-/// Numbers to be written.
+/// Returns numbers to write.
 ///
 /// # Safety
 /// `data`, if not null, points to `size` numbers that nobody else uses while the result is in use.
@@ -154,7 +155,7 @@ pub(crate) unsafe fn output<'a>(
     Ok(unsafe { std::slice::from_raw_parts_mut(data, size) })
 }
 
-/// A text that ends with a zero byte; nothing for a null pointer.
+/// Returns a text that ends with a zero byte, or `None` for a null pointer.
 ///
 /// # Safety
 /// `text`, if not null, points to bytes up to a zero byte that nobody writes while the result is in use.
@@ -168,10 +169,10 @@ pub(crate) unsafe fn optional_text<'a>(what: &str, text: *const c_char) -> Resul
     text.to_str().map(Some).map_err(wrong)
 }
 
-/// The same where there must be one.
+/// Returns a text, or an error for a null pointer.
 ///
 /// # Safety
-/// As of [`optional_text`].
+/// See [`optional_text`].
 pub(crate) unsafe fn text<'a>(what: &str, text: *const c_char) -> Result<&'a str> {
     // SAFETY: the caller promises what is needed.
     unsafe { optional_text(what, text) }?.ok_or_else(|| Failure::null(what))

@@ -1,12 +1,12 @@
-//! What people should know before the robot moves.
+//! Information for people before the robot moves.
 
 use moca_model::whole_body::control_loop::{ControlLaw, JointCommand, JointMeasurement};
 use moca_model::{Error, LoopController};
 
 use super::fault_log::FaultLog;
 
-/// A [`LoopController`] that tells people, once and before the first command, what it does without; and remembers its
-/// faults.
+/// A [`LoopController`] that tells people once, before the first command, which inputs are missing. It also keeps a log
+/// of its faults.
 #[derive(Debug)]
 pub struct AnnouncedLaw<F> {
     law: LoopController,
@@ -15,12 +15,12 @@ pub struct AnnouncedLaw<F> {
 }
 
 impl<F: FnMut(&str)> AnnouncedLaw<F> {
-    /// Of this law, with what tells people.
+    /// Creates a law from a controller and the function that tells people.
     pub fn new(law: LoopController, tell: F) -> Self {
         Self { law, tell, faults: FaultLog::default() }
     }
 
-    /// What went wrong so far.
+    /// Returns the faults so far.
     pub fn faults(&self) -> &FaultLog {
         &self.faults
     }

@@ -1,31 +1,31 @@
-//! Which commands a robot does not take.
+//! Commands that a robot refuses.
 
 use moca_model::whole_body::Model;
 use moca_model::whole_body::control_loop::JointCommand;
 use moca_model::{MOCA_BASE_JOINTS, MOCA_JOINTS};
 
-/// How far beyond a limit a command may be: rounding, and lists of limits that differ a little.
+/// Factor by which a command may exceed a limit: it covers rounding, and lists of limits that differ a little.
 const MARGIN: f64 = 1.05;
-/// A command that begins after a stop asks at most for this speed \[m/s or rad/s\].
+/// Largest speed of a command that begins after a stop \[m/s or rad/s\].
 const REST: f64 = 0.02;
 
-/// Why a robot does not take a command.
+/// Why a robot refuses a command.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CommandRefusal {
-    /// A number is beyond the limits of its joint, by more than a twentieth of them.
+    /// A number exceeds the limit of its joint by more than 5 %.
     #[error("a command with {what} {value} of joint {joint}, which takes at most {limit}")]
     Limit {
         /// `velocity` \[m/s or rad/s\] or `torque` \[N or Nm\].
         what: &'static str,
-        /// The joint.
+        /// Joint.
         joint: &'static str,
-        /// The number.
+        /// Number in the command.
         value: f64,
-        /// The limit.
+        /// Limit of the joint.
         limit: f64,
     },
-    /// The robot has stopped by itself, and still moves.
+    /// The robot has stopped by itself and still moves.
     #[error("a command while the robot brakes that stopped by itself")]
     Braking,
     /// The robot stopped by itself, and the command does not begin at rest.
@@ -34,29 +34,29 @@ pub enum CommandRefusal {
          at most {REST}"
     )]
     NotAtRest {
-        /// Of the base's fastest axis.
+        /// Speed of the base's fastest axis.
         speed: f64,
     },
 }
 
-/// The limits that a robot's side holds commands to.
+/// Limits that the robot's side applies to commands.
 #[derive(Clone, Debug)]
 pub(crate) struct CommandLimits {
-    /// Speed and torque of each joint.
+    /// Largest speed and torque of each joint.
     joints: Vec<[f64; 2]>,
 }
 
 impl CommandLimits {
-    /// Those of MOCA: the limits of its URDF with a margin of a twentieth.
+    /// Creates the limits of MOCA: those of its URDF with a margin of 5 %.
     pub(crate) fn new(model: &Model) -> Self {
         let limits = model.limits().iter();
         Self { joints: limits.map(|limits| [limits.velocity, limits.effort]).collect() }
     }
 
-    /// Checks velocities of all joints and torques of the arm.
+    /// Checks the velocities of all joints and the torques of the arm.
     ///
     /// # Errors
-    /// [`CommandRefusal::Limit`] names the first number that is beyond.
+    /// [`CommandRefusal::Limit`] for the first number that is out of range.
     pub(crate) fn check(&self, command: &JointCommand) -> Result<(), CommandRefusal> {
         let joints = self.joints.iter().zip(command.velocity.iter().zip(&command.torque));
         for (index, ([fastest, strongest], (velocity, torque))) in joints.enumerate() {

@@ -1,4 +1,4 @@
-//! How a loop went, for people and for programs.
+//! Summary of a loop, for people and for programs.
 
 use std::fmt;
 
@@ -9,24 +9,24 @@ use serde::Serialize;
 
 use super::fault_log::{FaultLog, FaultReport};
 
-/// How a loop ended, how well the deadlines were kept, and which faults there were.
+/// End of a loop, how well the deadlines were kept, and the faults.
 #[derive(Debug, Serialize)]
 pub struct DriveReport {
     /// Why the loop stopped.
     #[serde(skip)]
     pub cause: StopCause,
     ended: &'static str,
-    /// None if nobody knows.
+    /// `None` if this is unknown.
     at_rest: Option<bool>,
     ticks: u64,
     missed: u64,
-    /// Ticks so late that others were missed.
+    /// Number of ticks that were so late that others were missed.
     late: u64,
     unmeasured: u64,
     latency_us: Times,
     duration_us: Times,
     faults: Vec<FaultReport>,
-    /// For people.
+    /// First faults, as text for people.
     #[serde(skip)]
     first_faults: String,
 }
@@ -41,7 +41,7 @@ struct Times {
 }
 
 impl DriveReport {
-    /// Of a loop that ended.
+    /// Creates the report of a loop that ended.
     pub fn new(ending: LoopEnding, statistics: &DeadlineStatistics, faults: &FaultLog) -> Self {
         let times = |histogram: &TimeHistogram| Times {
             p50: 1e6 * histogram.quantile(0.5),

@@ -1,21 +1,21 @@
-//! When faults began, and how long they lasted.
+//! When faults began and how long they lasted.
 
 use hrsw_safety::Fault;
 use serde::Serialize;
 
-/// More faults than these are only counted.
+/// Largest number of faults that are listed; further ones are only counted.
 const MOST: usize = 1000;
 
-/// A fault without interruption.
+/// Fault without interruption.
 #[derive(Clone, Debug, PartialEq)]
 struct Episode {
     fault: Fault,
-    /// The first and the last tick with it \[s since the first tick\].
+    /// First and last tick with the fault \[s since the first tick\].
     begin: f64,
     end: f64,
 }
 
-/// The faults of a loop, in their order.
+/// Faults of a loop in the order of time.
 ///
 /// ```
 /// use moca_drivers::FaultLog;
@@ -45,7 +45,7 @@ impl Default for FaultLog {
 }
 
 impl FaultLog {
-    /// Takes the worst fault of a tick, if it has one. Allocates nothing.
+    /// Adds the worst fault of a tick, if it has one. Allocates nothing.
     pub fn push(&mut self, now: f64, fault: Option<Fault>) {
         let time = now - *self.first.get_or_insert(now);
         let Some(fault) = fault else {
@@ -85,11 +85,11 @@ impl std::fmt::Display for FaultLog {
     }
 }
 
-/// A fault without interruption, for programs.
+/// Fault without interruption, for programs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub(super) struct FaultReport {
     fault: String,
-    /// The first and the last tick with it \[s since the first tick\].
+    /// First and last tick with the fault \[s since the first tick\].
     begin: f64,
     end: f64,
 }

@@ -1,4 +1,4 @@
-//! What two ends of a connection know of each other's packets.
+//! What both ends of a connection know about each other's packets.
 
 use std::fmt;
 use std::mem::discriminant;
@@ -10,52 +10,52 @@ use serde::Serialize;
 use super::command_limits::CommandRefusal;
 use super::packet_error::PacketError;
 
-/// More packets than these wait for the next call.
+/// Largest number of packets that are read in one call; the others wait for the next call.
 pub(super) const MOST: usize = 256;
-/// Longer than any packet.
+/// Size of the receive buffer \[bytes\]. It is larger than any packet.
 pub(super) const LARGEST: usize = 64 * 1024;
-/// A counter may be so far ahead at once, and by so many a millisecond that has passed.
+/// Number of counts by which a counter may jump ahead, at once and per millisecond that has passed.
 const AHEAD: u64 = 16;
 const AHEAD_A_MILLISECOND: u64 = 4;
-/// No sender has sent so many packets: at 4 kHz it would take two thousand years.
+/// Counter that no sender reaches: at 4 kHz it would take two thousand years.
 const EVER: u64 = 1 << 48;
 
-/// Why a packet that has come does not count.
+/// Why a received packet does not count.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LinkRefusal {
-    /// It is no packet of this protocol.
+    /// The bytes are no packet of this protocol.
     #[error(transparent)]
     Packet(#[from] PacketError),
-    /// It goes the other way.
+    /// The packet belongs to the other direction.
     #[error("it is what this end sends, not what it takes")]
     Direction,
-    /// It is of another session, or of somebody else.
+    /// The packet belongs to another session or comes from another sender.
     #[error("it is of another session")]
     Session,
-    /// A newer one has come before it.
+    /// A newer packet came before this one.
     #[error("a newer one has come before it")]
     Overtaken,
-    /// Its counter is farther ahead than anybody can have sent packets since the one before.
+    /// The counter is farther ahead than any sender can have reached since the packet before.
     #[error("its counter is {counter}, and can be at most {most}")]
     Ahead {
-        /// Its counter.
+        /// Counter of the packet.
         counter: u64,
-        /// What it can be.
+        /// Largest possible counter.
         most: u64,
     },
-    /// The robot obeys somebody else, or still moves.
+    /// The robot obeys another controller, or still moves.
     #[error("the robot obeys somebody else, or has not come to rest")]
     Busy,
-    /// It comes from where nobody can be answered.
+    /// The packet comes from an address that cannot be answered.
     #[error("it comes from {0}, which cannot be answered")]
     Address(SocketAddr),
-    /// A command that the robot does not take.
+    /// The robot refuses the command.
     #[error(transparent)]
     Command(#[from] CommandRefusal),
 }
 
-/// The newest counter of a session, and when it came.
+/// Newest counter of a session, and when it came.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Newest {
     counter: u64,
@@ -63,7 +63,7 @@ pub(super) struct Newest {
 }
 
 impl Newest {
-    /// Begins with a counter that the other end may have reached.
+    /// Starts with a counter that the other end can have reached.
     pub(super) fn begin(counter: u64) -> Result<Self, LinkRefusal> {
         if counter >= EVER {
             return Err(LinkRefusal::Ahead { counter, most: EVER });
@@ -71,7 +71,7 @@ impl Newest {
         Ok(Self { counter, at: Instant::now() })
     }
 
-    /// Takes a counter that is newer, and can have been reached since.
+    /// Accepts a counter that is newer and that the sender can have reached since the last one.
     pub(super) fn admit(&mut self, counter: u64) -> Result<(), LinkRefusal> {
         let now = Instant::now();
         if counter <= self.counter {
@@ -86,34 +86,34 @@ impl Newest {
         Ok(())
     }
 
-    /// The time since it came.
+    /// Returns the time since the newest counter came.
     pub(super) fn age(&self) -> Duration {
         self.at.elapsed()
     }
 }
 
-/// How many packets were refused for one reason.
+/// Number of packets that were refused for one reason.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RefusedPackets {
-    /// Why, of the last of them.
+    /// Reason of the last of these packets.
     pub refusal: LinkRefusal,
-    /// How many.
+    /// Number of packets.
     pub count: u64,
 }
 
-/// What went over a connection at one end of it.
+/// Counts of the packets at one end of a connection.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LinkStatistics {
-    /// Packets that were taken.
+    /// Number of packets that were accepted.
     pub taken: u64,
-    /// Sends and receives that the system refused: each counts as a packet that was lost.
+    /// Number of sends and receives that the operating system refused. Each counts as a lost packet.
     pub lost: u64,
     refused: Vec<RefusedPackets>,
 }
 
 impl Default for LinkStatistics {
     fn default() -> Self {
-        // More than there are reasons: the loop must not allocate.
+        // The capacity exceeds the number of reasons, because the loop must not allocate.
         Self { taken: 0, lost: 0, refused: Vec::with_capacity(32) }
     }
 }
@@ -136,18 +136,18 @@ impl LinkStatistics {
         }
     }
 
-    /// The packets that were refused, by reason.
+    /// Returns the number of refused packets for each reason.
     pub fn refused(&self) -> &[RefusedPackets] {
         &self.refused
     }
 
-    /// How many packets were refused.
+    /// Returns the number of all refused packets.
     pub fn refused_count(&self) -> u64 {
         self.refused.iter().map(|refused| refused.count).sum()
     }
 }
 
-/// What went over a connection, for people and for programs.
+/// Packets of a connection, for people and for programs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LinkReport {
     taken: u64,
@@ -158,7 +158,7 @@ pub struct LinkReport {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 struct RefusalReport {
     count: u64,
-    /// Of the last.
+    /// Reason of the last refusal.
     because: String,
 }
 

@@ -1,4 +1,4 @@
-//! A robot that is reached by UDP, whose packets are the clock.
+//! A robot that is reached by UDP and whose packets are the clock.
 
 use std::io;
 use std::time::Duration;
@@ -8,9 +8,9 @@ use moca_model::whole_body::control_loop::{JointCommand, JointMeasurement, Recei
 use super::link::LinkStatistics;
 use super::udp::UdpSide;
 
-/// How long the next packet may take to come.
+/// Longest time to wait for the next packet.
 const PATIENCE: Duration = Duration::from_secs(5);
-/// The number of each session: nothing of it is chosen at random, so that the same run twice sends the same bytes.
+/// Number of each session. It is fixed instead of random, so that two runs with equal inputs send equal bytes.
 const SESSION: u64 = 1;
 
 /// Why a loop in lockstep ends.
@@ -26,10 +26,10 @@ pub enum LockstepError {
     Silent,
 }
 
-/// The loop's end of a connection in lockstep: each packet of the robot's is one period, however long it takes to come.
+/// The loop's end of a connection in lockstep. Each packet of the robot is one period, however long it takes to come.
 ///
-/// The robot answers every hello and every command with one packet: a measurement, or one that says that it measured
-/// nothing. The loop waits for it on a clock that only its own waits move on
+/// The robot answers every hello and every command with one packet. This is a measurement, or a packet that says that
+/// nothing was measured. The loop waits for it on a clock that only its own waits advance
 /// ([`ManualClock`](moca_model::whole_body::control_loop::ManualClock)).
 #[derive(Debug)]
 pub struct LockstepSide {
@@ -37,15 +37,15 @@ pub struct LockstepSide {
 }
 
 impl LockstepSide {
-    /// Over a connection that has not been used.
+    /// Creates the end of the connection from a side that has not been used.
     ///
     /// # Errors
-    /// What the system says.
+    /// The error that the operating system reports.
     pub fn new(side: UdpSide) -> io::Result<Self> {
         Ok(Self { side: side.waiting(SESSION, PATIENCE)? })
     }
 
-    /// What went over the connection.
+    /// Returns the counts of the connection's packets.
     pub fn statistics(&self) -> &LinkStatistics {
         self.side.statistics()
     }
@@ -59,7 +59,7 @@ impl RobotSide for LockstepSide {
     }
 
     fn send(&mut self, command: &JointCommand) -> Result<(), LockstepError> {
-        // What cannot be sent is not answered.
+        // A command that cannot be sent is not answered either.
         self.side.send(command).or(Ok(()))
     }
 

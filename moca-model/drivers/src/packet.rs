@@ -1,4 +1,4 @@
-//! Packets between a loop and a robot; their bytes are on the book's page on real robots.
+//! Packets between a loop and a robot. The book's page on real robots describes their bytes.
 
 use moca_model::whole_body::control_loop::{
     JointCommand, JointMeasurement, RobotMode, RobotStatus,
@@ -7,36 +7,36 @@ use moca_model::whole_body::control_loop::{
 use super::packet_error::PacketError;
 use super::shared_key::{CODE, SharedKey};
 
-/// What a packet is.
+/// Kind of a packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PacketKind {
-    /// Of the robot: positions, velocities, torques, and its own status.
+    /// From the robot: positions, velocities, torques and its own status.
     Measurement,
-    /// Of the robot, in lockstep: a period in which it measures nothing.
+    /// From the robot, in lockstep: a period without a measurement.
     Nothing,
     /// To the robot: positions, velocities, torques.
     Command,
-    /// To the robot: somebody asks for one measurement.
+    /// To the robot: request of one measurement.
     Hello,
-    /// To the robot: no command comes any more.
+    /// To the robot: no further command comes.
     Halt,
 }
 
-/// What every packet begins with.
+/// Head of every packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PacketHead {
-    /// What it is.
+    /// Kind of the packet.
     pub kind: PacketKind,
-    /// The number that the controller chose for its session.
+    /// Number that the controller chose for its session.
     pub controller: u64,
-    /// The number that the robot chose for the session; zero in a hello.
+    /// Number that the robot chose for the session; zero in a hello.
     pub robot: u64,
-    /// The packet's number in its session and direction.
+    /// Number of the packet in its session and direction.
     pub counter: u64,
 }
 
 const VERSION: u8 = b'2';
-/// Where the parts of a packet begin.
+/// Positions of the parts of a packet.
 const MARK: usize = 0;
 const JOINTS: usize = 4;
 const MODE: usize = 6;
@@ -46,7 +46,7 @@ const ROBOT: usize = 16;
 const COUNTER: usize = 24;
 const NUMBERS: usize = 32;
 
-/// A packet with room for the packets of one robot.
+/// Buffer for the packets of one robot.
 ///
 /// ```
 /// use moca_drivers::{Packet, PacketHead, PacketKind};
@@ -103,18 +103,18 @@ impl PacketKind {
 }
 
 impl Packet {
-    /// For a robot of so many joints, with a code of the key if there is one.
+    /// Creates the buffer for a robot with `joints` joints. Each packet ends with a code if there is a key.
     pub fn new(joints: usize, key: Option<&SharedKey>) -> Self {
         let length = NUMBERS + 25 * joints + key.map_or(0, |_| CODE);
         Self { bytes: vec![0; length], joints, key: key.cloned() }
     }
 
-    /// Its bytes.
+    /// Returns the bytes of the packet.
     pub fn bytes(&self) -> &[u8] {
         &self.bytes
     }
 
-    /// Becomes a packet without numbers: a hello, a halt, or nothing measured.
+    /// Becomes a packet without numbers: a hello, a halt, or a period without a measurement.
     pub fn write(&mut self, head: PacketHead) {
         self.begin(head);
         self.seal();
@@ -146,10 +146,10 @@ impl Packet {
         self.seal();
     }
 
-    /// Takes the bytes of a packet that has come; what it begins with.
+    /// Takes the bytes of a received packet and returns its head.
     ///
     /// # Errors
-    /// Why it is none; what was taken before then stays.
+    /// Why the bytes are no valid packet. The packet that was taken before is then kept.
     pub fn take(&mut self, bytes: &[u8]) -> Result<PacketHead, PacketError> {
         let (found, expected) = (bytes.len(), self.bytes.len());
         let sized = PacketError::Size { found, expected };
@@ -174,7 +174,7 @@ impl Packet {
         Ok(PacketHead { kind, controller, robot, counter })
     }
 
-    /// Reads the command that was taken.
+    /// Reads the command that was taken into `command`.
     pub fn read_command(&self, command: &mut JointCommand) {
         let JointCommand { position, velocity, torque } = command;
         for (part, own) in [position, velocity, torque].into_iter().enumerate() {
@@ -182,7 +182,7 @@ impl Packet {
         }
     }
 
-    /// Reads the measurement that was taken, with the robot's status; the age is not in it.
+    /// Reads the measurement that was taken, and the robot's status, into `measured`. The age is not in a packet.
     pub fn read_measurement(&self, measured: &mut JointMeasurement) {
         let JointMeasurement { position, velocity, torque, robot, .. } = measured;
         for (part, own) in [position, velocity].into_iter().enumerate() {
@@ -216,7 +216,7 @@ impl Packet {
         }
     }
 
-    /// Writes positions, velocities or torques: part 0, 1 or 2.
+    /// Writes numbers of a part: 0 for positions, 1 for velocities, 2 for torques.
     fn put_numbers(&mut self, part: usize, numbers: impl Iterator<Item = f64>) {
         let begin = NUMBERS + 8 * self.joints * part;
         for (joint, number) in numbers.take(self.joints).enumerate() {
@@ -237,7 +237,7 @@ impl Packet {
         doubles(body).take(self.joints)
     }
 
-    /// Checks that each byte means something, and one thing.
+    /// Checks that each byte has exactly one meaning.
     fn check_content(&self, kind: PacketKind, bytes: &[u8]) -> Result<(), PacketError> {
         let [mode, took] = array(bytes, MODE).unwrap_or_default();
         let numbers = bytes.get(NUMBERS..NUMBERS + 24 * self.joints).unwrap_or_default();
@@ -268,7 +268,7 @@ impl Packet {
     }
 }
 
-/// The code of a mode; one that this version does not know is a stop.
+/// Returns the code of a mode. A mode that this version does not know counts as a stop.
 fn mode_code(mode: Option<RobotMode>) -> u8 {
     match mode {
         None => 0,
@@ -279,7 +279,7 @@ fn mode_code(mode: Option<RobotMode>) -> u8 {
     }
 }
 
-/// The mode of a code, if it is one.
+/// Returns the mode of a code; `None` if no mode has this code.
 #[expect(clippy::option_option, reason = "a code of no mode, and a robot that says none")]
 fn mode_of(code: u8) -> Option<Option<RobotMode>> {
     match code {

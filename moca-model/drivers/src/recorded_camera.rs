@@ -1,31 +1,31 @@
-//! A camera that shows what was recorded.
+//! Camera that plays a recording.
 
 use std::sync::mpsc::SyncSender;
 
 use moca_model::CameraFrame;
 
-/// Between the last frame and the first \[s\].
+/// Pause between the last frame and the first \[s\].
 const PAUSE: f64 = 0.05;
 
-/// Plays camera frames again and again at their pace, stamped with the time of the loop.
+/// Plays camera frames in a loop at their recorded rate, stamped with the time of the control loop.
 #[derive(Debug)]
 pub struct RecordedCamera {
     frames: Vec<CameraFrame>,
     to: SyncSender<CameraFrame>,
-    /// When the recording began \[s\]; none before the first look.
+    /// Time at which the recording began \[s\]; `None` before the first call.
     begun: Option<f64>,
     next: usize,
     shown: u64,
 }
 
 impl RecordedCamera {
-    /// Makes one from frames in the order of their times, and where they go.
+    /// Creates a camera from frames in the order of their times. It sends them to `to`.
     pub fn new(frames: Vec<CameraFrame>, to: SyncSender<CameraFrame>) -> Self {
         Self { frames, to, begun: None, next: 0, shown: 0 }
     }
 
-    /// Shows the frames that are due at `now` \[s\]; how many were shown so far, and when the next is due \[s\]. A loop that
-    /// takes none for a while misses these, as it would miss a camera's.
+    /// Shows the frames that are due at `now` \[s\]. Returns the number of frames so far and the time at which the next
+    /// one is due \[s\]. A loop that reads no frames for a while misses them, as with a real camera.
     pub fn show(&mut self, now: f64) -> (u64, f64) {
         let begun = *self.begun.get_or_insert(now);
         let first = self.frames.first().map_or(0.0, |frame| frame.percept.time);

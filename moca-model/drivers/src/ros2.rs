@@ -1,8 +1,9 @@
-//! A robot that is reached by ROS 2, over DDS; and the simulated robot behind it, with the person whom it sees.
+//! A robot that is reached by ROS 2 over DDS. Also the simulated robot behind it, with the person in front of its
+//! camera.
 //!
-//! The loop never waits for DDS: two threads of [`Ros2Side`] speak it, one that takes messages and one that publishes
-//! them, and hand numbers to and from the loop without a lock. What a message must be like is in [`Measurements`],
-//! [`Perceived`] and [`Commands`], which know nothing of DDS.
+//! The loop never waits for DDS. [`Ros2Side`] has two threads for it, one that takes messages and one that publishes
+//! them. They exchange numbers with the loop without a lock. [`Measurements`], [`Perceived`] and [`Commands`] define
+//! which messages are valid; they do not depend on DDS.
 
 mod commands;
 mod domain;
@@ -37,10 +38,10 @@ pub use stamps::{StampWindow, Stamps};
 pub use statistics::{RefusalCount, TopicStatistics};
 pub use topic::{JointInterface, Topic};
 
-/// The ROS 2 client that speaks DDS, in the version that is used here.
+/// ROS 2 client that speaks DDS, in the version that this crate uses.
 pub use ros2_client;
 
-/// The frame of odometry and persons: x and y on the floor, z up.
+/// Frame of odometry and people: x and y on the floor, z up.
 pub const WORLD_FRAME: &str = "odom";
-/// The frame of the base: x forwards, y to the left, z up, on the floor.
+/// Frame of the base: x forwards, y to the left, z up, on the floor.
 pub const BASE_FRAME: &str = "base_footprint";

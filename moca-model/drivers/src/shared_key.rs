@@ -1,4 +1,4 @@
-//! A key that loop and robot share.
+//! Key that loop and robot share.
 
 use std::fmt;
 use std::path::Path;
@@ -6,37 +6,37 @@ use std::path::Path;
 use hmac::{Hmac, Mac};
 use sha2::Sha256;
 
-/// The bytes of a code.
+/// Number of bytes of a code.
 pub(super) const CODE: usize = 32;
-/// The fewest bytes of a key.
+/// Smallest number of bytes of a key.
 const SHORTEST: usize = 32;
-/// The most: a file of something else is longer.
+/// Largest number of bytes of a key. A longer file contains something else.
 const LONGEST: u64 = 4096;
 
-/// A key that loop and robot share: each packet ends with its HMAC-SHA-256 (RFC 2104).
+/// Key that loop and robot share. Each packet then ends with its HMAC-SHA-256 (RFC 2104).
 #[derive(Clone)]
 pub struct SharedKey(Hmac<Sha256>);
 
-/// Why a file or a text is no key.
+/// Why a file or a text is no valid key.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum KeyError {
     /// The file cannot be read.
     #[error("the key cannot be read: {0}")]
     File(#[from] std::io::Error),
-    /// It is too short or too long.
+    /// The key is too short or too long.
     #[error(
         "the key has {found} bytes, expected {SHORTEST} to {LONGEST}: make one by \
          `head -c 32 /dev/urandom > robot.key`"
     )]
     Size {
-        /// Its bytes.
+        /// Number of bytes.
         found: u64,
     },
 }
 
 impl SharedKey {
-    /// The key of these bytes, as they are.
+    /// Creates a key from bytes, which are used unchanged.
     ///
     /// # Errors
     /// [`KeyError::Size`]
@@ -47,7 +47,7 @@ impl SharedKey {
         keyed.filter(|_| fits).map(Self).ok_or(KeyError::Size { found })
     }
 
-    /// The key of a file's bytes, as they are.
+    /// Reads a key from a file, whose bytes are used unchanged.
     ///
     /// # Errors
     /// [`KeyError`]
@@ -58,12 +58,12 @@ impl SharedKey {
         Self::new(&bytes)
     }
 
-    /// The code of these bytes.
+    /// Returns the code of these bytes.
     pub(super) fn code(&self, bytes: &[u8]) -> [u8; CODE] {
         self.0.clone().chain_update(bytes).finalize().into_bytes().into()
     }
 
-    /// Returns true if the code is that of these bytes; takes as long for a wrong one.
+    /// Returns true if the code belongs to these bytes. A wrong code takes as long as a right one.
     pub(super) fn agrees(&self, bytes: &[u8], code: &[u8; CODE]) -> bool {
         self.0.clone().chain_update(bytes).verify(code.into()).is_ok()
     }

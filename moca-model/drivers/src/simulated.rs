@@ -1,4 +1,4 @@
-//! The simulated robot in the process of the loop.
+//! Simulated robot in the process of the loop.
 
 use std::fmt;
 
@@ -10,13 +10,13 @@ use moca_model::{DynamicRobot, DynamicRobotSettings, Error, MOCA_BASE_JOINTS, mo
 
 use super::command_limits::{CommandLimits, CommandRefusal};
 
-/// A robot with all joints slower than this is at rest \[m/s or rad/s\].
+/// Largest joint speed of a robot that counts as at rest \[m/s or rad/s\].
 const REST: f64 = 0.01;
 
-/// MOCA as rigid bodies, which moves for a period with every command.
+/// MOCA as rigid bodies. It moves for one period with every command.
 ///
-/// It takes no command that its limits exclude: such a one counts as lost. A robot that has stopped by itself
-/// takes commands again once it stands, from one on that begins at rest.
+/// A command beyond its limits is refused and counts as lost. A robot that has stopped by itself accepts commands again
+/// once it stands still, if the first of them begins at rest.
 #[derive(Debug)]
 pub struct SimulatedSide {
     robot: DynamicRobot,
@@ -26,7 +26,7 @@ pub struct SimulatedSide {
     refused: u64,
 }
 
-/// Noise of the caller's choice.
+/// Source of noise that the caller chooses.
 struct Noise(Box<dyn RandomSource + Send>);
 
 impl fmt::Debug for Noise {
@@ -46,10 +46,10 @@ impl RandomSource for Noise {
 }
 
 impl SimulatedSide {
-    /// At rest at `start` \[m, rad\], with a control `period` \[s\] and this noise.
+    /// Creates a robot at rest at `start` \[m, rad\], with a control `period` \[s\] and this noise.
     ///
     /// # Errors
-    /// A start that is no configuration.
+    /// A start that is no valid configuration.
     pub fn new(
         start: &[f64],
         period: f64,
@@ -61,25 +61,25 @@ impl SimulatedSide {
         Ok(Self { robot, limits, noise, period, refused: 0 })
     }
 
-    /// Commands that the robot did not take, because of its limits or of a stop of its own.
+    /// Returns the number of commands that the robot refused because of its limits or because it had stopped by itself.
     pub fn refused(&self) -> u64 {
         self.refused
     }
 
-    /// What the robot says of itself.
+    /// Returns the status that the robot reports.
     pub fn status(&self) -> RobotStatus {
         self.robot.status()
     }
 
-    /// Whether all joints rest.
+    /// Returns true if all joints are at rest.
     pub fn is_at_rest(&self) -> bool {
         self.robot.simulation().velocity().iter().all(|velocity| velocity.abs() < REST)
     }
 
-    /// Checks whether the robot takes a command.
+    /// Checks whether the robot accepts a command.
     ///
     /// # Errors
-    /// Why it does not; the refusal is counted.
+    /// Why the robot refuses the command; the refusal is counted.
     pub fn check(&mut self, command: &JointCommand) -> Result<(), CommandRefusal> {
         let checked = self.limits.check(command).and_then(|()| {
             if !self.status().is_stopped() {
@@ -94,7 +94,7 @@ impl SimulatedSide {
         checked
     }
 
-    /// Moves for a period as a command says that was checked.
+    /// Moves for one period by a command that was checked.
     ///
     /// # Errors
     /// Those of the simulation.
@@ -106,7 +106,7 @@ impl SimulatedSide {
         self.robot.drive(&command.velocity, torque, &[], self.period, &mut self.noise)
     }
 
-    /// Moves for a period without a command: as with one that was lost.
+    /// Moves for one period without a command, as if it had been lost.
     ///
     /// # Errors
     /// Those of the simulation.
@@ -114,7 +114,7 @@ impl SimulatedSide {
         self.robot.miss(&[], self.period)
     }
 
-    /// A robot that stands is ready for another controller.
+    /// Makes a robot at rest ready for another controller.
     pub fn recover(&mut self) {
         self.robot.recover();
     }

@@ -13,30 +13,31 @@ use super::shared_key::SharedKey;
 
 /// The loop's end of the connection.
 ///
-/// Until the first command it says hello in each call, and the robot answers each with a measurement. Only
-/// measurements of this session count: of the number that it chose at random, and of the one that the robot chose.
-/// Whatever the system says of a send or a receive counts as a lost packet: the watchdogs at both ends know.
+/// Until the first command it sends a hello in each call, and the robot answers each with a measurement. Only
+/// measurements of this session count. A session has one number that this end chose at random and one that the robot
+/// chose. If the operating system refuses a send or a receive, that counts as a lost packet: the watchdogs at both ends
+/// detect it.
 #[derive(Debug)]
 pub struct UdpSide {
     socket: UdpSocket,
     outgoing: Packet,
     incoming: Packet,
     buffer: Vec<u8>,
-    /// The numbers of the session: its own, and the robot's once it has answered.
+    /// Numbers of the session: the controller's own, and the robot's once it has answered.
     controller: u64,
     robot: Option<u64>,
     sent: u64,
-    /// Whether the robot was told anything but hello.
+    /// Whether a packet other than a hello was sent to the robot.
     commands: bool,
     newest: Option<Newest>,
     statistics: LinkStatistics,
 }
 
 impl UdpSide {
-    /// To a robot of so many joints at this address, with the key that the robot has, if it has one.
+    /// Connects to a robot with this number of joints at this address. `key` is the robot's key, if it has one.
     ///
     /// # Errors
-    /// An address that is none, and a system without a socket.
+    /// An invalid address, or an operating system that gives no socket.
     pub fn connect(
         address: impl ToSocketAddrs,
         joints: usize,
@@ -60,7 +61,7 @@ impl UdpSide {
         })
     }
 
-    /// What went over the connection.
+    /// Returns the counts of the connection's packets.
     pub fn statistics(&self) -> &LinkStatistics {
         &self.statistics
     }
@@ -71,7 +72,7 @@ impl UdpSide {
         PacketHead { kind, controller: self.controller, robot, counter: self.sent }
     }
 
-    /// Says hello, until the first command.
+    /// Sends a hello, until the first command.
     fn hello(&mut self) {
         if !self.commands {
             let head = self.head(PacketKind::Hello);
@@ -80,7 +81,7 @@ impl UdpSide {
         }
     }
 
-    /// Makes it one that waits for packets, in a session of this number.
+    /// Changes this end to one that waits for packets, in a session with this number.
     pub(super) fn waiting(mut self, controller: u64, patience: Duration) -> io::Result<Self> {
         self.socket.set_nonblocking(false)?;
         self.socket.set_read_timeout(Some(patience))?;
@@ -88,8 +89,8 @@ impl UdpSide {
         Ok(self)
     }
 
-    /// Waits for the robot's next packet; none if it does not come for so long. A period in which it measures nothing
-    /// is a packet, too.
+    /// Waits for the robot's next packet. Returns `None` if it does not come within the patience. A period without a
+    /// measurement is a packet, too.
     pub(super) fn next(
         &mut self,
         measured: &mut JointMeasurement,
@@ -124,7 +125,7 @@ impl UdpSide {
         self.statistics.lost += u64::from(self.socket.send(self.outgoing.bytes()).is_err());
     }
 
-    /// Takes a packet that has come.
+    /// Takes a received packet.
     fn take(&mut self, length: usize) -> Result<PacketKind, LinkRefusal> {
         let bytes = self.buffer.get(..length).unwrap_or_default();
         let head = self.incoming.take(bytes)?;
@@ -137,7 +138,7 @@ impl UdpSide {
         }
         match &mut self.newest {
             Some(newest) => newest.admit(head.counter)?,
-            // The answer to a hello has its number.
+            // The answer to a hello has the counter of the hello.
             None if head.counter > self.sent => {
                 return Err(LinkRefusal::Ahead { counter: head.counter, most: self.sent });
             }

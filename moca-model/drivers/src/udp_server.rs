@@ -1,4 +1,4 @@
-//! The simulated robot behind UDP.
+//! Simulated robot behind UDP.
 
 use std::io::{self, ErrorKind};
 use std::net::{SocketAddr, ToSocketAddrs, UdpSocket};
@@ -12,35 +12,35 @@ use super::packet::{Packet, PacketHead, PacketKind};
 use super::shared_key::SharedKey;
 use super::simulated::SimulatedSide;
 
-/// A session ends when no command has come for so long.
+/// Time without commands after which a session ends.
 const ENDS: Duration = Duration::from_secs(1);
 
-/// A robot at a UDP address. It measures once a period and moves as the newest command says.
+/// A robot at a UDP address. It measures once a period and moves by the newest command.
 ///
-/// It answers a hello with one measurement, as long as it stands and obeys nobody. The first command that has the
-/// numbers of such an answer begins a session, in which each period's measurement goes to its sender. A period
-/// without a command is one whose command was lost: the robot bridges it, and stops by itself after twenty. The session
-/// ends with a halt, or when no command has come for a second.
+/// While it stands still and obeys nobody, it answers each hello with one measurement. The first command with the
+/// numbers of such an answer begins a session, and each period's measurement then goes to its sender. A period without
+/// a command counts as one with a lost command: the robot bridges it, and stops by itself after twenty. The session
+/// ends with a halt, or after a second without a command.
 #[derive(Debug)]
 pub struct UdpServer {
     socket: UdpSocket,
     robot: SimulatedSide,
     measured: JointMeasurement,
     command: JointCommand,
-    /// One that has come, until the robot takes it.
+    /// Command that has come but is not accepted yet.
     candidate: JointCommand,
     outgoing: Packet,
     incoming: Packet,
     buffer: Vec<u8>,
-    /// The robot's number of the next session.
+    /// Robot's number of the next session.
     offered: u64,
     session: Option<Session>,
-    /// Whether the robot has been told to move since it was recovered.
+    /// Whether the robot has been told to move since it was last recovered.
     moved: bool,
     statistics: LinkStatistics,
 }
 
-/// With the controller that the robot obeys.
+/// Session with the controller that the robot obeys.
 #[derive(Debug)]
 struct Session {
     peer: SocketAddr,
@@ -51,10 +51,10 @@ struct Session {
 }
 
 impl UdpServer {
-    /// At this address, for controllers that have the key, if there is one.
+    /// Binds the robot to this address. It answers only controllers that have the key, if there is one.
     ///
     /// # Errors
-    /// An address that is taken or not the machine's.
+    /// An address that is taken or does not belong to this machine.
     pub fn bind(
         address: impl ToSocketAddrs,
         robot: SimulatedSide,
@@ -81,20 +81,20 @@ impl UdpServer {
         })
     }
 
-    /// Its address.
+    /// Returns the address.
     ///
     /// # Errors
-    /// What the system says.
+    /// The error that the operating system reports.
     pub fn address(&self) -> io::Result<SocketAddr> {
         self.socket.local_addr()
     }
 
-    /// What has come so far, and why packets were refused.
+    /// Returns the counts of the packets so far, with the reasons of refusals.
     pub fn statistics(&self) -> &LinkStatistics {
         &self.statistics
     }
 
-    /// The robot.
+    /// Returns the robot.
     pub fn robot(&self) -> &SimulatedSide {
         &self.robot
     }
@@ -102,7 +102,7 @@ impl UdpServer {
     /// Runs until `stop` returns true.
     ///
     /// # Errors
-    /// A simulation that breaks down; no packet does that.
+    /// Errors of the simulation; no packet can cause one.
     pub fn serve(
         &mut self,
         period: f64,
@@ -126,7 +126,7 @@ impl UdpServer {
         Ok(())
     }
 
-    /// Takes what has come; returns true if a command is among it.
+    /// Takes all waiting packets. Returns true if a command came that no halt followed.
     fn listen(&mut self) -> bool {
         let mut commanded = false;
         for _ in 0..MOST {
@@ -149,7 +149,7 @@ impl UdpServer {
         commanded
     }
 
-    /// Takes a packet that has come.
+    /// Takes a received packet.
     fn take(&mut self, length: usize, from: SocketAddr) -> Result<PacketKind, LinkRefusal> {
         let bytes = self.buffer.get(..length).unwrap_or_default();
         let head = self.incoming.take(bytes)?;
@@ -170,7 +170,7 @@ impl UdpServer {
         Ok(head.kind)
     }
 
-    /// Answers a hello. What is sent is no longer than what came, so that nobody is flooded in another's name.
+    /// Answers a hello. The answer is no longer than the hello, so that the robot cannot be misused to flood others.
     fn answer(&mut self, head: &PacketHead, from: SocketAddr) -> Result<(), LinkRefusal> {
         if from.port() == 0 {
             return Err(LinkRefusal::Address(from));
@@ -183,7 +183,7 @@ impl UdpServer {
         Ok(())
     }
 
-    /// Admits a command of the session, or the first of one.
+    /// Accepts a command of the session, or the first command of a new one.
     fn admit(&mut self, head: &PacketHead, from: SocketAddr) -> Result<(), LinkRefusal> {
         if self.session.is_some() {
             return self.continue_session(head, from);
@@ -205,7 +205,7 @@ impl UdpServer {
         session.ok_or(LinkRefusal::Session)?.newest.admit(head.counter)
     }
 
-    /// Ends a session in which nothing has come for long; a robot that stands without one is ready for the next.
+    /// Ends a session without packets for long. A robot that stands still without a session is ready for the next one.
     fn end_session(&mut self) {
         if self.session.as_ref().is_some_and(|session| session.newest.age() > ENDS) {
             self.session = None;
@@ -217,7 +217,7 @@ impl UdpServer {
         }
     }
 
-    /// Tells the controller what was measured.
+    /// Sends the measurement to the controller.
     fn tell(&mut self) {
         let Some(session) = &mut self.session else { return };
         session.sent += 1;
@@ -226,7 +226,7 @@ impl UdpServer {
         self.transmit(head, peer);
     }
 
-    /// Sends what was measured. Whatever the system says is a packet that was lost.
+    /// Sends the measurement. An error of the operating system counts as a lost packet.
     fn transmit(&mut self, head: PacketHead, to: SocketAddr) {
         self.outgoing.write_measurement(head, &self.measured);
         let sent = self.socket.send_to(self.outgoing.bytes(), to);

@@ -1,4 +1,4 @@
-//! Arrays of numbers, from Python and to it.
+//! Arrays of numbers from and to Python.
 
 use ahqp_core::CoefficientMatrix;
 use nalgebra::{Isometry3, Rotation3, Unit, UnitQuaternion, Vector3};
@@ -11,10 +11,10 @@ use pyo3::sync::PyOnceLock;
 
 use crate::failure::{Failure, Result};
 
-/// Numbers of a larger array would not fit into memory several times.
+/// Largest number of entries. More would not fit into memory several times.
 const MOST_ENTRIES: usize = 1 << 26;
 
-/// A vector that was passed; arrays of doubles are not copied, whatever their strides.
+/// Vector of the caller. Arrays of doubles are not copied, whatever their strides.
 pub(crate) type Vector<'py> = PyReadonlyArray<'py, f64, Ix1>;
 
 /// Reads a vector, of any length.
@@ -22,7 +22,7 @@ pub(crate) fn vector<'py>(name: &str, value: &Bound<'py, PyAny>) -> Result<Vecto
     read(name, value, "one dimension")
 }
 
-/// Reads a vector of a certain length.
+/// Reads a vector of the given length.
 pub(crate) fn vector_of<'py>(
     name: &str,
     value: &Bound<'py, PyAny>,
@@ -44,7 +44,7 @@ pub(crate) fn numbers<const N: usize>(name: &str, value: &Bound<'_, PyAny>) -> R
     Ok(numbers)
 }
 
-/// Reads numbers, copied only where they do not lie one after another.
+/// Calls `run` with the numbers of a vector. They are copied only if they are not contiguous.
 pub(crate) fn with_slice<T>(vector: &Vector<'_>, run: impl FnOnce(&[f64]) -> T) -> T {
     match vector.as_slice() {
         Ok(slice) => run(slice),
@@ -52,7 +52,7 @@ pub(crate) fn with_slice<T>(vector: &Vector<'_>, run: impl FnOnce(&[f64]) -> T) 
     }
 }
 
-/// A matrix that was passed; arrays of doubles are not copied, whatever their strides.
+/// Matrix of the caller. Arrays of doubles are not copied, whatever their strides.
 pub(crate) struct Matrix<'py>(PyReadonlyArray<'py, f64, Ix2>);
 
 impl<'py> Matrix<'py> {
@@ -60,23 +60,23 @@ impl<'py> Matrix<'py> {
         read(name, value, "two dimensions").map(Self)
     }
 
-    /// Its numbers, to be read.
+    /// Returns a view of the numbers.
     pub(crate) fn view(&self) -> MatrixView<'_> {
         MatrixView(self.0.as_array())
     }
 
-    /// A copy as nalgebra's.
+    /// Returns a copy as a matrix of nalgebra.
     pub(crate) fn to_nalgebra(&self) -> nalgebra::DMatrix<f64> {
         let view = self.0.as_array();
         nalgebra::DMatrix::from_fn(view.nrows(), view.ncols(), |row, column| view[[row, column]])
     }
 
-    /// Some of its rows.
+    /// Returns some of the rows.
     pub(crate) fn rows(&self, rows: std::ops::Range<usize>) -> MatrixView<'_> {
         MatrixView(self.0.as_array().slice_axis_move(Axis(0), rows.into()))
     }
 
-    /// As the pose of a homogeneous matrix, 4 × 4.
+    /// Returns the pose of a homogeneous matrix, 4 × 4.
     pub(crate) fn to_pose(&self, name: &str) -> Result<Isometry3<f64>> {
         let matrix = self.to_nalgebra();
         let matrix = fixed::<4>(name, &matrix)?;
@@ -135,7 +135,7 @@ fn fixed<const N: usize>(
     Ok(matrix.fixed_view::<N, N>(0, 0).into_owned())
 }
 
-/// Rows of a matrix as the solver reads them.
+/// View of a matrix's rows, as the solver reads them.
 pub(crate) struct MatrixView<'a>(ArrayView2<'a, f64>);
 
 impl CoefficientMatrix for MatrixView<'_> {
@@ -152,7 +152,7 @@ impl CoefficientMatrix for MatrixView<'_> {
     }
 }
 
-/// A pose as an array, 4 × 4.
+/// Converts a pose to an array, 4 × 4.
 pub(crate) fn pose_to_array<'py>(
     py: Python<'py>,
     pose: &Isometry3<f64>,
@@ -160,7 +160,7 @@ pub(crate) fn pose_to_array<'py>(
     to_array(py, &pose.to_homogeneous())
 }
 
-/// A matrix of nalgebra's as an array.
+/// Converts a matrix of nalgebra to an array.
 pub(crate) fn to_array<
     'py,
     R: nalgebra::Dim,
@@ -174,12 +174,12 @@ pub(crate) fn to_array<
     PyArray2::from_owned_array(py, array)
 }
 
-/// Numbers as an array.
+/// Converts numbers to an array.
 pub(crate) fn to_vector<'py>(py: Python<'py>, numbers: &[f64]) -> Bound<'py, PyArray1<f64>> {
     PyArray1::from_slice(py, numbers)
 }
 
-/// The array itself, if it is one of doubles; else one made of it.
+/// Returns the array itself if it is an array of doubles, else one that is made of it.
 fn read<'py, D: numpy::ndarray::Dimension>(
     name: &str,
     value: &Bound<'py, PyAny>,
@@ -212,20 +212,20 @@ fn borrow<'py, D: numpy::ndarray::Dimension>(
     array.try_readonly().map_err(busy)
 }
 
-/// Views of packed records may not be.
+/// Returns true if the array is aligned. Views of packed records may not be.
 fn is_aligned<T: Element, D: numpy::ndarray::Dimension>(array: &Bound<'_, PyArray<T, D>>) -> bool {
     let size = align_of::<T>();
     let whole = |stride: &isize| stride.unsigned_abs().is_multiple_of(size);
     (array.data() as usize).is_multiple_of(size) && array.strides().iter().all(whole)
 }
 
-/// An array of doubles of anything that numpy takes for integers or real numbers.
+/// Converts anything that numpy takes for integers or real numbers to an array of doubles.
 fn doubles<'py>(name: &str, value: &Bound<'py, PyAny>) -> Result<Bound<'py, PyAny>> {
     static ASARRAY: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let py = value.py();
     let asarray = ASARRAY.import(py, "numpy", "asarray")?;
     let array = asarray.call1((value,)).map_err(|error| {
-        // An interrupt, or memory that ran out, within the object's own `__array__` is no wrong argument.
+        // An interrupt, or a lack of memory, within the object's own `__array__` is no wrong argument.
         let is_of_argument =
             error.is_instance_of::<PyException>(py) && !error.is_instance_of::<PyMemoryError>(py);
         if is_of_argument {
@@ -251,7 +251,7 @@ fn doubles<'py>(name: &str, value: &Bound<'py, PyAny>) -> Result<Bound<'py, PyAn
     Ok(array.call_method1("astype", ("float64",))?)
 }
 
-/// A vector that is not zero.
+/// Reads a vector that is not zero.
 pub(crate) fn direction(name: &str, value: &Bound<'_, PyAny>) -> Result<Unit<Vector3<f64>>> {
     let vector = Vector3::from(numbers::<3>(name, value)?);
     let unit = Unit::try_new(vector, 1e-9).filter(|unit| unit.iter().all(|x| x.is_finite()));

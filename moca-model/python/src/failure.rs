@@ -1,4 +1,4 @@
-//! Errors of the crates as Python exceptions, with their texts.
+//! Errors of the crates as Python exceptions with equal texts.
 
 use pyo3::exceptions::{PyOSError, PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -22,7 +22,7 @@ pyo3::create_exception!(
     "The optimum was asked for, but the budget ran out before. `Solution.best` is how far it came."
 );
 
-/// An exception to be raised. The crates' errors become one.
+/// Exception to raise. The crates' errors are converted to it.
 #[derive(Debug)]
 pub(crate) struct Failure(PyErr);
 
@@ -87,7 +87,7 @@ impl From<ergo_map::Error> for Failure {
     }
 }
 
-/// `FileNotFoundError`, `PermissionError` or the like, with the crate's text.
+/// Returns `FileNotFoundError`, `PermissionError` or a similar exception, with the crate's text.
 fn os_error(kind: std::io::ErrorKind, error: &impl ToString) -> Failure {
     use pyo3::exceptions::{PyFileNotFoundError, PyIsADirectoryError, PyPermissionError};
     let text = error.to_string();

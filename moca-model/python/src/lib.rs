@@ -1,5 +1,5 @@
-//! The native half of the Python package `ahqp`: classes and functions over `ahqp-core`, `whole-body`
-//! and `ergo-map`. The modules `ahqp`, `ahqp.whole_body` and `ahqp.ergo` name what is in here.
+//! Native half of the Python package `ahqp`: classes and functions over `ahqp-core`, `whole-body` and `ergo-map`. The
+//! modules `ahqp`, `ahqp.whole_body` and `ahqp.ergo` re-export its contents.
 
 mod arrays;
 mod ergo;
@@ -8,7 +8,7 @@ mod shared;
 mod solver;
 mod whole_body;
 
-/// Everything that the package's modules name.
+/// Everything that the package's modules re-export.
 #[pyo3::pymodule]
 mod _ahqp {
     #[pymodule_export]

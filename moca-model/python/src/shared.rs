@@ -1,15 +1,15 @@
-//! What Python threads may hold at the same time.
+//! Objects that several Python threads may hold.
 
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
 use crate::failure::{Failure, Result};
 
-/// Something that one thread uses at a time. Waiting could last for ever, as the other thread may need the
-/// interpreter that this one holds: it is an error instead.
+/// An object that one thread uses at a time. A second thread gets an error instead of waiting. Waiting could last for
+/// ever, since the other thread may need the interpreter that this one holds.
 #[derive(Debug)]
 pub(crate) struct Shared<T> {
     value: Mutex<T>,
-    /// What to call it in an error.
+    /// Name in errors.
     name: &'static str,
 }
 
@@ -21,7 +21,7 @@ impl<T> Shared<T> {
     pub(crate) fn lock(&self) -> Result<MutexGuard<'_, T>> {
         match self.value.try_lock() {
             Ok(guard) => Ok(guard),
-            // Whoever panicked has raised an exception; the value is a solver's memory or a problem.
+            // The thread that panicked has raised an exception; the value is a solver's memory or a problem.
             Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
             Err(TryLockError::WouldBlock) => Err(Failure::runtime(format!(
                 "another thread is using this {}; give each thread one of its own (copy.copy makes one)",

@@ -1,4 +1,4 @@
-//! `ahqp`: problems, the solver, and what a solve gives.
+//! `ahqp`: problems, the solver and its results.
 
 pub(crate) mod certificate;
 pub(crate) mod hierarchy;
@@ -21,7 +21,7 @@ use hierarchy::{Hierarchy, Problem, set_bounds};
 use row::Row;
 use solution::Solution;
 
-/// Solves hierarchies of one shape, each from where the one before ended.
+/// Solver for hierarchies of one shape. Each solve starts from the result of the one before.
 ///
 /// `Solver(hierarchy, max_iterations=1000, feasibility_tolerance=1e-10, rank_tolerance=1e-10,
 /// optimality_tolerance=1e-10, warm_start=True)`
@@ -37,7 +37,7 @@ use solution::Solution;
 #[pyclass(frozen, module = "ahqp")]
 pub(crate) struct Solver(pub(crate) Shared<Memory>);
 
-/// A solver, and how many solves it has begun.
+/// A solver, and the number of solves that it has begun.
 #[derive(Debug, Clone)]
 pub(crate) struct Memory {
     pub(crate) solver: ahqp_core::Solver,
@@ -80,9 +80,9 @@ impl Solver {
     /// ----------
     /// hierarchy : Hierarchy
     /// iterations : int, optional
-    ///     Most iterations of this solve.
+    ///     Largest number of iterations of this solve.
     /// time : float, optional
-    ///     Most wall-clock time of this solve [s].
+    ///     Largest wall-clock time of this solve [s].
     ///
     /// Returns
     /// -------
@@ -91,9 +91,9 @@ impl Solver {
     /// Raises
     /// ------
     /// InfeasibleError
-    ///     Hard constraints contradict each other; its `conflict` lists which.
+    ///     Hard constraints contradict each other; its `conflict` lists them.
     /// Error
-    ///     The data make no problem: NaN, bounds that leave nothing, another shape.
+    ///     The data are no valid problem: NaN, empty bounds, another shape.
     #[pyo3(signature = (hierarchy, *, iterations=None, time=None))]
     fn solve(
         slf: &Bound<'_, Self>,
@@ -148,7 +148,7 @@ impl Solver {
         Ok(Certificate { inner, problem: problem.clone() })
     }
 
-    /// Forgets the previous active set: the next solve starts from nothing.
+    /// Forgets the previous active set: the next solve starts without one.
     fn forget(&self) -> Result<()> {
         self.0.lock()?.solver.forget();
         Ok(())
@@ -161,8 +161,8 @@ impl Solver {
 
 /// Solves one hierarchical problem in the layout of DAQP: the rows of all levels below each other.
 ///
-/// Lexicographically minimises, highest priority first, the squared distance of each level's `A x` to
-/// its bounds. For many problems of one shape `Solver` is faster.
+/// Lexicographically minimises, highest priority first, the squared distance of each level's `A x` to its bounds.
+/// `Solver` is faster for many problems of one shape.
 ///
 /// Parameters
 /// ----------
@@ -213,7 +213,7 @@ pub(crate) fn solve(
     Solver::solve(&Bound::new(py, solver)?, &hierarchy, None, None)
 }
 
-/// The ends of levels over `m` rows.
+/// Returns the ends of the levels over `m` rows.
 fn breaks_of(breaks: &Bound<'_, PyAny>, m: usize) -> Result<Vec<usize>> {
     let wrong = || {
         let text =
@@ -228,7 +228,7 @@ fn breaks_of(breaks: &Bound<'_, PyAny>, m: usize) -> Result<Vec<usize>> {
         if !rises {
             return Err(wrong());
         }
-        // Whole, and from 1 to m.
+        // The value is whole, and from 1 to m.
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         ends.push(end as usize);
     }
@@ -244,7 +244,7 @@ fn rows(hierarchy: &ahqp_core::Hierarchy, sources: &[ahqp_core::ConstraintSource
     sources.iter().map(|&source| Row::new(hierarchy, source)).collect()
 }
 
-/// Runs with all numbers of a vector, one after another.
+/// Calls `run` with all numbers of a vector, which are contiguous.
 pub(crate) fn slice_of<T>(
     name: &str,
     value: &Bound<'_, PyAny>,

@@ -1,4 +1,4 @@
-//! A run of the robot in MCAP, beside the recording that was played to it.
+//! A run of the robot in MCAP, together with the recording that was its input.
 
 mod messages;
 
@@ -14,15 +14,15 @@ use crate::recorded::ReplayError;
 use crate::report::TickRow;
 use messages::{FrameTransform, FrameTransforms, JointStates, Scores};
 
-/// From one message of joints and scores to the next, and of the scene \[s\].
+/// Intervals between two messages of joints and scores, and between two of the scene \[s\].
 const NUMBERS: f64 = 0.01;
 const SCENE: f64 = 0.05;
-/// Of what is drawn.
+/// Name of the drawn workspace.
 const WORKSPACE: &str = "workspace";
-/// Half a period: rounding must not skip a message.
+/// Half a period \[s\]. It keeps rounding from skipping a message.
 const EARLY: f64 = 5e-4;
 
-/// A recording and what the robot does in it.
+/// A recording and the robot's motion during it.
 ///
 /// ```
 /// use moca_replay::mcap::RobotLog;
@@ -55,10 +55,10 @@ impl std::fmt::Debug for RobotLog {
 }
 
 impl RobotLog {
-    /// Begins with a recording in JSON Lines that is played to this robot.
+    /// Creates a log from a recording in JSON Lines that is the input of this robot.
     ///
     /// # Errors
-    /// [`ReplayError::Mcap`] for what is no recording.
+    /// [`ReplayError::Mcap`] if the bytes are no recording.
     pub fn new(recording: &[u8], model: &Model) -> Result<Self, ReplayError> {
         let mut file = McapWriter::with_recording(recording)?;
         Ok(Self {
@@ -75,7 +75,7 @@ impl RobotLog {
         })
     }
 
-    /// Takes a tick: joints and scores at 100 Hz, frames and workspace at 20 Hz.
+    /// Adds a tick: joints and scores at 100 Hz, frames and workspace at 20 Hz.
     ///
     /// # Errors
     /// Numbers that are not finite.
@@ -95,7 +95,7 @@ impl RobotLog {
     /// Ends the file and returns all of it.
     ///
     /// # Errors
-    /// None in memory.
+    /// None, since the file is in memory.
     pub fn finish(self) -> Result<Vec<u8>, ReplayError> {
         Ok(self.file.finish()?)
     }
@@ -136,7 +136,7 @@ impl RobotLog {
         let size = Vector3::repeat(0.04);
         desired.spheres.push(Shape::new(Vector3::from(row.desired), size, Colour::DESIRED));
         let mut scene = SceneUpdate::from(vec![desired]);
-        // There is none before the person is first seen.
+        // There is no workspace before the person is first seen.
         if min.iter().chain(&max).all(|bound| bound.is_finite()) {
             let mut workspace = Entity::new(WORKSPACE, time, 0.0);
             workspace.cubes.push(Shape::new((min + max) * 0.5, max - min, Colour::WORKSPACE));

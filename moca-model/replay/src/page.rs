@@ -1,5 +1,5 @@
-//! A page to look at: one file of HTML that shows runs in three dimensions with their plots and states
-//! under one time cursor. It needs nothing but a browser with WebGL 2, and no network.
+//! Interactive page: one HTML file that shows runs in three dimensions, with their plots and states under one time
+//! cursor. It needs only a browser with WebGL 2, and no network.
 //!
 //! ```
 //! use moca_replay::page::{Results, page};
@@ -23,7 +23,7 @@ const STYLES: [&str; 5] = [
     include_str!("page/tracks.css"),
     include_str!("page/media.css"),
 ];
-/// In an order in which a file uses only what stands before it.
+/// Scripts in an order in which a file uses only what earlier files define.
 const SCRIPTS: [&str; 14] = [
     include_str!("page/data.js"),
     include_str!("page/colours.js"),
@@ -41,39 +41,39 @@ const SCRIPTS: [&str; 14] = [
     include_str!("page/main.js"),
 ];
 
-/// What the runs came to.
+/// Results of the runs.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Results {
-    /// The table, row by row.
+    /// Table, row by row.
     pub rows: Vec<ResultRow>,
-    /// The object that `--json` prints.
+    /// Object that `--json` prints.
     pub summary: serde_json::Value,
-    /// What the program prints of more runs than the page shows; may be empty.
+    /// Text that the program prints about further runs; may be empty.
     pub text: String,
 }
 
-/// A row of the table.
+/// Row of the table.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ResultRow {
-    /// What the numbers are, with the unit.
+    /// Name of the quantity, with the unit.
     pub name: String,
-    /// After the point.
+    /// Number of decimals.
     pub digits: usize,
-    /// One a run; none where there is no such number.
+    /// Value of each run; `None` where a run has no such value.
     pub values: Vec<Option<f64>>,
 }
 
-/// The page of some runs of one person and one robot, side by side; gives the text of the file.
+/// Creates the page of some runs of one person and one robot, side by side. Returns the text of the file.
 ///
 /// # Errors
-/// [`ReplayError::Nothing`] without a run or with a run without samples; [`ReplayError::Json`].
+/// [`ReplayError::Nothing`] without runs or with a run without samples; [`ReplayError::Json`].
 pub fn page(title: &str, runs: &[&Replay], results: &Results) -> Result<String, ReplayError> {
     if runs.is_empty() || runs.iter().any(|run| run.samples.is_empty()) {
         return Err(ReplayError::Nothing);
     }
     let data = data::json(runs, results)?;
     let (style, script) = (STYLES.concat(), SCRIPTS.concat());
-    // Each text is put in once, so that no placeholder within another text counts.
+    // Each text is inserted once, so that a placeholder within another text has no effect.
     let mut page = String::with_capacity(HTML.len() + style.len() + script.len() + data.len());
     let mut rest = HTML;
     let title = escaped(title);
@@ -94,7 +94,7 @@ pub fn page(title: &str, runs: &[&Replay], results: &Results) -> Result<String, 
     Ok(page)
 }
 
-/// Text in HTML.
+/// Escapes text for HTML.
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }

@@ -1,4 +1,4 @@
-//! Runs as pictures of SVG: a still with the plots beside, and a short animation that needs no script.
+//! Runs as SVG pictures: a still with plots beside it, and a short animation without a script.
 //!
 //! ```
 //! use moca_replay::picture::{animation, still};

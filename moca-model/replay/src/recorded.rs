@@ -1,5 +1,4 @@
-//! What a run looked like: where robot, person and workspace were, what was scored, and what state
-//! everything was in, sampled for pictures.
+//! Record of a run for pictures: samples of the poses of robot, person and workspace, of the scores, and of all states.
 //!
 //! ```
 //! use ergo_map::{ErgonomicsMap, MapOptions, Person};

@@ -1,4 +1,4 @@
-//! What a run leaves behind: a table of every tick and figures of it all.
+//! Report of a run: a table of every tick, and figures.
 //!
 //! ```
 //! use moca_replay::report::{RunLog, TickRow, TickTable, figure};

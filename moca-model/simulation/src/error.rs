@@ -1,35 +1,35 @@
-//! What can be wrong with a simulation.
+//! Errors of simulations.
 
 use std::{io, path::PathBuf};
 
 use moca_replay::recorded::ReplayError;
 use percept_recording::RecordingError;
 
-/// Why something cannot be simulated: what was wrong, where, and what would be right.
+/// Why something cannot be simulated: what is wrong, where, and what would be right.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A setting outside its range.
+    /// A setting is outside its range.
     #[error("{name} = {value}: give {expected}")]
     Setting {
         /// The setting.
         name: &'static str,
         /// The value that was given.
         value: f64,
-        /// The values that are right.
+        /// The accepted values.
         expected: &'static str,
     },
-    /// A path that is neither a name nor a list of points.
+    /// A path is neither a name nor a list of points.
     #[error(
         "path \"{text}\": give stations, straight, square, circle, figure-eight or random, a list \
          of points on the floor in metres such as \"1.4,0 2.4,0 2.4,-1\", or a file with one point a \
          line"
     )]
     Path {
-        /// What was given, or its beginning.
+        /// The text, or its beginning.
         text: String,
     },
-    /// A line of a path's file that is no point.
+    /// A line of a path's file is not a point.
     #[error(
         "{path}, line {line}: \"{text}\" is no point: give two numbers in metres, such as 1.4,0",
         path = path.display()
@@ -39,18 +39,18 @@ pub enum Error {
         path: PathBuf,
         /// The line.
         line: usize,
-        /// What stands there, or its beginning.
+        /// The text, or its beginning.
         text: String,
     },
-    /// A path's file that cannot be read.
+    /// A path's file cannot be read.
     #[error("cannot read the path from {path}: {source}", path = path.display())]
     PathFile {
         /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// What the operating system reports.
         source: io::Error,
     },
-    /// A recording that lacks what it is played for.
+    /// A recording lacks what is needed.
     #[error("{found}; {wanted}")]
     Unfit {
         /// What is wrong with it.
@@ -66,14 +66,14 @@ pub enum Error {
         /// What is wrong.
         source: Box<Error>,
     },
-    /// A simulated person who moves faster than the robot assumes, with whom a judgement means nothing.
+    /// A simulated person moves faster than the robot assumes, so that a judgement has no meaning.
     #[error("part {part} of a simulated person moves at {speed} m/s, above {limit} m/s")]
     TooFast {
-        /// The part's index.
+        /// The index of the body part.
         part: usize,
-        /// How fast it is \[m/s\].
+        /// Its speed \[m/s\].
         speed: f64,
-        /// How fast it may be \[m/s\].
+        /// The largest allowed speed \[m/s\].
         limit: f64,
     },
     /// The person's map cannot be fitted.
@@ -82,19 +82,19 @@ pub enum Error {
     /// A figure cannot be drawn.
     #[error("cannot draw the figure: {0}")]
     Figure(String),
-    /// The system gives no threads.
+    /// The operating system provides no threads.
     #[error("cannot start the threads that play the cases")]
     Threads(#[source] rayon::ThreadPoolBuildError),
-    /// The controller or the robot's model refuses something.
+    /// The controller or the robot's model reported an error.
     #[error(transparent)]
     Controller(#[from] moca_model::Error),
-    /// The shared workspace refuses something.
+    /// The shared workspace reported an error.
     #[error(transparent)]
     Workspace(#[from] hrsw::Error),
-    /// The person's ergonomics refuse something.
+    /// The person's ergonomics reported an error.
     #[error(transparent)]
     Ergonomics(#[from] ergo_map::Error),
-    /// Camera or tracker refuse something.
+    /// Camera or tracker reported an error.
     #[error(transparent)]
     Vision(#[from] vision_models::Error),
     /// A recording cannot be read.

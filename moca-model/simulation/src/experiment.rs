@@ -1,7 +1,7 @@
-//! The paper's Experiments 3, 4 and 5 with simulated people, each with ergonomics and without.
+//! The paper's Experiments 3, 4 and 5 with simulated people, each with and without ergonomics.
 //!
-//! An [`Experiment`] is a list of independent cases. Everything random in a case comes from the seed and
-//! the number of the case, so that any part of the list may be played anywhere, in any order.
+//! An [`Experiment`] is a list of independent cases. All random numbers of a case come from the seed and its number. So
+//! any part of the list can be run anywhere and in any order.
 //!
 //! ```
 //! use moca_simulation::experiment::following;

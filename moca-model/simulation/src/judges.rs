@@ -1,5 +1,5 @@
-//! Judges of a robot that share nothing with its controller: limits of joints, torques and the desired pose, and
-//! distances from where people truly are.
+//! Judges of a robot that share no code with its controller. They check limits of joints, torques and the desired pose,
+//! and distances from the true people.
 //!
 //! ```
 //! use moca_model::{ControllerSettings, DesiredMotion, MOCA_HOME, moca};

@@ -10,5 +10,5 @@ pub mod run;
 pub mod soak;
 
 pub use error::Error;
-// What the public types speak.
+// Crates of the types in the public interface.
 pub use {ergo_map, hrsw, hrsw_safety, moca_model, vision_models};

@@ -1,4 +1,4 @@
-//! A controller and the simulated robot that it moves, down to torque or by velocities alone.
+//! A controller and its simulated robot, driven by torque or by velocities alone.
 //!
 //! ```
 //! use ergo_map::ErgonomicsQuadratic;
@@ -39,29 +39,28 @@ use vision_models::{Body, Percept};
 use crate::Error;
 use crate::judges::TorqueMonitor;
 
-/// What the robot does with a command.
+/// The robot's dynamics.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Drive {
-    /// Its arm moves as rigid bodies do under torques, with friction and noise; its base follows
-    /// velocities with a lag.
+    /// The arm moves as rigid bodies under torques, with friction and noise. The base follows velocities with a lag.
     #[default]
     Torque,
-    /// All joints follow velocities, exactly and at once.
+    /// All joints follow velocities exactly and at once.
     Kinematic,
 }
 
-/// What a plant is made of.
+/// Settings of a plant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlantSettings {
-    /// What the robot does with commands.
+    /// Dynamics of the robot.
     pub drive: Drive,
     /// The controller.
     pub controller: ControllerSettings,
-    /// The loop of torques below it.
+    /// Settings of the torque loop below it.
     pub torques: TorqueLoopSettings,
 }
 
-/// A robot under torques whose motors compensate nothing.
+/// Creates the settings of a robot under torques whose motors compensate nothing.
 impl Default for PlantSettings {
     fn default() -> Self {
         Self {
@@ -72,38 +71,38 @@ impl Default for PlantSettings {
     }
 }
 
-/// The stream of a plant's random numbers.
+/// Random stream of a plant.
 const STREAM: u64 = 100;
 
-/// What the controller hears of the robot in a tick.
+/// The measurement that the controller gets in a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Heard {
-    /// A measurement.
+    /// A true measurement.
     #[default]
     Measurement,
-    /// Nothing.
+    /// No measurement.
     Nothing,
     /// The measurement of the tick before, as if it were new.
     Frozen,
 }
 
-/// The closed loop.
+/// The closed loop of controller and robot.
 #[derive(Clone, Debug)]
 pub struct Plant {
     robot: Robot,
     model: Model,
     data: Data,
-    /// Where the tool truly is.
+    /// True pose of the tool.
     tool: Isometry3<f64>,
     random: RobotNoise,
     period: f64,
-    /// Where the command begins \[m, rad\].
+    /// Configuration at which the command begins \[m, rad\].
     reference: Vec<f64>,
-    /// What the controller was given.
+    /// The measurement that the controller got.
     measured: JointMeasurement,
     monitor: TorqueMonitor,
     breaks_torque: bool,
-    /// Where the object is pushed, in the tool's frame \[m\].
+    /// Place where the object is pushed, in the tool's frame \[m\].
     face: Vector3<f64>,
 }
 
@@ -113,12 +112,12 @@ enum Robot {
     Kinematic(Box<(Controller, SimulatedRobot)>),
 }
 
-/// The noise of a simulated robot.
+/// Random numbers of a simulated robot's noise.
 #[derive(Clone, Debug)]
 pub struct RobotNoise(ChaCha8Rng);
 
 impl RobotNoise {
-    /// Draws from a stream of this seed.
+    /// Creates a random stream with this seed.
     pub fn new(seed: u64) -> Self {
         Self(random::generator(seed, STREAM))
     }
@@ -135,7 +134,7 @@ impl RandomSource for RobotNoise {
 }
 
 impl Plant {
-    /// With a controller that has not made a step yet, and the robot where that has it.
+    /// Creates a loop with a controller that has not made a step, and the robot at its configuration.
     ///
     /// # Errors
     /// A robot that cannot be simulated.
@@ -143,7 +142,7 @@ impl Plant {
         Self::with_torques(drive, controller, TorqueLoopSettings::new(Compensation::BARE), seed)
     }
 
-    /// The same with other settings of the loop of torques, which a kinematic robot has no use for.
+    /// Creates a loop with these settings of the torque loop, which a kinematic robot does not use.
     ///
     /// # Errors
     /// A robot that cannot be simulated, and settings that the loop refuses.
@@ -183,7 +182,7 @@ impl Plant {
         Ok(plant)
     }
 
-    /// The robot holds an object from now on, and the controller knows.
+    /// Lets the robot hold an object, which the controller knows of.
     ///
     /// # Errors
     /// An object that cannot be held.
@@ -208,7 +207,7 @@ impl Plant {
         }
     }
 
-    /// The same, to place the workspace.
+    /// The controller of velocities, to place the workspace.
     pub fn controller_mut(&mut self) -> &mut Controller {
         match &mut self.robot {
             Robot::Torque(both) => both.0.controller_mut(),
@@ -224,7 +223,7 @@ impl Plant {
         Ok(self.controller_mut().observe(percept)?)
     }
 
-    /// The same where others are in view.
+    /// Gives the controller a camera frame with other people in view.
     ///
     /// # Errors
     /// Those of [`Controller::observe_people`].
@@ -232,7 +231,7 @@ impl Plant {
         Ok(self.controller_mut().observe_people(percept, others)?)
     }
 
-    /// Measures the robot and makes a step of the controller; how long that took (µs).
+    /// Measures the robot and makes a step of the controller. Returns the time that it took \[µs\].
     ///
     /// # Errors
     /// Those of the controller.
@@ -240,8 +239,8 @@ impl Plant {
         self.step_measuring(now, Heard::Measurement, |_| {})
     }
 
-    /// The same, where the controller hears something else, and `spoil` changes the measured positions \[m, rad\].
-    /// Only a controller of torques knows how old a measurement is.
+    /// Makes a step in which the controller gets another measurement, and `spoil` changes the measured positions \[m,
+    /// rad\]. Only a controller of torques knows the age of a measurement.
     ///
     /// # Errors
     /// Those of the controller.
@@ -279,7 +278,7 @@ impl Plant {
                     spoil(&mut told.position);
                 }
                 let started = Instant::now();
-                // Nothing pushes a robot that has no mass.
+                // No force acts on a robot without mass.
                 controller.feel(0.0);
                 controller.step(now, &told.position)?;
                 started
@@ -294,7 +293,7 @@ impl Plant {
         Ok(time)
     }
 
-    /// The command begins where it ends, but for what it moves in a period.
+    /// Updates where the command begins: where it ends, minus its motion in a period.
     fn refer(&mut self) {
         match &self.robot {
             Robot::Torque(both) => {
@@ -308,8 +307,8 @@ impl Plant {
         }
     }
 
-    /// The robot moves for a period, and something pushes what it holds with `force` \[N, world\], which
-    /// only a robot under torques feels.
+    /// Moves the robot for a period while `force` \[N, world\] pushes the held object. Only a robot under torques
+    /// reacts to it.
     ///
     /// # Errors
     /// Commands that are not finite.
@@ -333,7 +332,7 @@ impl Plant {
         self.place_tool()
     }
 
-    /// From now on this share of the commands is lost on the way to a robot under torques.
+    /// Sets the share of commands that are lost on the way to a robot under torques.
     ///
     /// # Errors
     /// A share that is not from 0 to 1.
@@ -344,7 +343,7 @@ impl Plant {
         }
     }
 
-    /// A robot that has stopped by itself takes commands again.
+    /// Recovers a robot that has stopped by itself, so that it takes commands again.
     pub fn recover(&mut self) {
         if let Robot::Torque(both) = &mut self.robot {
             both.1.recover();
@@ -356,7 +355,7 @@ impl Plant {
         self.controller().command()
     }
 
-    /// Where the robot truly is \[m, rad\].
+    /// The true configuration of the robot \[m, rad\].
     pub fn configuration(&self) -> &[f64] {
         match &self.robot {
             Robot::Torque(both) => both.1.simulation().position(),
@@ -364,7 +363,7 @@ impl Plant {
         }
     }
 
-    /// How fast its joints truly are \[m/s, rad/s\]; none for a robot that follows exactly.
+    /// The true velocities of its joints \[m/s, rad/s\]; `None` for a robot that follows exactly.
     pub fn velocity(&self) -> Option<&[f64]> {
         match &self.robot {
             Robot::Torque(both) => Some(both.1.simulation().velocity()),
@@ -372,17 +371,17 @@ impl Plant {
         }
     }
 
-    /// Where the last command begins \[m, rad\]: the robot itself, if it follows at once.
+    /// The configuration at which the last command begins \[m, rad\]. It is the true one if the robot follows at once.
     pub fn reference(&self) -> &[f64] {
         &self.reference
     }
 
-    /// Where the hand truly is of who works on what the robot holds; the tool, if it holds nothing.
+    /// The true pose of the hand of the person who works on the held object; that of the tool if there is none.
     pub fn hand(&self) -> Isometry3<f64> {
         self.tool * Translation3::from(*self.controller().robot().tool_from_hand())
     }
 
-    /// Where the tool truly is.
+    /// The true pose of the tool.
     pub fn tool(&self) -> &Isometry3<f64> {
         &self.tool
     }
@@ -397,7 +396,7 @@ impl Plant {
         Ok(())
     }
 
-    /// Whether the last torques broke a limit; none where there are no torques.
+    /// Whether the last torques violated a limit; `None` without torques.
     pub(crate) fn breaks_torque_limits(&self) -> Option<bool> {
         match &self.robot {
             Robot::Torque(_) => Some(self.breaks_torque),

@@ -1,9 +1,8 @@
-//! A small software renderer: what a colour camera with depth sees of the simulated person, the
-//! object that the robot holds, the tool and the room.
+//! A small software renderer. It shows what a colour camera with depth sees of the simulated person, the held object,
+//! the tool and the room.
 //!
-//! Bodies are capsules and boxes with one light; depth has the noise of a stereo camera, correlated
-//! in time and among neighbouring pixels, and is wrong or missing along edges. It is for testing
-//! perception, not for looking at.
+//! Bodies are capsules and boxes with one light. Depth has the noise of a stereo camera, correlated in time and among
+//! neighbouring pixels, and is wrong or missing along edges. The renderer is for testing perception.
 //!
 //! ```
 //! use moca_simulation::people::WalkerSettings;

@@ -1,6 +1,6 @@
 //! A run: a person's percepts, a controller at 1 kHz and the simulated robot, closed in a loop and judged.
 //!
-//! A [`Scenario`] says who is seen and with what robot; a [`Run`] plays it; a [`Summary`] says what it came to, and a
+//! A [`Scenario`] describes the person and the robot, and a [`Run`] plays it. A [`Summary`] has the results, and a
 //! [`Comparison`] sets two of them side by side.
 //!
 //! ```

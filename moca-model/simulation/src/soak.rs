@@ -1,11 +1,9 @@
-//! The closed loop under everything that can go wrong, random people who
-//! walk, jump, vanish and come back; workspaces that move, turn and change their shape; starts
-//! outside the joint limits; percepts that are late, noisy and incomplete; cameras, clocks and measurements
-//! that fail.
+//! The closed loop under everything that can go wrong. Random people walk, jump, vanish and come back. Workspaces move,
+//! turn and change their shape. Joints start outside their limits. Percepts are late, noisy and incomplete. Cameras,
+//! clocks and measurements fail.
 //!
-//! A soak is a row of episodes, each with a new robot, person and controller. What is promised is
-//! checked in every tick by [`Monitor`], from the commands, the robot's configuration and where
-//! the person truly is, with formulas of its own.
+//! A soak is a row of episodes, each with a new robot, person and controller. [`Monitor`] checks all promises in every
+//! tick. It uses the commands, the robot's configuration and the true person, with formulas of its own.
 //!
 //! ```
 //! use std::ops::ControlFlow;

@@ -1,4 +1,4 @@
-//! When the base moves, and how gently.
+//! Decision when the base moves, with gentle accelerations.
 
 use ahqp_core::{Limits, MotionState, VelocityInterval};
 use nalgebra::{Rotation2, Vector2};
@@ -10,31 +10,31 @@ use crate::motion_limits::nearest_to_rest;
 use crate::robot::kinematics::Kinematics;
 use crate::singularity::{SINGULAR, manipulability_behind};
 
-/// The share of its acceleration limits that the base uses where safety asks for no more: what is left is for braking.
+/// Share of its acceleration limits that the base uses unless safety needs more. The rest is reserved for braking.
 const GENTLE: f64 = 0.75;
-/// The base stops while the tool is no farther from its place at the posture, over the floor \[m\].
+/// Distance of the tool from its place at the posture, over the floor, within which the base stops \[m\].
 const STOPS_WITHIN: f64 = 0.38;
-/// It drives again when the tool is farther \[m\]: between the two it goes on as it did.
+/// Distance beyond which the base drives again \[m\]. Between the two it keeps its state.
 const DRIVES_BEYOND: f64 = 0.45;
-/// Below this share of its manipulability at the posture the arm does not keep the tool alone.
+/// Share of the manipulability at the posture below which the arm alone does not hold the tool's place.
 const REACHES: f64 = 0.4;
 
-/// Arm first, base when needed: the base stands while the person does and the arm alone can keep the tool.
+/// Prefers the arm to the base. The base stands while the person stands and the arm alone can hold the tool's place.
 #[derive(Debug, Clone)]
 pub(super) struct BaseDrive {
     limits: Vec<Limits>,
-    /// Of the arm alone, at the posture.
+    /// Manipulability of the arm alone at the posture.
     usual: f64,
-    /// Where the tool is at the posture, in the axes of the base \[m\].
+    /// Place of the tool at the posture, in the axes of the base \[m\].
     nominal: Vector2<f64>,
     motion: BaseMotion,
 }
 
 impl BaseDrive {
-    /// With the robot at its posture. A base never stands under an arm that is singular there without it.
+    /// Creates the decision for a robot at its posture. The base never stands if the arm alone is singular there.
     ///
     /// # Errors
-    /// None for limits of a robot.
+    /// Never, for limits of a robot.
     pub(super) fn new(base: usize, robot: &Kinematics, posture: &[f64]) -> Result<Self, Error> {
         let gentle = |limits: &JointLimits| {
             let (lower, upper) = (f64::NEG_INFINITY, f64::INFINITY);
@@ -58,7 +58,7 @@ impl BaseDrive {
         self.motion
     }
 
-    /// Decides for a tick: `at_rest` says whether the workspace is, `hindered` whether separation asks for more than
+    /// Decides for a tick. `at_rest` says whether the workspace rests, `hindered` whether separation needs more than
     /// the robot does.
     pub(super) fn decide(&mut self, robot: &Kinematics, q: &[f64], at_rest: bool, hindered: bool) {
         let stands = self.motion == BaseMotion::Stands;
@@ -77,8 +77,8 @@ impl BaseDrive {
         };
     }
 
-    /// Writes the velocities that the base may have where safety asks for no more. Where it stands, and can, its
-    /// `intervals` become rest itself.
+    /// Writes the base's velocities while safety does not need more to `gentle`. If the base stands and can rest, its
+    /// `intervals` are set to rest.
     pub(super) fn write(
         &self,
         velocity: &[f64],
@@ -102,7 +102,7 @@ impl BaseDrive {
     }
 }
 
-/// Where the tool is in the axes of the base, over the floor \[m\].
+/// The place of the tool in the axes of the base, over the floor \[m\].
 fn place(robot: &Kinematics, q: &[f64]) -> Vector2<f64> {
     let tool = robot.world_from_tool().translation.vector.xy();
     match q {

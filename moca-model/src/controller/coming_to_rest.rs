@@ -1,4 +1,4 @@
-//! Ticks in which the robot brakes.
+//! Braking.
 
 use nalgebra::Vector6;
 
@@ -7,13 +7,13 @@ use crate::command::Outcome;
 use crate::motion_limits::{TickTimes, brake, nearest_to_rest};
 
 impl Controller {
-    /// Every joint, and the desired pose, as near to rest as its limits allow.
+    /// Sets every joint and the desired pose as near to rest as their limits allow.
     pub(super) fn brake(&mut self) {
         self.go_towards_rest(1.0);
         self.command.outcome = Outcome::Braking;
     }
 
-    /// Goes this share of the way from the velocities to those nearest to rest.
+    /// Moves the velocities by this share towards those nearest to rest.
     pub(super) fn go_towards_rest(&mut self, share: f64) {
         if share == 0.0 {
             return;
@@ -27,7 +27,7 @@ impl Controller {
         self.command.slack *= 1.0 - share;
     }
 
-    /// Brakes at the limits of acceleration, whatever else holds.
+    /// Brakes at the limits of acceleration and jerk, whatever the tasks ask.
     pub(super) fn halt(&mut self, TickTimes { elapsed, step }: TickTimes) {
         brake(&self.joint_braking, &self.acceleration, step, &mut self.command.joint_velocity);
         let twist = self.command.desired_twist.as_mut_slice();

@@ -1,26 +1,26 @@
-//! How much of the third level is ergonomics.
+//! The share of ergonomics in the third level.
 
-/// How soon ergonomics are held where separation is at its limit, and how soon they come back \[s\].
+/// Times in which ergonomics fade out while separation is at its limit, and return afterwards \[s\].
 const HELD_WITHIN: f64 = 0.1;
 const BACK_WITHIN: f64 = 3.0;
-/// The same where the workspace moves \[s\].
+/// Time in which ergonomics return while the workspace moves \[s\].
 const FOLLOWS_WITHIN: f64 = 0.5;
 
 /// The share of ergonomics, from 0 to 1.
 ///
 /// It rises when person and robot begin to work together. The best place of the tool may be nearer to the person than
-/// separation allows, and that limit changes with every camera frame. A tool that pushes against it never rests.
-/// So ergonomics are held there while the workspace rests, and come back slowly.
+/// separation allows. That limit changes with every camera frame, and a tool that pushes against it never rests. So
+/// ergonomics are switched off at the limit while the workspace rests, and return slowly.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct GoalShare {
     together: f64,
     free: f64,
 }
 
-/// What a tick knows of it.
+/// Conditions of a tick.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct GoalConditions {
-    /// Whether ergonomics are wanted at all.
+    /// Whether ergonomics are wanted.
     pub(super) wanted: bool,
     /// Whether the workspace rests.
     pub(super) rests: bool,
@@ -29,10 +29,10 @@ pub(super) struct GoalConditions {
 }
 
 impl GoalShare {
-    /// Nobody works with the robot.
+    /// The share while nobody works with the robot.
     pub(super) const NONE: Self = Self { together: 0.0, free: 1.0 };
 
-    /// Goes on by a time \[s\]; `activation_time` is that in which ergonomics come and go \[s\]. Returns the share.
+    /// Advances the share by `elapsed` \[s\] and returns it. Ergonomics come and go in `activation_time` \[s\].
     pub(super) fn advance(
         &mut self,
         conditions: GoalConditions,
@@ -65,7 +65,7 @@ mod tests {
     }
 
     #[test]
-    fn it_is_held_at_a_limit_where_the_workspace_rests() {
+    fn ergonomics_fade_at_limit_while_workspace_rests() {
         let mut share = GoalShare::NONE;
         assert!((after(&mut share, 250, false, true) - 0.5).abs() < 1e-9, "halfway after 0.25 s");
         assert!(after(&mut share, 300, false, true) >= 1.0, "a workspace that moves has no limit");

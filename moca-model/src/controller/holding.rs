@@ -1,4 +1,4 @@
-//! What the tool holds, and where the hand is of the person who works on it.
+//! The held object, and the hand of the person who works on it.
 
 use nalgebra::Vector3;
 
@@ -9,17 +9,17 @@ use crate::error::Error;
 use crate::held_object::{BoxSide, HeldObject};
 
 impl Controller {
-    /// The tool holds an object from now on, on which the person works: ergonomics and workspace are then of
-    /// their hand, which their tool keeps away from the object. The object's mass counts, and it is kept
-    /// apart from people and from the robot as the robot's bodies are.
+    /// Sets the object that the tool holds. Ergonomics and workspace then refer to the person's hand, which is behind
+    /// their own tool. The object's mass counts. It is kept apart from people and from the robot, as the robot's bodies
+    /// are.
     ///
     /// # Errors
-    /// Those of [`HeldObject::validate`]; the robot then holds what it held before.
+    /// Those of [`HeldObject::validate`]; the robot then keeps what it held before.
     pub fn hold(&mut self, object: HeldObject) -> Result<(), Error> {
         self.robot.hold(&object)?;
         let shown = object.faces.first().map_or(BoxSide::Front, |face| face.side);
         self.hand_turn = HandTurn::resting(object.out_of(shown));
-        // Without bodies nothing is kept apart.
+        // A robot without bodies keeps nothing apart.
         if !self.robot.bodies().is_empty() {
             let count = self.settings.safety.bodies.len() + 1;
             self.safety.hold(self.robot.bodies().get(..count).unwrap_or_default());
@@ -29,10 +29,10 @@ impl Controller {
         self.turn_to(shown)
     }
 
-    /// The tool holds nothing; returns what it held.
+    /// Releases the held object and returns it.
     ///
     /// # Errors
-    /// None.
+    /// Never.
     pub fn release(&mut self) -> Result<Option<HeldObject>, Error> {
         self.robot.release()?;
         self.safety.release();
@@ -41,17 +41,17 @@ impl Controller {
         Ok(self.object.take())
     }
 
-    /// What the tool holds.
+    /// The held object.
     pub fn object(&self) -> Option<&HeldObject> {
         self.object.as_ref()
     }
 
-    /// Moves the hand to where the person's tool has it, and the desired pose along with it, so that the
-    /// robot need not move.
+    /// Moves the hand towards its place for the person's tool. The desired pose moves along, so that the robot need not
+    /// move.
     pub(super) fn advance_hand(&mut self, elapsed: f64) -> Result<(), Error> {
         let elapsed = elapsed.max(0.0);
         let tool = self.space.intention().tool();
-        // Around an object that turns the hand stays where it is.
+        // The hand stays in place while the object turns below it.
         let turn = self.hand_turn.advance(self.settings.desired.angular_velocity * elapsed);
         let goal = match &self.object {
             Some(object) => {

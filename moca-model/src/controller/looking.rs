@@ -1,4 +1,4 @@
-//! Which surface of the object is on which side: what the on-board camera tells.
+//! Identification of the object's surfaces by the on-board camera.
 
 use nalgebra::{UnitQuaternion, Vector3};
 use vision_models::{Percept, Surface};
@@ -8,35 +8,35 @@ use crate::error::Error;
 use crate::held_object::BoxSide;
 use crate::interaction::{Phase, Sight};
 
-/// A side faces the camera if the cosine of the angle between its normal and the way to the camera is at
-/// least this: within 60°.
+/// Least cosine of the angle between a side's normal and the direction to the camera at which the side faces the
+/// camera: 60°.
 const FACES: f64 = 0.5;
 
-/// What the camera has seen of the object.
+/// The camera's knowledge of the object.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct SeenSurface {
-    /// A surface that is seen where another was taken to be, and since when \[s\].
+    /// A surface that is seen in place of the expected one, and since when \[s\].
     since: Option<(f64, BoxSide, Surface)>,
-    /// Whether the camera has confirmed or mended what was taken to be where.
+    /// Whether the camera has confirmed or corrected the places of the surfaces.
     known: bool,
 }
 
-/// The worked side of the object that is turned to the camera most.
+/// The side to work on that faces the camera most.
 struct NearestSide {
     side: BoxSide,
-    /// Out of the side, in the world.
+    /// Normal of the side in the world, outwards.
     normal: Vector3<f64>,
-    /// From the middle of the object to the camera, of length 1, in the world.
+    /// Unit vector from the middle of the object to the camera, in the world.
     way: Vector3<f64>,
 }
 
 impl Controller {
-    /// Takes the surface that faces the on-board camera. One that differs from what was taken to be there
-    /// is believed when it has been seen for as long as a new intention must be.
+    /// Takes the surface that faces the on-board camera. A surface other than the expected one is accepted once it has
+    /// been seen for the dwell time of intentions.
     pub(super) fn look(&mut self, percept: &Percept) {
         let settings = &self.settings.intention;
         let seen = percept.surface.filter(|seen| seen.confidence.value() >= settings.enter);
-        // What turns is seen late.
+        // The surface of a turning object is seen late.
         let still = !matches!(self.interaction.phase(), Phase::Turning { .. });
         let (Some(seen), Some(side), true) = (seen, self.side_that_faces_camera(), still) else {
             self.seen_surface.since = None;
@@ -60,7 +60,7 @@ impl Controller {
         }
     }
 
-    /// What the camera knows of the object.
+    /// The camera's knowledge of the object.
     pub(super) fn sight(&self) -> Sight {
         let wants = self.settings.on_board_camera.is_some() && self.object.is_some();
         if !wants || self.seen_surface.known {
@@ -72,9 +72,8 @@ impl Controller {
         }
     }
 
-    /// Turns the object about the vertical until the side that is turned to the camera most faces it, if it is
-    /// time for that. The base, which carries the camera, turns along in time: so the goal moves from frame to
-    /// frame.
+    /// Turns the object about the vertical until the side nearest to the camera faces it, in the phase for that. The
+    /// base, which carries the camera, turns along. So the goal moves from frame to frame.
     pub(super) fn turn_to_camera(&mut self) -> Result<(), Error> {
         if self.interaction.phase() != Phase::Looking || self.sight() != Sight::Hidden {
             return Ok(());
@@ -90,7 +89,7 @@ impl Controller {
         Ok(self.space.moving_mut().reorient(goal, &Vector3::z_axis())?)
     }
 
-    /// The worked side of the object that faces the on-board camera, if there is a camera and one does.
+    /// The side to work on that faces the on-board camera, if there is a camera and such a side.
     fn side_that_faces_camera(&self) -> Option<BoxSide> {
         let nearest = self.side_nearest_to_camera()?;
         (nearest.normal.dot(&nearest.way) >= FACES).then_some(nearest.side)

@@ -1,4 +1,4 @@
-//! Where the robot is, and where the tasks see it.
+//! Measurement of the robot, and the configuration that tasks see.
 
 use hrsw_safety::Fault;
 use whole_body::torque::Following;
@@ -6,21 +6,19 @@ use whole_body::torque::Following;
 use super::Controller;
 use crate::robot::moca::MOCA_BASE_JOINTS;
 
-/// Over how long the commanded place of the base is drawn to the measured one \[s\]: long against the noise of odometry,
-/// short against what wheels slip.
+/// Time constant with which the commanded place of the base approaches the measured one \[s\]. It is long against the
+/// noise of odometry and short against the slip of wheels.
 const ODOMETRY: f64 = 0.15;
 
 impl Controller {
-    /// From now on tasks are computed where these joints are commanded, not where they are measured:
-    /// joints that follow positions, by torques.
+    /// Computes tasks at the commanded positions of these joints from now on. They follow positions, by torques.
     pub(crate) fn follow_positions(&mut self, joints: &[usize]) {
         for (index, follows) in self.follows_position.iter_mut().enumerate() {
             *follows = joints.contains(&index);
         }
     }
 
-    /// Takes the measured configuration, and holds the commanded state to it; returns false if it
-    /// cannot be used.
+    /// Takes the measured configuration and keeps the commanded state near it. Returns false if it cannot be used.
     pub(super) fn measure(&mut self, configuration: &[f64], elapsed: f64) -> bool {
         // An error would allocate its message.
         if !self.robot.model().is_configuration(configuration) {
@@ -53,8 +51,8 @@ impl Controller {
         true
     }
 
-    /// Where the tasks see the joints: those of the base as commanded, drawn slowly to where they are measured, so that
-    /// no noise of odometry goes into the command.
+    /// Sets the configuration that tasks see. The base's part is commanded and approaches the measured one slowly, so
+    /// that noise of odometry does not reach the command.
     fn refer(&mut self, configuration: &[f64], following: Following, elapsed: f64) {
         let base = self.settings.base.map_or(0, |_| MOCA_BASE_JOINTS);
         let base = if following == Following::Follows { base } else { 0 };

@@ -1,4 +1,4 @@
-//! What the camera sees.
+//! Camera frames.
 
 use hrsw_safety::{Fault, FrameFault, SafetyInput};
 use vision_models::{Body, ImpossibleBody, Percept};
@@ -7,29 +7,30 @@ use super::Controller;
 use crate::error::Error;
 
 impl Controller {
-    /// Takes the time `now` of the tick that follows \[s\], before the camera frames that have arrived by then: after
-    /// a late tick they are newer than the tick before, and not from the future.
+    /// Sets the time `now` of the next tick \[s\]. Call it before the camera frames that have arrived by then. After a
+    /// late tick they are newer than the last tick, and must not count as frames from the future.
     pub fn set_present(&mut self, now: f64) {
         self.clock.set_present(now);
     }
 
-    /// Takes a camera frame, stamped when it was taken, on the clock of the ticks.
+    /// Takes a camera frame, stamped on the clock of the ticks when it was taken.
     ///
     /// # Errors
-    /// [`Error::Frame`] for one that counts as no data because of its time, [`Error::Body`] for one that shows what
-    /// no person can be; it leaves no trace but the fault that the supervisor is told. [`BodySpeed`](hrsw_safety::Error::BodySpeed) for a
-    /// person who is where nobody can have gone since the frame before: the robot keeps its distance from there,
-    /// and from where they were, and follows neither.
+    /// [`Error::Frame`] for a frame that counts as no data because of its time, and [`Error::Body`] for one with an
+    /// impossible body. Such a frame only causes a fault of the supervisor.
+    ///
+    /// [`BodySpeed`](hrsw_safety::Error::BodySpeed) for a person who is farther from the last place than anybody can
+    /// have gone. The robot keeps its distance from both places and follows neither.
     pub fn observe(&mut self, percept: &Percept) -> Result<(), Error> {
         self.observe_people(percept, &[])
     }
 
-    /// The same where other people are in view beside the person of the percept: the robot keeps its distance
+    /// Takes a camera frame with other people in view beside the person of the percept. The robot keeps its distance
     /// from each of them, and works with none.
     ///
     /// # Errors
-    /// Those of [`observe`](Self::observe), and [`TooManyPeople`](hrsw_safety::Error::TooManyPeople) for more than there is room for, which
-    /// stops the robot.
+    /// Those of [`observe`](Self::observe), and [`TooManyPeople`](hrsw_safety::Error::TooManyPeople) for more people
+    /// than there is room for, which stops the robot.
     pub fn observe_people(&mut self, percept: &Percept, others: &[Body]) -> Result<(), Error> {
         self.check_bodies(percept.body.iter().chain(others))?;
         if let Err(fault) = self.clock.frame(percept.time) {
@@ -51,7 +52,7 @@ impl Controller {
         Ok(kept?)
     }
 
-    /// Checks that people can have these bodies, in metres about the robot. Every source of frames comes by here.
+    /// Returns an error unless people can have these bodies, in metres around the robot. All frames are checked here.
     fn check_bodies<'a>(&mut self, bodies: impl Iterator<Item = &'a Body>) -> Result<(), Error> {
         let origin = self.robot.world_from_tool().translation.vector.into();
         let least = self.settings.safety.person.least_confidence;
@@ -68,7 +69,7 @@ impl Controller {
         Ok(())
     }
 
-    /// Where the person is, and how far from the robot.
+    /// Updates the person's place and the distances to the robot.
     pub(super) fn watch(&mut self, elapsed: f64) -> Result<(), Error> {
         let Some(now) = self.clock.now() else { return Ok(()) };
         self.space.advance(now, elapsed)?;

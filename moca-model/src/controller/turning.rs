@@ -1,4 +1,4 @@
-//! Ticks in which the object turns to the side that the person's tool is for.
+//! Turns of the object to the side that the person's tool is for.
 
 use std::f64::consts::{PI, TAU};
 
@@ -10,41 +10,40 @@ use crate::error::Error;
 use crate::held_object::BoxSide;
 use crate::interaction::{Phase, Situation};
 
-/// By how much the desired pose may be out of the shared workspace where it counts as within
-/// \[m or rad\].
+/// Distance of the desired pose from the shared workspace up to which it counts as within \[m or rad\].
 const WITHIN: f64 = 1e-3;
 
-/// How near the reference of orientations is to its goal where it counts as there \[rad\].
+/// Angle between the reference of orientations and its goal up to which it counts as reached \[rad\].
 const THERE: f64 = 0.02;
 
-/// Shares of the largest below this do not make another joint's axis nearer to that of a turn.
+/// Share of the largest component above which two joints count as equally near to the axis of a turn.
 const NEARLY: f64 = 0.9;
 
-/// By how much less the shorter of two ways is where that counts \[rad\].
+/// Difference of two turns from which on the shorter one is preferred \[rad\].
 const SHORTER: f64 = 0.04;
 
-/// The way of the hand around an object that turns below it, in the tool's axes.
+/// The path of the hand around an object that turns below it, in the tool's axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct HandTurn {
-    /// From the middle of the object to the hand.
+    /// Direction from the middle of the object to the hand.
     pub(super) direction: Unit<Vector3<f64>>,
     axis: Unit<Vector3<f64>>,
-    /// Still to be turned \[rad\].
+    /// Remaining turn \[rad\].
     left: f64,
 }
 
 impl HandTurn {
-    /// At rest.
+    /// Creates a hand at rest.
     pub(super) fn resting(direction: Unit<Vector3<f64>>) -> Self {
         Self { direction, axis: Vector3::z_axis(), left: 0.0 }
     }
 
-    /// Whether there is still a way to go.
+    /// Whether a turn remains.
     pub(super) fn is_turning(&self) -> bool {
         self.left > 0.0
     }
 
-    /// Goes on by at most `step` \[rad\]; the rotation by which it went.
+    /// Advances by at most `step` \[rad\] and returns the rotation, if there was one.
     pub(super) fn advance(&mut self, step: f64) -> Option<UnitQuaternion<f64>> {
         let step = step.min(self.left);
         if step <= 0.0 {
@@ -58,17 +57,17 @@ impl HandTurn {
 }
 
 impl Controller {
-    /// What robot and person are at.
+    /// The phase of the interaction.
     pub fn phase(&self) -> Phase {
         self.interaction.phase()
     }
 
-    /// The side of the object that the person sees, or is about to.
+    /// The side of the object that the person sees, or will see after a turn.
     pub fn shown(&self) -> BoxSide {
         self.shown
     }
 
-    /// Goes on to the next phase if its time has come, and begins what belongs to it.
+    /// Goes on to the next phase if its condition holds, and starts its actions.
     pub(super) fn interact(&mut self, time: f64) -> Result<(), Error> {
         let shared = self.space.is_shared();
         let intention = if shared { self.space.intention() } else { Intention::Apart };
@@ -96,7 +95,7 @@ impl Controller {
         Ok(())
     }
 
-    /// Whether the desired pose is within the shared workspace, and that where and as it is to be.
+    /// Whether the workspace has its place and orientation, and the desired pose is within it.
     fn has_arrived(&self) -> bool {
         let workspace = self.space.workspace();
         let goal = self.space.moving().reference_goal();
@@ -106,7 +105,7 @@ impl Controller {
             && workspace.violation(&self.command.desired).amax() <= WITHIN
     }
 
-    /// Shows this side of the object from now on.
+    /// Turns the object so that it shows this side.
     pub(super) fn turn_to(&mut self, side: BoxSide) -> Result<(), Error> {
         let Some(object) = &self.object else { return Ok(()) };
         let goal = self.settings.space.tool * object.turn_to_show(side);
@@ -114,24 +113,24 @@ impl Controller {
         let way = self.space.workspace().reference().inverse() * goal;
         self.shown = side;
         let Some((axis, angle)) = way.axis_angle() else { return Ok(()) };
-        // For the workspace two ways are as long only about half a turn.
+        // Two ways have the same length for the workspace only at about half a turn.
         let other = angle > PI - 1e-3 && !self.goes_about(&axis);
         let axis = if other { -axis } else { axis };
         self.space.moving_mut().reorient(goal, &axis)?;
-        // Seen from the tool, the person goes round the object the other way.
+        // Seen from the tool, the person goes around the object in the opposite direction.
         self.hand_turn.axis = -axis;
         let (flat, end) = (out.cross(&axis), now.cross(&axis));
-        // The angle from where the hand is to where it is to be, about that axis, in [0, 2π).
+        // The angle from the hand's present place to its goal about that axis, in [0, 2π).
         let angle = flat.cross(&end).dot(&axis).atan2(flat.dot(&end));
         let angle = angle.rem_euclid(TAU);
-        // Rounding does not make a whole turn of none.
+        // Rounding must not turn zero into a whole turn.
         self.hand_turn.left = if angle > TAU - 1e-6 { 0.0 } else { angle };
         Ok(())
     }
 
     /// Whether a half turn goes about this axis, in the tool's axes, and not about the opposite one. It goes the
-    /// way that is shorter for the desired pose, if the joint nearest to the tool about that axis has room for it
-    /// or one without limits can help; else the way in which that joint has more room.
+    /// shorter way for the desired pose, if the nearest joint about that axis has room or a joint without limits can
+    /// help. Otherwise it goes the way with more room for that joint.
     fn goes_about(&self, axis: &Unit<Vector3<f64>>) -> bool {
         let rooms = self.rooms_about(axis);
         let done = self.turned_about(axis);
@@ -144,15 +143,15 @@ impl Controller {
         }
     }
 
-    /// How far the desired pose is turned about an axis, in the tool's axes, from the middle of the room for
-    /// orientations \[rad\].
+    /// The angle of the desired pose about an axis, in the tool's axes, from the middle of the allowed orientations
+    /// \[rad\].
     fn turned_about(&self, axis: &Unit<Vector3<f64>>) -> f64 {
         let workspace = self.space.workspace();
         let middle = workspace.world_from_workspace().rotation * workspace.reference();
         (middle.inverse() * self.command.desired.rotation).scaled_axis().dot(axis)
     }
 
-    /// How far the joints can turn the tool about an axis, in its own axes.
+    /// The room of the joints to turn the tool about an axis, in its own axes.
     fn rooms_about(&self, axis: &Unit<Vector3<f64>>) -> Rooms {
         let axis = self.robot.world_from_tool().rotation * **axis;
         let jacobian = self.robot.jacobian();
@@ -176,13 +175,13 @@ impl Controller {
     }
 }
 
-/// How far the joints can turn the tool.
+/// The room of the joints to turn the tool.
 #[derive(Debug, Clone, Copy)]
 struct Rooms {
-    /// About the axis, by the nearest joint with limits \[rad\].
+    /// Room about the axis, of the nearest joint with limits \[rad\].
     about: f64,
-    /// The other way \[rad\].
+    /// Room in the opposite direction \[rad\].
     against: f64,
-    /// Whether a joint without limits turns the tool about the axis, too.
+    /// Whether a joint without limits also turns the tool about the axis.
     is_free: bool,
 }

@@ -1,23 +1,23 @@
-//! The robot's bodies, capsules fixed to its links.
+//! The robot's bodies: capsules fixed to its links.
 
 use hrsw_safety::{Capsule, LinkCapsule, RobotBody};
 use whole_body::{FrameId, Model, Posed};
 
 use crate::error::Error;
 
-/// The capsules of a robot and where they are.
+/// The capsules of a robot and their places.
 #[derive(Debug, Clone)]
 pub(super) struct RobotBodies {
     tool: FrameId,
-    /// How many joints move the tool.
+    /// Number of joints that move the tool.
     joints: usize,
     shapes: Vec<(FrameId, Capsule)>,
     placed: Vec<RobotBody>,
-    /// How many of them are the robot's own.
+    /// Number of capsules that are the robot's own.
     own: usize,
 }
 
-/// Room for what the robot holds and for the tool of who works on it.
+/// Room for the held object and for the hand tool of the person.
 const HELD: usize = 2;
 
 impl RobotBodies {
@@ -34,7 +34,7 @@ impl RobotBodies {
         Ok(Self { tool, joints, own: placed.len(), shapes, placed })
     }
 
-    /// The tool's frame carries these as well, instead of what it carried before. Allocates nothing.
+    /// Replaces the capsules that the tool's frame carries. Allocates nothing.
     pub(super) fn hold(&mut self, held: impl IntoIterator<Item = Capsule>) {
         self.shapes.truncate(self.own);
         self.placed.truncate(self.own);
@@ -67,10 +67,10 @@ impl RobotBodies {
     }
 }
 
-/// How many of the joints, from the first, move a link.
+/// Returns the number of first joints that move a link.
 ///
-/// A point of the link moves by the first columns of the tool's Jacobian only where these joints
-/// carry the tool as they carry the link.
+/// The first columns of the tool's Jacobian give the motion of a point on the link only if these joints move tool and
+/// link alike.
 fn joints_moving(model: &Model, tool: FrameId, link: FrameId) -> Result<usize, Error> {
     let from_the_root = |frame: FrameId| -> Result<Vec<usize>, Error> {
         let mut entries: Vec<_> = model.moved_by(frame)?.collect();
@@ -79,7 +79,7 @@ fn joints_moving(model: &Model, tool: FrameId, link: FrameId) -> Result<usize, E
     };
     let (of_link, of_tool) = (from_the_root(link)?, from_the_root(tool)?);
     let is_first = of_link.iter().copied().eq(0..of_link.len());
-    // A joint that others mimic may carry the tool by one of them and the link by another.
+    // A joint that others mimic may move the tool by one of them and the link by another.
     let is_followed = model.mimic_joints().iter().any(|mimic| {
         let leader = model.joint(mimic.follows);
         leader.is_ok_and(|joint| of_link.contains(&joint.velocity_index))

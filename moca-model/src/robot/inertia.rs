@@ -1,4 +1,4 @@
-//! How heavy the robot is to its own joints.
+//! The inverse of the joint-space inertia.
 
 use nalgebra::{Cholesky, DMatrix};
 use whole_body::Posed;
@@ -12,24 +12,24 @@ pub(super) struct InverseInertia {
 }
 
 impl InverseInertia {
-    /// For a robot with n joints, not known yet.
+    /// Creates room for a robot with n joints, without a value.
     pub(super) fn new(n: usize) -> Self {
         Self { inertia: DMatrix::zeros(n, n), inverse: DMatrix::zeros(n, n), known: false }
     }
 
-    /// The robot has moved: it is not known.
+    /// Forgets the value after the robot has moved.
     pub(super) fn forget(&mut self) {
         self.known = false;
     }
 
-    /// Computes it for the robot's configuration. Allocates nothing.
+    /// Computes the value for the robot's configuration. Allocates nothing.
     pub(super) fn update(&mut self, posed: &mut Posed<'_>) {
         self.known = false;
         if self.inertia.is_empty() || posed.mass_matrix_into(&mut self.inertia).is_err() {
             return;
         }
-        // The factor takes the place of the matrix, which comes back for the next time. A robot that has
-        // no factor has none in any configuration: the matrix then stays empty.
+        // The factor takes the memory of the matrix, which returns for the next call. A robot without a factor has none
+        // in any configuration; the matrix then stays empty.
         let Some(factor) = Cholesky::new(std::mem::take(&mut self.inertia)) else { return };
         self.inverse.fill_with_identity();
         factor.solve_mut(&mut self.inverse);
@@ -37,7 +37,7 @@ impl InverseInertia {
         self.known = true;
     }
 
-    /// n × n; none for a robot with a joint that moves no mass.
+    /// The matrix, n × n; `None` for a robot with a joint that moves no mass.
     pub(super) fn get(&self) -> Option<&DMatrix<f64>> {
         self.known.then_some(&self.inverse)
     }

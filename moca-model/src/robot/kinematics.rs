@@ -10,9 +10,8 @@ use super::inertia::InverseInertia;
 use crate::error::{Error, check_plain};
 use crate::held_object::HeldObject;
 
-/// The robot at one configuration, as the stack of tasks sees it: where the tool is, how the
-/// joints move it, where the robot's bodies are, what it holds and where the hand is of the person
-/// who works on that.
+/// The robot at one configuration, as the stack of tasks sees it: pose and Jacobian of the tool, bodies, held object,
+/// and the hand of the person who works on that.
 ///
 /// ```
 /// use moca_model::{Kinematics, MOCA_HOME, MOCA_TOOL, moca};
@@ -32,32 +31,31 @@ pub struct Kinematics {
     tool: FrameId,
     world_from_tool: Isometry3<f64>,
     held: Option<Held>,
-    /// In the tool's frame \[m\].
+    /// Place of the hand in the tool's frame \[m\].
     hand: Vector3<f64>,
     jacobian: Matrix6xX<f64>,
     bodies: RobotBodies,
     inertia: InverseInertia,
 }
 
-/// What the robot holds.
+/// The held object.
 #[derive(Debug, Clone, Copy)]
 struct Held {
     payload: PayloadId,
     capsule: Capsule,
-    /// Where the person's tool meets it, in the tool's frame \[m\].
+    /// Place where the person's hand tool meets it, in the tool's frame \[m\].
     face: Vector3<f64>,
 }
 
-/// Radius of what a person works with \[m\].
+/// Radius of the person's hand tool \[m\].
 const TOOL_RADIUS: f64 = 0.03;
 
 impl Kinematics {
-    /// With the link or frame that is the tool, the robot's bodies and its configuration q, n
-    /// \[m or rad\].
+    /// Creates the robot with the link or frame of its tool, its bodies and its configuration q, n \[m or rad\].
     ///
     /// # Errors
-    /// [`Error::FloatingBase`]; [`Error::Robot`] for a tool or a link that the robot does not have
-    /// and for q; [`Error::BodyBesideTheWay`] for a body of which the tool's Jacobian says nothing.
+    /// [`Error::FloatingBase`]; [`Error::Robot`] for a tool or link that the robot does not have and for q;
+    /// [`Error::BodyBesideTheWay`] for a body whose motion the tool's Jacobian does not give.
     pub fn new(
         model: Model,
         tool: &str,
@@ -81,10 +79,10 @@ impl Kinematics {
         Ok(kinematics)
     }
 
-    /// Goes to the configuration q, n \[m or rad\]. Allocates nothing unless q is refused.
+    /// Sets the configuration q, n \[m or rad\]. Allocates nothing unless q is refused.
     ///
     /// # Errors
-    /// [`Error::Robot`] on q unless [`Model::is_configuration`]; all is then as before.
+    /// [`Error::Robot`] on q unless [`Model::is_configuration`]; nothing is then changed.
     pub fn update(&mut self, configuration: &[f64]) -> Result<(), Error> {
         let posed = self.data.pose(&self.model, configuration)?;
         self.world_from_tool = posed.world_from(self.tool)?;
@@ -93,10 +91,10 @@ impl Kinematics {
         self.bodies.place(&posed)
     }
 
-    /// Computes M⁻¹ at the present configuration, if it is not known yet. Allocates nothing.
+    /// Computes M⁻¹ at the present configuration, if it is not known. Allocates nothing.
     ///
     /// # Errors
-    /// None: there is a configuration from the beginning.
+    /// Never, since there is a configuration from the beginning.
     pub fn weigh(&mut self) -> Result<(), Error> {
         if self.inertia.get().is_none() {
             self.inertia.update(&mut self.data.posed(&self.model)?);
@@ -104,11 +102,11 @@ impl Kinematics {
         Ok(())
     }
 
-    /// The tool holds an object from now on, instead of what it held before: its mass counts, and it is one
-    /// of the robot's bodies, unless the robot has none. Allocates nothing.
+    /// Sets the object that the tool holds. Its mass counts, and it is one of the robot's bodies, unless the robot has
+    /// none. Allocates nothing.
     ///
     /// # Errors
-    /// Those of [`HeldObject::validate`]; the robot then holds what it held before.
+    /// Those of [`HeldObject::validate`]; the robot then keeps what it held before.
     pub fn hold(&mut self, object: &HeldObject) -> Result<(), Error> {
         object.validate()?;
         let (capsule, face) = (object.capsule()?, object.tool_from_face()?);
@@ -118,10 +116,10 @@ impl Kinematics {
         self.carry()
     }
 
-    /// The tool holds nothing.
+    /// Releases the held object.
     ///
     /// # Errors
-    /// None.
+    /// Never.
     pub fn release(&mut self) -> Result<(), Error> {
         if let Some(held) = self.held.take() {
             self.data.detach(&self.model, held.payload)?;
@@ -129,11 +127,11 @@ impl Kinematics {
         self.carry()
     }
 
-    /// Where the person's hand is from now on, in the tool's frame \[m\]; what is between it and the object
-    /// is the person's tool.
+    /// Sets the place of the person's hand in the tool's frame \[m\]. The person's hand tool is between hand and
+    /// object.
     ///
     /// # Errors
-    /// [`Error::NotFinite`]; the hand is then where it was.
+    /// [`Error::NotFinite`]; the hand is then unchanged.
     pub(crate) fn set_hand(&mut self, hand: Vector3<f64>) -> Result<(), Error> {
         if let Some(&value) = hand.iter().find(|value| !value.is_finite()) {
             return Err(Error::NotFinite { what: "the place of a hand".to_owned(), value });
@@ -142,7 +140,7 @@ impl Kinematics {
         self.carry()
     }
 
-    /// Gives the tool's frame the bodies that it carries now.
+    /// Updates the bodies that the tool's frame carries.
     fn carry(&mut self) -> Result<(), Error> {
         let held = self.held.filter(|_| self.bodies.are_any());
         let tool = held.filter(|held| (held.face - self.hand).norm() > 2.0 * TOOL_RADIUS);
@@ -157,7 +155,7 @@ impl Kinematics {
     /// The robot at its configuration, for tasks to read.
     ///
     /// # Errors
-    /// None: there is a configuration from the beginning.
+    /// Never, since there is a configuration from the beginning.
     pub fn posed(&mut self) -> Result<Posed<'_>, Error> {
         Ok(self.data.posed(&self.model)?)
     }
@@ -177,30 +175,30 @@ impl Kinematics {
         &self.world_from_tool
     }
 
-    /// Pose in the world of the hand of who works with the robot, with the tool's axes. Without an object
-    /// between them that of the tool.
+    /// The pose in the world of the hand of the person who works with the robot, with the tool's axes. If the robot
+    /// holds no object, it is the pose of the tool.
     pub(crate) fn world_from_hand(&self) -> Isometry3<f64> {
         self.world_from_tool * Translation3::from(self.hand)
     }
 
-    /// Where the hand is in the tool's frame \[m\].
+    /// The place of the hand in the tool's frame \[m\].
     pub fn tool_from_hand(&self) -> &Vector3<f64> {
         &self.hand
     }
 
-    /// The tool's geometric Jacobian, 6 × n: its twist for q̇, linear rows \[m/s\] then angular
-    /// ones \[rad/s\], in the world's axes, at the tool's origin.
+    /// The tool's geometric Jacobian, 6 × n, which maps q̇ to its twist at the tool's origin in the world's axes:
+    /// linear rows \[m/s\], then angular ones \[rad/s\].
     pub fn jacobian(&self) -> &Matrix6xX<f64> {
         &self.jacobian
     }
 
-    /// M⁻¹, the inverse of the joint-space inertia, n × n \[1/kg, 1/(kg m²)\]; none where it has not been
+    /// M⁻¹, the inverse of the joint-space inertia, n × n \[1/kg, 1/(kg m²)\]. `None` if it has not been
     /// [computed](Self::weigh) at this configuration, and for a robot with a joint that moves no mass.
     pub fn inverse_inertia(&self) -> Option<&DMatrix<f64>> {
         self.inertia.get()
     }
 
-    /// How the robot's bodies move at these velocities of its joints, n \[m/s or rad/s\], for
+    /// The motion of the robot's bodies at these joint velocities, n \[m/s or rad/s\], for
     /// [`Safety`](hrsw_safety::Safety).
     pub fn motion<'a>(&'a self, velocity: &'a [f64]) -> JointMotion<'a> {
         JointMotion {

@@ -7,10 +7,10 @@ use whole_body::{Description, Model};
 
 use crate::error::Error;
 
-/// The URDF of MOCA that this crate carries; its header names the sources.
+/// The URDF of MOCA in this crate; its header names the sources.
 pub const MOCA_URDF: &str = include_str!("../../urdf/moca.urdf");
 
-/// q: base x, y, yaw, then the arm's seven joints.
+/// The joints of q: base x, y, yaw, then the arm's seven joints.
 pub const MOCA_JOINTS: [&str; 10] = [
     "base_x",
     "base_y",
@@ -27,15 +27,14 @@ pub const MOCA_JOINTS: [&str; 10] = [
 /// MOCA's tool: the point between the finger tips.
 pub const MOCA_TOOL: &str = "panda_tcp";
 
-/// The joint that mounts the arm, for [`Description::origins`]: its origin is the pose of
-/// `panda_link0` in `base_link`, which is 0.12688 m above the floor. MOCA's builders have published
-/// none; the URDF's is of a like pair of robots.
+/// The joint that mounts the arm, for [`Description::origins`]. Its origin is the pose of `panda_link0` in `base_link`,
+/// which is 0.12688 m above the floor. MOCA's mount is not published; the URDF's is that of a similar pair of robots.
 pub const MOCA_ARM_MOUNT: &str = "arm_mount";
 
-/// How many of MOCA's joints are the base's; they come first.
+/// The number of MOCA's base joints, which come first.
 pub const MOCA_BASE_JOINTS: usize = 3;
 
-/// The base at the world's origin and the arm at its maker's home \[m, rad\].
+/// The base at the world's origin and the arm at its manufacturer's home \[m, rad\].
 pub const MOCA_HOME: [f64; 10] =
     [0.0, 0.0, 0.0, 0.0, -FRAC_PI_4, 0.0, -3.0 * PI / 4.0, 0.0, FRAC_PI_2, FRAC_PI_4];
 
@@ -59,18 +58,18 @@ const BASE_ACCELERATION: [f64; 3] = [0.6, 0.6, 1.5];
 /// 27.27 rad/s on a radius of 0.127 m.
 pub const MOCA_WHEEL_SPEED: f64 = 27.27 * 0.127;
 
-/// How far from the base's centre a wheel acts when the base turns \[m\]: half
-/// the wheelbase plus half the track, 0.2225 + 0.2045.
+/// The distance from the base's centre at which a wheel acts when the base turns \[m\]: half the wheelbase plus half
+/// the track, 0.2225 + 0.2045.
 ///
-/// With mecanum wheels the base can move at (vₓ, vᵧ, ω) in its own frame when
-/// |vₓ| + |vᵧ| + `MOCA_WHEEL_LEVER`·|ω| ≤ [`MOCA_WHEEL_SPEED`].
+/// A mecanum base can move at (vₓ, vᵧ, ω) in its own frame if |vₓ| + |vᵧ| + `MOCA_WHEEL_LEVER`·|ω| ≤
+/// [`MOCA_WHEEL_SPEED`].
 pub const MOCA_WHEEL_LEVER: f64 = 0.2225 + 0.2045;
 
 /// Largest speed of the base along each of its own axes \[m/s\], as its real controller is
 /// configured.
 pub const MOCA_AXIS_SPEED: f64 = 1.5;
 
-/// MOCA with its fingers closed, n = 10.
+/// Creates the model of MOCA with its fingers closed, n = 10.
 ///
 /// ```
 /// use moca_model::whole_body::Data;
@@ -87,14 +86,15 @@ pub const MOCA_AXIS_SPEED: f64 = 1.5;
 /// ```
 ///
 /// # Errors
-/// None with the URDF as it is.
+/// Never with this URDF.
 pub fn moca() -> Result<Model, Error> {
     Ok(Model::from_urdf(MOCA_URDF, &moca_description())?)
 }
 
-/// How [`MOCA_URDF`] is read: the joints of [`MOCA_JOINTS`] move [`MOCA_TOOL`] on a fixed base,
-/// with acceleration and jerk limits from the makers' specifications, positions and efforts of the
-/// base's joints unlimited, and the friction of the arm's joints as Gaz et al. identified it.
+/// Returns the description of [`MOCA_URDF`]: the joints of [`MOCA_JOINTS`] move [`MOCA_TOOL`] on a fixed base.
+///
+/// Acceleration and jerk limits are from the manufacturers' specifications. Positions and efforts of the base's joints
+/// are unlimited. The friction of the arm's joints is that of Gaz et al.
 ///
 /// ```
 /// use moca_model::whole_body::Model;

@@ -1,14 +1,14 @@
-//! How MOCA keeps its distance.
+//! Safety settings of MOCA.
 
 use hrsw_safety::{BaseBraking, Capsule, LinkCapsule, SafetySettings, SeparationSettings};
 use nalgebra::Vector3;
 
 use super::moca::MOCA_BASE_JOINTS;
 
-/// The safety settings of MOCA: its bodies are the Panda's self-collision capsules as its maker's description gives
-/// them, and eight around the chassis of the base, which brakes with 0.5 m/s².
+/// Returns the safety settings of MOCA. Its bodies are the Panda's self-collision capsules of the manufacturer's
+/// description and eight around the chassis of the base. The base brakes with 0.5 m/s².
 ///
-/// The chassis and the links from the elbow on are kept apart, and the shoulder and those from the forearm on.
+/// The chassis is kept apart from the links from the elbow on, and the shoulder from those from the forearm on.
 ///
 /// ```
 /// use moca_model::moca_safety;
@@ -28,9 +28,9 @@ pub fn moca_safety() -> SafetySettings {
 /// Link, centre, direction of the axis, radius, distance between the centres of the ends \[m\].
 type Row = (&'static str, [f64; 3], [f64; 3], f64, f64);
 
-/// The Panda's self-collision capsules, from the maker's description of the robot.
+/// The Panda's self-collision capsules, from the manufacturer's description.
 const PANDA: [Row; 12] = {
-    /// The frame of link 7's capsules is turned by an eighth about z.
+    /// The frame of link 7's capsules is rotated by an eighth of a turn about z.
     const D: f64 = std::f64::consts::FRAC_1_SQRT_2;
     const X: [f64; 3] = [1.0, 0.0, 0.0];
     const Y: [f64; 3] = [0.0, 1.0, 0.0];
@@ -51,8 +51,8 @@ const PANDA: [Row; 12] = {
     ]
 };
 
-/// Around the chassis' box of 0.719 × 0.579 × 0.443 m: across at front and back, along at both
-/// sides, each low and high, just large enough to hold its surface but for the inside of the deck.
+/// Capsules around the chassis' box of 0.719 × 0.579 × 0.443 m: across at front and back, along at both sides, each low
+/// and high. They are just large enough to contain its surface except the inside of the deck.
 const CHASSIS: [Row; 8] = {
     const X: [f64; 3] = [1.0, 0.0, 0.0];
     const Y: [f64; 3] = [0.0, 1.0, 0.0];
@@ -69,7 +69,7 @@ const CHASSIS: [Row; 8] = {
 };
 
 fn bodies() -> Vec<LinkCapsule> {
-    // From the hand down: the nearest are found first, and many others need no search.
+    // The order is from the hand down. The nearest are found first, and many others need no search.
     PANDA
         .iter()
         .rev()

@@ -1,4 +1,4 @@
-//! What the third level minimises.
+//! The objective of the third level.
 
 use ergo_map::ErgonomicsQuadratic;
 use nalgebra::{Matrix6, Vector3, Vector6};
@@ -6,22 +6,22 @@ use whole_body::tasks::{QuadraticTask, TaskInput, TaskQuadratic, Variables};
 
 use crate::error::Error;
 
-/// What the third level minimises.
+/// The objective of the third level.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GoalTerms<'a> {
     /// The person's ergonomics in the world, τ seconds ahead.
     pub ergonomics: Option<&'a ErgonomicsQuadratic>,
-    /// The velocity at which the person walks, world axes \[m/s\]: fed forward, so that the
-    /// optimum does not lag behind a walking person.
+    /// Velocity of the walking person in world axes \[m/s\]. It is fed forward, so that the optimum does not lag
+    /// behind.
     pub drift: Vector3<f64>,
-    /// From 0, the benchmark min ‖ẋ_d‖², to 1, ergonomics alone; between, both so weighted.
+    /// Weight from 0, the benchmark min ‖ẋ_d‖², to 1, ergonomics alone.
     pub activation: f64,
 }
 
 /// activation · e_s(x_d + τ (ẋ_d − drift)) + (1 − activation) ‖ẋ_d‖², over ẋ_d.
 ///
-/// One level whose weights change, so that its solution does not jump: as two levels of a
-/// [`ContinuousStack`](ahqp_core::ContinuousStack) that change places, a tick would solve two hierarchies.
+/// A single level changes its weights, so that the solution does not jump. Two levels that change places in a
+/// [`ContinuousStack`](ahqp_core::ContinuousStack) would need two hierarchies in a tick.
 #[derive(Debug, Clone)]
 pub(super) struct GoalTask {
     desired_twist: Variables,
@@ -36,7 +36,7 @@ impl GoalTask {
         Self { desired_twist, horizon, hessian, gradient }
     }
 
-    /// For a desired pose at `desired` \[m\].
+    /// Sets the objective for a desired pose at `desired` \[m\].
     pub(super) fn set(
         &mut self,
         goal: &GoalTerms<'_>,

@@ -1,4 +1,4 @@
-//! What does not change from tick to tick.
+//! Settings of the stack.
 
 use ahqp_core::Budget;
 use hrsw::Softening;
@@ -8,20 +8,20 @@ use whole_body::tasks::{Feedback, PostureTask};
 use crate::error::Error;
 use crate::motion_limits::MecanumBase;
 
-/// How the joints spread what no other level decides.
+/// The posture task, which decides motions that no other level determines.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct PostureSettings {
     /// Preferred configuration \[m or rad\]; joints without a gain ignore it.
     pub configuration: Vec<f64>,
-    /// Rate at which a joint returns to it \[1/s\]; zero for joints that should just rest.
+    /// Rate at which a joint returns to it \[1/s\]; zero for joints that only rest.
     pub gain: Vec<f64>,
-    /// Weight of a joint against the others \[-\].
+    /// Weight of a joint relative to the others \[-\].
     pub weight: Vec<f64>,
 }
 
-/// What does not change from tick to tick.
+/// Settings that do not change from tick to tick.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StackSettings {
     /// The diagonal of K_p \[1/s\].
@@ -30,13 +30,13 @@ pub struct StackSettings {
     pub period: f64,
     /// τ of workspace and goal \[s\].
     pub horizon: f64,
-    /// How the workspace gives way.
+    /// Softening of the workspace.
     pub softening: Softening,
     /// The wheel limit.
     pub base: Option<MecanumBase>,
     /// The last level.
     pub posture: PostureSettings,
-    /// What the solve of a tick may cost.
+    /// Budget of the solve of a tick.
     pub budget: Budget,
 }
 
@@ -65,7 +65,7 @@ impl PostureSettings {
     /// wᵢ q̇ᵢ = wᵢ gainᵢ (goalᵢ − qᵢ).
     pub(super) fn task(&self) -> Result<PostureTask, Error> {
         let squares: Vec<f64> = self.weight.iter().map(|weight| weight * weight).collect();
-        // Straight to the goal: the joints' limits alone decide how fast it may be left again.
+        // The joints' limits alone decide how fast they return to the goal.
         let feedback = Feedback { deceleration: f64::INFINITY, ..Feedback::JOINT };
         let mut task = PostureTask::new()
             .with_feedback(feedback)

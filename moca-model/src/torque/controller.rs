@@ -1,4 +1,4 @@
-//! Torques for the arm, velocities for the base, and a supervisor that feels who pushes.
+//! A controller with torques for the arm, velocities for the base, and supervision of external forces.
 
 mod sensing;
 
@@ -20,29 +20,30 @@ use crate::error::Error;
 use crate::held_object::HeldObject;
 use sensing::Usable;
 
-/// What a robot measures each tick, n of each, in the order of q.
+/// Measurements of a robot in a tick, n of each, in the order of q.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measured<'a> {
     /// q \[m or rad\].
     pub position: &'a [f64],
     /// q̇ \[m/s or rad/s\]; the base's x and y in the world's axes.
     pub velocity: &'a [f64],
-    /// The torques that act on the links, behind the gears \[N or Nm\], none where they are not measured; only
-    /// those of the joints driven by torque are read.
+    /// Torques on the links at the output of the gears \[N or Nm\]; `None` for joints without a torque sensor. Only
+    /// joints with torque drives are read.
     pub torque: &'a [Option<f64>],
-    /// How long ago this came from the robot \[s\]: zero for a measurement of this tick.
+    /// Age of the measurement \[s\]: zero if it came in this tick.
     pub age: f64,
 }
 
-/// A [`Controller`] down to torque: τ = `K_d` (q̇* − q̇) + `K_p` (q* − q) + g(q) for the arm, within torque
-/// and torque-rate limits, and velocities for the base; g(q) where the robot does not add it itself
+/// A [`Controller`] down to torque. The arm gets τ = `K_d` (q̇* − q̇) + `K_p` (q* − q) + g(q) within limits of torque
+/// and torque rate, the base velocities. The term g(q) is left out if the robot adds it itself
 /// ([`Compensation`](whole_body::torque::Compensation)).
 ///
-/// Tasks are computed with the base where it is measured and the arm where it is commanded, q* being
-/// within the leash of q: so the arm's spring and damper do not close a loop with the tasks, and the tool
-/// makes up for where the base really is. The torque from outside comes of a [`MomentumObserver`], the
-/// force at the tool that explains it goes to the supervisor each tick. Above its limit the robot stops,
-/// and gives way: q* is q until the force is gone.
+/// Tasks are computed at the commanded arm, whose q* is within the leash of q, and at the commanded base, which
+/// approaches its measured place. So the arm's spring and damper do not form a feedback loop with the tasks. The tool
+/// corrects for the true place of the base.
+///
+/// A [`MomentumObserver`] estimates the external torque. The force at the tool that explains it goes to the supervisor
+/// each tick. Above its limit the robot stops and yields: q* is q until the force is gone.
 ///
 /// ```
 /// use ergo_map::ErgonomicsQuadratic;
@@ -68,66 +69,66 @@ pub struct TorqueController {
     controller: Controller,
     settings: TorqueLoopSettings,
     data: Data,
-    /// The entries of q and q̇ of the joints driven by torque.
+    /// Entries of q̇ of the joints with torque drives.
     joints: Vec<usize>,
     impedance: JointImpedance,
     observer: MomentumObserver,
     contact: ContactForce,
     force: Vector3<f64>,
-    /// Whether the torques of all driven joints were measured last.
+    /// Whether the last torques of all joints with torque drives were measured.
     feels: bool,
-    /// As measured last, if that could be used.
+    /// Last usable measurement.
     position: Vec<f64>,
     velocity: Vec<f64>,
     watch: MeasurementWatch,
-    /// Where the robot is now, by what was measured last.
+    /// Predicted present state of the robot.
     prediction: StatePrediction,
-    /// Whether that was not known well enough in the last tick.
+    /// Whether the measurements of the last tick were faulty.
     is_lost: bool,
-    /// Where an arm waits before its first motion, and whether it does.
+    /// Place where an arm waits before its first motion, and whether it does.
     rest: Vec<f64>,
     waits: bool,
-    /// The time of the last tick, and the time from the tick before to it \[s\].
+    /// Time of the last tick, and the time between the last two ticks \[s\].
     last: Option<f64>,
     elapsed: f64,
-    /// How late measurements come and commands act \[s\].
+    /// Delay of measurements and commands \[s\].
     delay: f64,
-    /// The time since the observer's last update \[s\].
+    /// Time since the observer's last update \[s\].
     unobserved: f64,
     support: SupportTorque,
     payload_watch: PayloadWatch,
     unknown_payload: Option<f64>,
-    /// What the tool holds.
+    /// The payload of the held object.
     held: Option<PayloadId>,
     law: LawInput,
-    /// By how much more the springs are drawn, against what they give way by \[rad\].
+    /// Additional deflection of the springs that compensates their sag \[rad\].
     sag: Vec<f64>,
     torque: Vec<f64>,
 }
 
-/// How fast it is learnt by how much springs give way \[1/s\]: slow against the arm, fast against a person who works.
+/// Rate at which the sag of springs is learnt \[1/s\]: slow for the arm, fast for a working person.
 const SAG_RATE: f64 = 2.0;
-/// By how much more springs are drawn at most \[rad\].
+/// Largest compensated sag \[rad\].
 const LARGEST_SAG: f64 = 0.03;
-/// The share of the gains of an arm that waits: soft enough for any delay.
+/// Share of the gains of an arm that waits, low enough for any delay.
 const SOFT: f64 = 0.04;
-/// Joints that are no faster are at rest \[m/s or rad/s\]: noise of measured velocities, and what friction lets creep.
+/// Speed up to which joints count as at rest \[m/s or rad/s\]. It covers sensor noise and creep in friction.
 const AT_REST: f64 = 0.02;
 
-/// What the law sees, one element a joint driven by torque.
+/// Inputs of the impedance law, one element for each joint with a torque drive.
 #[derive(Debug, Clone)]
 struct LawInput {
     desired: Vec<f64>,
     desired_velocity: Vec<f64>,
     measured: Vec<f64>,
     measured_velocity: Vec<f64>,
-    /// Beside spring and damper \[Nm\].
+    /// Torques beside spring and damper \[Nm\].
     support: Vec<f64>,
     sensed: Vec<f64>,
 }
 
 impl TorqueController {
-    /// With a controller that has not made a step yet.
+    /// Creates the torque control of a controller that has not made a step.
     ///
     /// # Errors
     /// Settings out of range, or joints that the robot does not have.
@@ -196,7 +197,7 @@ impl TorqueController {
         Ok(torque_controller)
     }
 
-    /// A tick before the first motion: the arm hangs on soft springs where it is, one joint is pushed \[Nm\].
+    /// Makes a tick before the first motion. The arm is held in place by soft springs, and one joint is pushed \[Nm\].
     pub(super) fn wait(&mut self, measured: &Measured<'_>, (pushed, torque): (usize, f64)) {
         let usable = self.take(measured);
         self.predict(measured.age);
@@ -228,7 +229,7 @@ impl TorqueController {
         self.apply();
     }
 
-    /// Spring, damper and support, within the limits. Numbers that are no numbers leave the torque as it was.
+    /// Computes spring, damper and support within the limits. If a number is not finite, the torque stays.
     fn apply(&mut self) {
         let law = &self.law;
         let desired = JointState { position: &law.desired, velocity: &law.desired_velocity };
@@ -239,7 +240,7 @@ impl TorqueController {
         }
     }
 
-    /// Writes the torques into those of all joints.
+    /// Writes the torques of the joints with torque drives into those of all joints.
     pub(crate) fn write_torques(&self, all: &mut [f64]) {
         for (joint, torque) in self.joints.iter().zip(&self.torque) {
             if let Some(place) = all.get_mut(*joint) {
@@ -257,25 +258,25 @@ impl TorqueController {
         self.controller.settings().period
     }
 
-    /// How old what is known of the robot is \[s\]: the time since a measurement came that said anything new.
+    /// Age of the robot's measured state \[s\]: the time since a measurement that differed from the one before.
     pub fn measurement_age(&self) -> f64 {
         self.watch.age()
     }
 
-    /// Whether the robot is at rest, as measured, and told to be; none if that is not known.
+    /// Whether the robot is measured at rest and commanded to stay there; `None` if that is not known.
     pub fn is_at_rest(&self) -> Option<bool> {
         let is_told = self.controller.command().joint_velocity.iter().all(|speed| *speed == 0.0);
         let is_measured = self.velocity.iter().all(|speed| speed.abs() <= AT_REST);
         (!self.is_lost).then_some(is_told && is_measured)
     }
 
-    /// Tells how late measurements are beyond their age \[s\]: from a command to what it changes in a measurement, less
-    /// the one period that every loop takes.
+    /// Sets the delay of measurements beyond their age \[s\]. It is the time from a command to its effect in a
+    /// measurement, minus the one period of every loop.
     pub fn set_delay(&mut self, delay: f64) {
         self.delay = delay.max(0.0);
     }
 
-    /// How late measurements are taken to be beyond their age \[s\].
+    /// The assumed delay of measurements beyond their age \[s\].
     pub fn delay(&self) -> f64 {
         self.delay
     }
@@ -288,7 +289,7 @@ impl TorqueController {
         self.controller.observe(percept)
     }
 
-    /// The same where other people are in view; see [`Controller::observe_people`].
+    /// Takes a camera frame with other people in view; see [`Controller::observe_people`].
     ///
     /// # Errors
     /// Those of [`Controller::observe_people`].
@@ -296,19 +297,20 @@ impl TorqueController {
         self.controller.observe_people(percept, others)
     }
 
-    /// Takes the first measurement of a robot, before the first step; tells of it by
-    /// [`feels_contacts`](Self::feels_contacts).
+    /// Takes the first measurement of a robot, before the first step. [`feels_contacts`](Self::feels_contacts) is known
+    /// afterwards.
     ///
     /// # Errors
-    /// [`Error::Robot`] for a state that the limits exclude by far: it is in other units. It names the joint.
+    /// [`Error::Robot`] for a state far beyond the limits, which must be in other units. It names the joint.
     pub fn begin(&mut self, measured: &Measured<'_>) -> Result<(), Error> {
         self.model().check_units(measured.position, measured.velocity)?;
         self.feels = self.measures_torques(measured);
         Ok(())
     }
 
-    /// Whether contacts would be noticed: all torques of the driven joints were measured last. Else force limiting is
-    /// off: nobody may be touched, and distances are those to people with whom the robot does not work.
+    /// Whether contacts would be noticed, because the last torques of all joints with torque drives were measured.
+    /// Otherwise force limiting is off and nobody may be touched. The robot then keeps the same distance from its
+    /// partner as from others.
     pub fn feels_contacts(&self) -> bool {
         self.feels
     }
@@ -318,18 +320,18 @@ impl TorqueController {
         self.joints.iter().all(known)
     }
 
-    /// The command for the period that begins at `now` \[s\], with the robot as `measured`; the torques of
-    /// the arm are [`torque`](Self::torque). Allocates nothing.
+    /// Computes the command for the period that begins at `now` \[s\], with the robot as `measured`. The torques of the
+    /// arm are [`torque`](Self::torque). Allocates nothing.
     ///
-    /// Between measurements the state is predicted ([`StatePrediction`]): spring and damper act on the prediction, and
-    /// fade with its age until the arm only carries itself. What is missing for 6 to 8 ms, or frozen
-    /// ([`MeasurementWatch`]), is a [`Fault::MissingMeasurement`](hrsw_safety::Fault::MissingMeasurement) or
+    /// Between measurements the state is predicted ([`StatePrediction`]). Spring and damper act on the prediction, and
+    /// fade with its age until the arm only supports itself. A measurement that is missing for 6 to 8 ms or frozen
+    /// ([`MeasurementWatch`]) is a [`Fault::MissingMeasurement`](hrsw_safety::Fault::MissingMeasurement) or
     /// [`Fault::FrozenMeasurement`](hrsw_safety::Fault::FrozenMeasurement).
     ///
-    /// A measurement of which any number cannot be used is a [`Fault::BadMeasurement`](hrsw_safety::Fault::BadMeasurement), and the command
-    /// brakes. Joints without a position count as moved by their velocities since they had one. Without
-    /// these too the arm has no spring, and carries itself as where it was measured last; without a velocity
-    /// it has no damper. Without measured torques nobody is felt, so that nobody may be touched.
+    /// A measurement with any unusable number is a [`Fault::BadMeasurement`](hrsw_safety::Fault::BadMeasurement), and
+    /// the command brakes. Joints without a position are moved on by their velocities. If velocities are missing too,
+    /// the arm has no spring and supports itself at the last measured position. A missing velocity removes the damper.
+    /// If torques are not measured, contacts are not noticed, so that nobody may be touched.
     ///
     /// # Errors
     /// [`Error::WrongSize`] for a configuration of the wrong size, as [`Controller::step`].
@@ -347,15 +349,15 @@ impl TorqueController {
         outcome.map(|()| self.controller.command())
     }
 
-    /// The time since the tick before \[s\]; a period where the clock does not say.
+    /// The time since the last tick \[s\]; a period if the clock's time is invalid.
     fn time_since(&self, last: Option<f64>, now: f64) -> f64 {
         let elapsed = last.map_or(self.period(), |last| now - last);
         let longest = self.controller.settings().clock.gap;
         if elapsed > 0.0 && elapsed <= longest { elapsed } else { self.period() }
     }
 
-    /// What the law is to see. Where the position is not known it has no spring, and where there is no
-    /// velocity no damper; what is predicted counts by its weight.
+    /// Writes the inputs of the law. Unknown positions remove the spring, and unknown velocities the damper.
+    /// Predictions count with their weight.
     fn write_law(&mut self, usable: Usable) {
         let command = self.controller.command();
         let parts = [
@@ -384,7 +386,7 @@ impl TorqueController {
         weigh(&mut law.desired_velocity, &law.measured_velocity, usable.velocity);
     }
 
-    /// Learns slowly by how much springs give way. In a stop that is kept, and forgotten where the arm gives way itself.
+    /// Learns the sag of the springs slowly. It is kept during a stop, and reset while the arm yields.
     fn learn_sag(&mut self, usable: Usable) {
         let supervisor = self.controller.safety().supervisor();
         if supervisor.gives_way() {
@@ -401,28 +403,29 @@ impl TorqueController {
         }
     }
 
-    /// The joints driven by torque, as indices of q̇.
+    /// The joints with torque drives, as indices of q̇.
     pub fn joints(&self) -> &[usize] {
         &self.joints
     }
 
-    /// The torques for the joints driven by torque, in the order of q \[Nm\]; before the first step those
-    /// that carry the arm.
+    /// The torques of the joints with torque drives, in the order of q \[Nm\]. Before the first step they support the
+    /// arm.
     pub fn torque(&self) -> &[f64] {
         &self.torque
     }
 
-    /// The mass that the tool carries and nobody told of, while that is a [`Fault::UnknownPayload`](hrsw_safety::Fault::UnknownPayload) \[kg\].
+    /// The undeclared mass at the tool, while there is a [`Fault::UnknownPayload`](hrsw_safety::Fault::UnknownPayload)
+    /// \[kg\].
     pub fn unknown_payload(&self) -> Option<f64> {
         self.unknown_payload
     }
 
-    /// The force at the tool that explains it \[N, world\].
+    /// The estimated external force at the tool \[N, world\].
     pub fn external_force(&self) -> &Vector3<f64> {
         &self.force
     }
 
-    /// The tool holds an object from now on, as [`Controller::hold`]; gravity and observer count it.
+    /// Sets the object that the tool holds, as [`Controller::hold`]. Gravity and observer include it.
     ///
     /// # Errors
     /// Those of [`Controller::hold`].
@@ -434,10 +437,10 @@ impl TorqueController {
         Ok(())
     }
 
-    /// The tool holds nothing; returns what it held.
+    /// Releases the held object and returns it.
     ///
     /// # Errors
-    /// None.
+    /// Never.
     pub fn release(&mut self) -> Result<Option<HeldObject>, Error> {
         self.let_go()?;
         self.controller.release()
@@ -447,7 +450,7 @@ impl TorqueController {
         self.held.take().map_or(Ok(()), |payload| self.detach(payload))
     }
 
-    /// The robot carries something from now on: gravity and observer count it.
+    /// Attaches a payload, which gravity and observer include.
     ///
     /// # Errors
     /// [`Error::Robot`], as [`Data::attach`].
@@ -455,7 +458,7 @@ impl TorqueController {
         Ok(self.data.attach(self.controller.robot().model(), payload)?)
     }
 
-    /// It does not any more.
+    /// Detaches a payload.
     ///
     /// # Errors
     /// [`Error::Robot`], as [`Data::detach`].
@@ -468,7 +471,7 @@ impl TorqueController {
         &self.controller
     }
 
-    /// The same, to place the workspace and to acknowledge stops.
+    /// The controller of velocities, to place the workspace and to acknowledge stops.
     pub fn controller_mut(&mut self) -> &mut Controller {
         &mut self.controller
     }

@@ -1,27 +1,27 @@
-//! Telling a weight that nobody told of from somebody who pushes.
+//! Detection of an undeclared payload.
 
 use nalgebra::Vector3;
 
-/// How long a force must last to be a weight \[s\]: longer than somebody leans on a robot that has just given way.
+/// Time for which a force must last to be a weight \[s\]. A person leans on a robot that yields for a shorter time.
 const LASTS: f64 = 1.5;
-/// How far from straight down it may point \[-\]: the sine of 20°.
+/// Largest deviation from vertical \[-\]: the sine of 20°.
 const ASIDE: f64 = 0.34;
-/// How far it may differ from its mean, as a share of that.
+/// Largest deviation from its mean, as a share of that.
 const VARIES: f64 = 0.2;
 /// \[m/s²\]
 const GRAVITY: f64 = 9.81;
 
-/// Watches the force at the tool of a robot that gives way: one that points down and lasts is the weight of something.
+/// Watches the force at the tool of a robot that yields. A lasting downward force is the weight of a payload.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct PayloadWatch {
     mean: Vector3<f64>,
-    /// How long the force has been like its mean \[s\].
+    /// Time for which the force has been close to its mean \[s\].
     lasts: f64,
 }
 
 impl PayloadWatch {
-    /// Takes the force of a tick \[N, world\], none for a robot that does not give way, `period` \[s\] after the one before.
-    /// Returns the mass that explains it \[kg\], if it is a weight.
+    /// Takes the force of a tick \[N, world\], `period` \[s\] after the last one; `None` for a robot that does not
+    /// yield. Returns the mass that explains it \[kg\], if it is a weight.
     pub(crate) fn update(&mut self, force: Option<&Vector3<f64>>, period: f64) -> Option<f64> {
         let Some(force) = force else {
             *self = Self::default();
@@ -34,7 +34,7 @@ impl PayloadWatch {
             return None;
         }
         self.lasts += period;
-        // A mean over the last second or so, however long it lasts.
+        // The mean is over about the last second.
         let share = period / self.lasts.min(1.0);
         self.mean += (force - self.mean) * share;
         (self.lasts >= LASTS).then_some(-self.mean.z / GRAVITY)

@@ -1,4 +1,4 @@
-//! Gains and rates of the torque loop.
+//! Settings of the torque loop.
 
 use whole_body::torque::{Compensation, ImpedanceSettings, ObservedFriction};
 
@@ -6,21 +6,21 @@ use crate::error::Error;
 use crate::robot::moca::{MOCA_BASE_JOINTS, MOCA_JOINTS};
 use crate::torque::LONGEST_DELAY;
 
-/// How late the robot is known to answer.
+/// The delay of the robot's response.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum AnswerDelay {
-    /// It is measured before the first motion: the last joint is pushed to and fro for some milliseconds
+    /// The delay is measured before the first motion: the last joint is pushed to and fro for some milliseconds
     /// ([`DelayProbe`](whole_body::torque::DelayProbe)).
     #[default]
     Measured,
-    /// From a torque to its effect in a measurement, beyond the one period that every loop takes \[s\].
+    /// Time from a torque to its effect in a measurement, beyond the one period of every loop \[s\].
     Known(f64),
 }
 
-/// What turns a controller's commands into torques, and torques into who pushes. It has no default: somebody has to say
-/// what the robot compensates itself.
+/// Settings of the torque law and of the observer of external torques. They have no default, because the compensation
+/// of the robot itself must be stated.
 ///
 /// ```
 /// use moca_model::whole_body::torque::Compensation;
@@ -36,27 +36,26 @@ pub enum AnswerDelay {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct TorqueLoopSettings {
-    /// The joints that are driven by torque, in the order of q. The others take velocities. Default
-    /// MOCA's arm.
+    /// The joints with torque drives, in the order of q. The others take velocities. Default MOCA's arm.
     pub joints: Vec<String>,
-    /// Who compensates gravity, Coriolis forces and friction.
+    /// The side that compensates gravity, Coriolis forces and friction.
     pub compensation: Compensation,
-    /// Gains of these, and the torque rate. Default a Panda's.
+    /// Gains of these joints, and the torque rate. The default is a Panda's.
     pub impedance: ImpedanceSettings,
-    /// What turns in front of the gears of these joints, seen at the joint \[kg m²\]; it is no part of the robot's mass
-    /// matrix. Default 0.1, as in MuJoCo Menagerie's Panda.
+    /// Inertia of the rotors at these joints \[kg m²\], which is not part of the robot's mass matrix. Default 0.1, as
+    /// in MuJoCo Menagerie's Panda.
     pub rotor_inertia: f64,
-    /// How late the robot answers; only a [`LoopController`](crate::LoopController) measures it. Default measured.
+    /// Delay of the robot's response. Only a [`LoopController`](crate::LoopController) measures it. Default measured.
     pub delay: AnswerDelay,
-    /// Rates of the observer of torques from outside, one each of these joints \[1/s\]. Default 50.
+    /// Rates of the observer of external torques, one for each of these joints \[1/s\]. Default 50.
     pub observer_rates: Vec<f64>,
-    /// Whether friction in the joints is taken off what is observed. Default that of the robot's
-    /// description, which is that of Gaz et al. for MOCA.
+    /// Treatment of joint friction in the observer. Default: subtracts the friction of the robot's description, which
+    /// is that of Gaz et al. for MOCA.
     pub friction: ObservedFriction,
 }
 
 impl TorqueLoopSettings {
-    /// Those of MOCA's arm, on an interface with this compensation.
+    /// Creates the settings of MOCA's arm, on an interface with this compensation.
     pub fn new(compensation: Compensation) -> Self {
         let joints: Vec<_> =
             MOCA_JOINTS.iter().skip(MOCA_BASE_JOINTS).map(|name| (*name).to_owned()).collect();
@@ -71,10 +70,10 @@ impl TorqueLoopSettings {
         }
     }
 
-    /// Checks the ranges that need no robot to be checked.
+    /// Checks the ranges that do not depend on a robot.
     ///
     /// # Errors
-    /// [`Error::Robot`] for a gain or the torque rate; [`Error::Setting`] without any joint.
+    /// [`Error::Robot`] for a gain or the torque rate; [`Error::Setting`] for an empty list of joints.
     pub fn validate(&self) -> Result<(), Error> {
         if self.joints.is_empty() {
             let (name, expected) = ("the number of joints driven by torque", "at least one");

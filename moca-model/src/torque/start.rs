@@ -1,4 +1,4 @@
-//! Before the first motion: how late the robot answers to torques.
+//! Measurement of the response delay before the first motion.
 
 use whole_body::control_loop::{JointCommand, JointMeasurement};
 use whole_body::torque::{DelayProbe, ProbeAnswer};
@@ -8,20 +8,20 @@ use super::controller::{Measured, TorqueController};
 use super::settings::AnswerDelay;
 use crate::error::Error;
 
-/// The share of its largest torque that pushes the probed joint.
+/// Share of its largest torque that pushes the probed joint.
 const PUSH: f64 = 0.15;
 
-/// Finds how late a robot answers, while its arm hangs on a soft spring.
+/// Measures the delay of a robot's response while its arm is held by soft springs.
 #[derive(Debug)]
 pub(crate) struct Start {
     probe: DelayProbe,
-    /// Of the driven joints the one that is pushed: the last, which moves least.
+    /// The joint that is pushed: the last one with a torque drive, which moves the least.
     joint: usize,
     torque: f64,
 }
 
 impl Start {
-    /// None where the delay is known.
+    /// Creates the measurement; `None` if the delay is known.
     pub(crate) fn of(controller: &TorqueController) -> Option<Self> {
         if matches!(controller.settings().delay, AnswerDelay::Known(_)) {
             return None;
@@ -33,7 +33,7 @@ impl Start {
         Some(Self { probe: DelayProbe::new(torque, rate, period), joint, torque })
     }
 
-    /// A tick; returns true when the delay is known.
+    /// Makes a tick. Returns true when the delay is known.
     pub(crate) fn step(
         &mut self,
         controller: &mut TorqueController,

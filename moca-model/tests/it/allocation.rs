@@ -1,4 +1,4 @@
-//! Nothing on the control path allocates after construction.
+//! The control path allocates nothing after construction.
 
 use ergo_map::ErgonomicsQuadratic;
 use moca_model::whole_body::Data;
@@ -12,7 +12,7 @@ use vision_models::{Action, Body, Body25, Confidence, Keypoint, Percept, Recogni
 
 use crate::drive::{Drive, body, loop_controller, percept};
 
-/// How often `action` allocates on this thread.
+/// The number of allocations of `action` on this thread.
 fn allocations(action: impl FnOnce()) -> u64 {
     allocation_counter::measure(action).count_total
 }
@@ -99,10 +99,10 @@ fn a_tick_of_the_controller_allocates_nothing() {
     assert!(controller.command().joint_velocity.iter().any(|v| v.abs() > 1e-3), "it moves");
 }
 
-/// Frames of several people come from another thread and are dropped in the loop, which allocates and frees nothing,
-/// from the first tick on.
+/// Frames of several people come from another thread and are dropped in the loop. It allocates and frees nothing from
+/// the first tick on.
 #[test]
-fn camera_frames_of_several_people_allocate_and_free_nothing() {
+fn frames_of_several_people_allocate_nothing() {
     let (mut law, frames, measured) = loop_controller();
     let mut command = JointCommand::at_rest(&measured);
     let others = [6.0, 8.0].map(body);

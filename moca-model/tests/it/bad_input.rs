@@ -1,7 +1,6 @@
-//! Bad input gets an error that names the place and the remedy.
+//! Bad input gives an error that names the place and the remedy.
 //!
-//! What can be wrong with a URDF, its description, a configuration or a foreign id is tested where it is refused, in
-//! `whole-body`.
+//! Errors of URDFs, descriptions, configurations and foreign ids are tested in `whole-body`, which refuses them.
 
 use ergo_map::ErgonomicsQuadratic;
 use hrsw_safety::Capsule;
@@ -15,7 +14,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::shared::MOCA;
 
-/// Checks the variant, and that the message says all of `said`.
+/// Checks the variant, and that the message contains all of `said`.
 macro_rules! assert_error {
     ($error:expr, $pattern:pat, $($said:expr),+) => {{
         let error = $error;
@@ -36,7 +35,7 @@ fn refused(model: &Model, tool: &str, bodies: &[LinkCapsule]) -> Error {
 }
 
 #[test]
-fn tools_and_bodies_that_the_robot_does_not_have() {
+fn unknown_tools_and_bodies_are_named() {
     let error = refused(&MOCA, "gripper", &[]);
     assert_error!(error, Error::Robot(whole_body::Error::UnknownName { .. }), "gripper");
     let error = refused(&MOCA, MOCA_TOOL, &[ball("panda_hand"), ball("tail")]);
@@ -60,10 +59,10 @@ fn bodies_of_which_the_tools_jacobian_says_nothing() {
     let fingers = read(Description { tips: vec![], joints: vec![], ..moca_description() });
     let error = refused(&fingers, MOCA_TOOL, &[ball("panda_hand"), ball("panda_leftfinger")]);
     assert_error!(error, Error::BodyBesideTheWay { .. }, "panda_leftfinger", MOCA_TOOL, "hold");
-    // The elbow is the tool: what is behind it moves by joints that do not move it.
+    // The elbow is the tool. Links behind it move by joints that do not move it.
     let error = refused(&MOCA, "panda_link4", &[ball("panda_link4"), ball("panda_link5")]);
     assert_error!(error, Error::BodyBesideTheWay { .. }, "panda_link5", "panda_link4");
-    // Of two fingers that one joint moves, the Jacobian of one is not that of the other.
+    // One joint moves two fingers, but the Jacobian of one is not that of the other.
     let error = refused(&fingers, "panda_rightfinger", &[ball("panda_leftfinger")]);
     assert_error!(error, Error::BodyBesideTheWay { .. }, "panda_leftfinger");
 }
@@ -103,7 +102,7 @@ fn configurations_that_are_none() {
 }
 
 #[test]
-fn bad_settings_of_space_clock_and_leash_are_named() {
+fn invalid_space_clock_and_leash_are_named() {
     let model = MOCA.clone();
     let comfort = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
     let mut named = Vec::new();

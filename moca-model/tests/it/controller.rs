@@ -1,4 +1,4 @@
-//! The controller in a loop with the simulated robot and a person who stands, walks or vanishes.
+//! The controller in a loop with the simulated robot and a person who stands, walks or disappears.
 
 use ergo_map::ErgonomicsQuadratic;
 use hrsw_safety::Fault;
@@ -15,10 +15,10 @@ use vision_models::{
 use crate::shared::MOCA;
 
 const PERIOD: f64 = 1e-3;
-/// Ticks between two camera frames at 20 Hz.
+/// Number of ticks between two camera frames at 20 Hz.
 const FRAME: u32 = 50;
 
-/// Best with the hand at (0.35, −0.1, 1.1) in the person's frame.
+/// Ergonomics with the optimum at (0.35, −0.1, 1.1) in the person's frame.
 fn comfort() -> ErgonomicsQuadratic {
     let hessian = Matrix3::from_diagonal(&Vector3::new(10.0, 5.0, 7.0));
     let best = Vector3::new(0.42, -0.1, 1.1);
@@ -29,7 +29,7 @@ fn person_at(x: f64, y: f64, heading: f64) -> Isometry3<f64> {
     Isometry3::new(Vector3::new(x, y, 0.0), Vector3::new(0.0, 0.0, heading))
 }
 
-/// A standing body: trunk and shoulders are what the tracker needs.
+/// A standing body with trunk and shoulders, as the tracker needs them.
 fn body(world_from_person: &Isometry3<f64>) -> Body {
     let mut body = Body::default();
     for (joint, x, y, z) in [
@@ -69,14 +69,14 @@ impl Loop {
         f64::from(self.tick) * PERIOD
     }
 
-    /// Runs for `ticks`; `see` gives what the camera sees at a time, if anything.
+    /// Runs for `ticks`. `see` returns the percept at a time, if there is one.
     fn run(&mut self, ticks: u32, see: impl Fn(f64) -> Option<Percept>) {
         for _ in 0..ticks {
             if self.tick.is_multiple_of(FRAME)
                 && let Some(percept) = see(self.now())
             {
                 let seen = self.controller.observe(&percept);
-                // Nobody jumps: who does is believed from the next frame on.
+                // A person who jumps is only accepted from the next frame on.
                 assert!(
                     matches!(
                         seen,
@@ -101,7 +101,7 @@ impl Loop {
 }
 
 #[test]
-fn the_tool_comes_to_the_best_place_and_stays_there_without_overshoot() {
+fn tool_reaches_the_optimum_without_overshoot() {
     let person = person_at(1.3, 0.1, std::f64::consts::PI);
     let mut run = Loop::new(ControllerSettings::default());
     let best = Vector3::new(0.42, -0.1, 1.1);
@@ -123,7 +123,7 @@ fn the_tool_comes_to_the_best_place_and_stays_there_without_overshoot() {
 }
 
 #[test]
-fn the_benchmark_goes_to_the_shared_workspace_and_no_further() {
+fn benchmark_stops_at_the_shared_workspace() {
     let person = person_at(1.5, 0.0, std::f64::consts::PI);
     let settings = ControllerSettings { goal: Goal::LeastMotion, ..ControllerSettings::default() };
     let mut run = Loop::new(settings);
@@ -135,7 +135,7 @@ fn the_benchmark_goes_to_the_shared_workspace_and_no_further() {
 }
 
 #[test]
-fn the_robot_stays_while_the_person_does_something_else() {
+fn robot_stays_while_person_is_apart() {
     let person = person_at(1.3, 0.0, std::f64::consts::PI);
     let mut run = Loop::new(ControllerSettings::default());
     run.run(3000, |time| Some(percept(time, &person, Action::Walking)));
@@ -146,7 +146,7 @@ fn the_robot_stays_while_the_person_does_something_else() {
 }
 
 #[test]
-fn the_tool_follows_a_walking_person_within_the_shared_workspace() {
+fn tool_follows_walking_person_within_workspace() {
     let speed = 0.25;
     let place =
         |time: f64| person_at(1.3 + speed * (time - 4.0).max(0.0), 0.0, std::f64::consts::PI);
@@ -173,7 +173,7 @@ fn the_tool_follows_a_walking_person_within_the_shared_workspace() {
 }
 
 #[test]
-fn the_robot_comes_to_rest_when_the_person_is_lost_and_goes_on_when_found() {
+fn robot_rests_while_its_person_is_lost() {
     let place = |time: f64| person_at(1.3 + 0.2 * time, 0.0, std::f64::consts::PI);
     let work = |time: f64| Some(percept(time, &place(time), Action::Using(Tool::Drill)));
     let mut run = Loop::new(ControllerSettings::default());
@@ -188,7 +188,7 @@ fn the_robot_comes_to_rest_when_the_person_is_lost_and_goes_on_when_found() {
 }
 
 #[test]
-fn a_jump_of_two_metres_is_followed_within_the_limits() {
+fn jump_of_the_person_is_followed_within_limits() {
     let mut run = Loop::new(ControllerSettings::default());
     let place =
         |time: f64| person_at(1.3, if time < 4.0 { 0.0 } else { 2.0 }, std::f64::consts::PI);
@@ -216,9 +216,9 @@ fn a_jump_of_two_metres_is_followed_within_the_limits() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 24, ..ProptestConfig::default() })]
 
-    /// Whatever the base's yaw, the base twist is the world velocity in the base's axes.
+    /// The base twist is the world velocity in the base's axes at any yaw.
     #[test]
-    fn the_base_twist_is_the_joint_velocity_in_the_base_frame(yaw in -3.0..3.0_f64, x in -0.5..0.5_f64) {
+    fn base_twist_is_velocity_in_base_frame(yaw in -3.0..3.0_f64, x in -0.5..0.5_f64) {
         let model = MOCA.clone();
         let mut start = MOCA_HOME;
         (start[0], start[2]) = (x, yaw);

@@ -1,5 +1,4 @@
-//! A robot on its way, with a person in the way, and clocks, frames and measurements that may be
-//! wrong.
+//! A robot that drives with a person in the way, and clocks, frames and measurements that may be wrong.
 
 use std::sync::LazyLock;
 use std::sync::mpsc::SyncSender;
@@ -20,7 +19,7 @@ use vision_models::{Action, Body, Body25, Confidence, Keypoint, Percept, Recogni
 use crate::shared::MOCA;
 
 pub(crate) const PERIOD: f64 = 1e-3;
-/// Ticks between two camera frames at 20 Hz.
+/// Number of ticks between two camera frames at 20 Hz.
 pub(crate) const FRAME: u32 = 50;
 
 /// A standing person whose trunk is at x, seen from the front.
@@ -49,13 +48,13 @@ pub(crate) fn doing(action: Action, time: f64, person: Option<f64>) -> Percept {
     Percept { time, body: person.map(body), action: Some(action), surface: None }
 }
 
-/// A controller that takes frames from another thread, its way in, and joints at rest. It takes the robot to answer at
-/// once.
+/// Returns a controller that takes frames from another thread, the sender of the frames, and joints at rest. The robot
+/// is assumed to respond without delay.
 pub(crate) fn loop_controller() -> (LoopController, SyncSender<CameraFrame>, JointMeasurement) {
     loop_controller_of(AnswerDelay::Known(0.0))
 }
 
-/// The same of a robot that answers so late.
+/// Returns the same for a robot with this response delay.
 pub(crate) fn loop_controller_of(
     delay: AnswerDelay,
 ) -> (LoopController, SyncSender<CameraFrame>, JointMeasurement) {
@@ -70,7 +69,7 @@ pub(crate) fn loop_controller_of(
 
 pub(crate) type Clock = fn(f64) -> f64;
 
-/// The robot on its way to a place four metres ahead, with default settings, and what is true.
+/// A robot that drives to a place four metres ahead with default settings, and the true state.
 #[derive(Clone)]
 pub(crate) struct Drive {
     pub(crate) controller: Controller,
@@ -78,12 +77,12 @@ pub(crate) struct Drive {
     pub(crate) model: Model,
     pub(crate) period: f64,
     pub(crate) tick: u32,
-    /// Where the person truly stands, and whether the camera works.
+    /// True place of the person, and whether the camera works.
     pub(crate) person: Option<f64>,
     pub(crate) camera: bool,
-    /// Where others stand.
+    /// Places of other people.
     pub(crate) others: Vec<f64>,
-    /// Of the ticks, and of the camera, against the true time [s].
+    /// Clocks of the ticks and of the camera relative to the true time \[s\].
     pub(crate) clock: Clock,
     pub(crate) stamp: Clock,
     /// The last commanded velocities.
@@ -122,25 +121,25 @@ impl Drive {
         }
     }
 
-    /// The true time [s].
+    /// The true time \[s\].
     pub(crate) fn time(&self) -> f64 {
         f64::from(self.tick) * self.period
     }
 
-    /// A camera frame as it is now; what the controller says to it.
+    /// Takes a camera frame of the present scene and returns the controller's result.
     pub(crate) fn see(&mut self) -> Result<(), Error> {
         let percept = percept((self.stamp)(self.time()), self.person);
         let others: Vec<_> = self.others.iter().map(|&x| body(x)).collect();
         self.controller.observe_people(&percept, &others)
     }
 
-    /// One period, with the configuration measured as it is.
+    /// Makes a period with the true configuration as the measurement.
     pub(crate) fn step(&mut self) {
         let measured = self.robot.position().to_vec();
         self.step_with(&measured);
     }
 
-    /// One period, with a configuration measured in place of the true one.
+    /// Makes a period with another configuration as the measurement.
     pub(crate) fn step_with(&mut self, measured: &[f64]) {
         if self.camera && self.tick.is_multiple_of(FRAME) {
             let _ = self.see();
@@ -150,7 +149,7 @@ impl Drive {
         self.tick += 1;
     }
 
-    /// The robot does as it is told, for `time`, within its limits.
+    /// Moves the robot as commanded for `time`, within its limits.
     pub(crate) fn obey(&mut self, time: f64) {
         let command = self.controller.command();
         let limits = self.model.limits();
@@ -177,7 +176,7 @@ impl Drive {
         }
     }
 
-    /// The same, with a clock that differs from the true time by `offset` seconds.
+    /// Runs with a clock that differs from the true time by `offset` seconds.
     pub(crate) fn go_on(&mut self, offset: f64, seconds: f64) {
         let end = self.time() + seconds - 0.5 * PERIOD;
         while self.time() < end {
@@ -192,7 +191,7 @@ impl Drive {
         }
     }
 
-    /// The robot when it is fast, with nobody there.
+    /// Returns the robot in fast motion without any person.
     pub(crate) fn fast() -> Self {
         static FAST: LazyLock<Drive> = LazyLock::new(|| {
             let mut drive = Drive::new();
@@ -203,14 +202,14 @@ impl Drive {
         FAST.clone()
     }
 
-    /// The same with a person before it.
+    /// Returns the robot in fast motion with a person in front of it.
     pub(crate) fn towards_a_person() -> Self {
         let mut drive = Self::fast();
         drive.person = Some(drive.controller.actual().translation.x + 1.8);
         drive
     }
 
-    /// Between the robot as it truly is and the nearest trunk of the true people.
+    /// The distance between the true robot and the nearest trunk.
     pub(crate) fn distance(&self) -> f64 {
         let people = self.person.iter().chain(&self.others);
         people.fold(f64::INFINITY, |least, x| least.min(self.distance_to(*x)))
@@ -230,7 +229,7 @@ impl Drive {
         distances.fold(f64::INFINITY, f64::min)
     }
 
-    /// It came as near to the person as somebody who stands may be approached, or goes around them.
+    /// Asserts that the robot came as near to the person as allowed, or goes around them.
     pub(crate) fn assert_near_but_not_too_near(&self) {
         let separation = self.controller.settings().safety.separation;
         let distance = self.distance();
@@ -259,7 +258,7 @@ impl Drive {
         self.controller.safety_mut().supervisor_mut().acknowledge();
     }
 
-    /// It stands, for this reason, and waits for somebody.
+    /// Asserts that the robot stands for this reason and waits for an acknowledgement.
     pub(crate) fn assert_waits(&self, fault: Fault) {
         assert_eq!(self.state(), SafetyState::ProtectiveStop);
         assert_eq!(self.cause(), Some(fault));
@@ -267,7 +266,7 @@ impl Drive {
         assert_eq!(self.fastest(), 0.0);
     }
 
-    /// Somebody acknowledges; it goes on.
+    /// Acknowledges, and asserts that the robot goes on.
     pub(crate) fn assert_goes_on(&mut self) {
         self.person = self.person.map(|_| 30.0);
         self.acknowledge();

@@ -1,5 +1,5 @@
-//! The book's table of faults: each is brought about, and the robot does what the table says, with a person in the
-//! way too.
+//! The book's table of faults. Each fault is caused, and the robot does what the table says, also with a person in the
+//! way.
 
 use std::collections::BTreeMap;
 
@@ -13,7 +13,7 @@ use crate::units::standing;
 
 type Scenario = fn(&mut Drive);
 
-/// How each fault of the book's table is brought about.
+/// The scenario of each fault of the book's table.
 fn scenarios() -> BTreeMap<String, Scenario> {
     fn frame(drive: &mut Drive, stamp: f64) {
         assert!(drive.controller.observe(&percept(stamp, None)).is_err());
@@ -36,7 +36,7 @@ fn scenarios() -> BTreeMap<String, Scenario> {
         (ClockFault::SetAhead.into(), |drive| clock(drive, drive.time() + 5.0)),
         (Fault::EarlyTick, |drive| clock(drive, drive.time() - 0.8 * PERIOD)),
         (Fault::LateTick, |drive| {
-            // Every tick comes two periods after the one before.
+            // Every tick comes two periods after the last one.
             for _ in 0..30 {
                 let measured = drive.robot.position().to_vec();
                 drive.controller.step(drive.time(), &measured).unwrap();
@@ -67,7 +67,7 @@ fn scenarios() -> BTreeMap<String, Scenario> {
             drive.camera = true;
         }),
         (Fault::TooManyPeople, |drive| {
-            // Far away, and apart from each other.
+            // The people are far away and apart from each other.
             let seen = |place: f64| percept(0.0, Some(place)).body.unwrap();
             let others: Vec<_> = (0..5).map(|who| seen(50.0 + 10.0 * f64::from(who))).collect();
             drive.camera = false;
@@ -91,7 +91,7 @@ fn scenarios() -> BTreeMap<String, Scenario> {
             drive.step();
         }),
         (Fault::ContactForce, |drive| {
-            // What a torque controller does with the force that it observes.
+            // A torque controller reports the observed force to the supervisor.
             let supervisor = drive.controller.safety_mut().supervisor_mut();
             assert_eq!(supervisor.feel(59.0), None);
             assert_eq!(supervisor.feel(61.0), Some(Fault::ContactForce));
@@ -111,7 +111,7 @@ fn scenarios() -> BTreeMap<String, Scenario> {
     scenarios.into_iter().map(|(fault, make)| (fault.to_string(), make)).collect()
 }
 
-/// The rows of the book: fault, state, how it ends.
+/// The rows of the book's table: fault, state, how it ends.
 fn table() -> Vec<[String; 3]> {
     let book = include_str!("../book.md");
     let (_, table) = book.split_once("| fault | when | state | how it ends |").unwrap();
@@ -124,7 +124,7 @@ fn table() -> Vec<[String; 3]> {
 }
 
 #[test]
-fn every_fault_does_what_the_table_of_the_book_says() {
+fn every_fault_acts_as_in_the_book() {
     let scenarios = scenarios();
     let table = table();
     let mut named: Vec<_> = table.iter().map(|[fault, ..]| fault.clone()).collect();
@@ -146,10 +146,10 @@ fn every_fault_does_what_the_table_of_the_book_says() {
             other => panic!("{other} is no end"),
         };
         assert_eq!(fault.waits(), waits, "{name}");
-        // Nothing that this test can do brings the others about.
+        // This test cannot cause the other faults.
         let Some(make) = scenarios.get(&name) else {
             let others = [Fault::IterationLimit, Fault::BadData, Fault::LimitViolated];
-            // A robot under torques has them: `silence`, `torque` and `lost_commands` bring them about.
+            // Robots under torques have these faults; `silence`, `torque` and `lost_commands` cause them.
             let of_torques = [
                 Fault::MissingMeasurement,
                 Fault::FrozenMeasurement,
@@ -163,7 +163,7 @@ fn every_fault_does_what_the_table_of_the_book_says() {
         make(&mut drive);
         assert_eq!(drive.state(), expected, "{name}");
         assert_eq!(drive.cause(), Some(fault), "{name}");
-        // The clock goes on from where it is.
+        // The clock continues from its present time.
         let offset = drive.controller.clock().now().unwrap() + PERIOD - drive.time();
         drive.go_on(offset, 2.0);
         if waits {
@@ -176,14 +176,14 @@ fn every_fault_does_what_the_table_of_the_book_says() {
     }
 }
 
-/// Each fault of the table while the robot drives towards somebody, with frames of them afterwards and without: the
-/// state is there within 0.2 s, and every tick finds the robot away from them.
+/// Each fault of the table occurs while the robot drives towards a person, with and without later frames. The state is
+/// reached within 0.2 s, and the robot stays away from the person in every tick.
 #[test]
-fn no_fault_runs_the_robot_into_a_person_in_the_way() {
+fn no_fault_drives_robot_into_a_person() {
     for (name, make) in scenarios() {
         let fault = *Fault::ALL.iter().find(|fault| fault.to_string() == name).unwrap();
         for sees in [true, false] {
-            // This one brings a person of its own.
+            // This fault has a person of its own.
             let mut drive = match fault {
                 Fault::NoSolution => Drive::fast(),
                 _ => Drive::towards_a_person(),

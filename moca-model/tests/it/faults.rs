@@ -1,5 +1,5 @@
-//! What clocks, frames and measurements can do wrong, with a person in the way: the robot stops or
-//! slows down, says why, and never drives into anybody.
+//! Faults of clocks, frames and measurements with a person in the way. The robot stops or slows down, reports the
+//! reason, and never drives into a person.
 
 use ahqp_core::Budget;
 use ergo_map::ErgonomicsQuadratic;
@@ -18,14 +18,14 @@ fn an_empty_frame_an_hour_ahead_blinds_nobody() {
     assert!(matches!(refused, Error::Frame { fault: FrameFault::Future, .. }), "{refused}");
     assert_eq!(drive.cause(), Some(FrameFault::Future.into()));
     assert_eq!(drive.state(), SafetyState::ProtectiveStop);
-    // The frames after it are taken: the robot recovers, goes as near as it may, and passes by.
+    // Later frames are taken. The robot recovers, approaches as near as allowed, and passes by.
     drive.run(8.0);
     assert!(drive.controller.clock().age().seconds() < 0.1);
     drive.assert_near_but_not_too_near();
 }
 
 #[test]
-fn an_empty_frame_an_hour_ahead_of_the_first_tick_counts_no_longer_than_until_then() {
+fn future_frame_before_first_tick_expires_then() {
     let mut drive = Drive::new();
     drive.controller.observe(&percept(3600.0, None)).unwrap();
     drive.camera = false;
@@ -37,7 +37,7 @@ fn an_empty_frame_an_hour_ahead_of_the_first_tick_counts_no_longer_than_until_th
 }
 
 #[test]
-fn a_camera_ahead_is_no_camera_until_it_is_corrected() {
+fn frames_from_future_clock_do_not_count() {
     let mut drive = Drive::new();
     drive.stamp = |time| if time < 5.0 { time + 20.0 } else { time };
     drive.run(5.0);
@@ -65,7 +65,7 @@ fn stamps_of_another_epoch_are_no_data() {
 }
 
 #[test]
-fn seconds_since_1970_are_a_clock_like_any_other() {
+fn clock_may_count_seconds_since_1970() {
     let mut drive = Drive::new();
     (drive.stamp, drive.clock) = (|time| time + 1.76e9, |time| time + 1.76e9);
     drive.run(2.5);
@@ -74,7 +74,7 @@ fn seconds_since_1970_are_a_clock_like_any_other() {
 }
 
 #[test]
-fn a_time_that_is_no_number_stops_the_robot() {
+fn invalid_time_stops_the_robot() {
     for broken in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         let mut drive = Drive::towards_a_person();
         for _ in 0..2000 {
@@ -96,7 +96,7 @@ fn a_clock_that_stands_still_stops_the_robot() {
     drive.clock = |time| time.min(2.5);
     drive.run(8.0);
     drive.assert_waits(ClockFault::StandsStill.into());
-    // Acknowledged in vain.
+    // The acknowledgement has no effect.
     drive.acknowledge();
     drive.run(1.0);
     drive.assert_waits(ClockFault::StandsStill.into());
@@ -128,9 +128,9 @@ fn a_clock_that_is_set_stops_the_robot() {
     }
 }
 
-/// The camera's clock goes on as it was: its frames are then from the future, or old.
+/// The camera's clock continues. Its frames are then from the future, or old.
 #[test]
-fn ticks_that_are_set_without_the_camera_stop_the_robot_for_good() {
+fn setting_only_the_tick_clock_stops_robot() {
     let jumps: [Clock; 2] = [
         |time| if time > 3.0 { time - 20.0 } else { time },
         |time| if time > 3.0 { time + 20.0 } else { time },
@@ -155,7 +155,7 @@ pub(crate) fn usable() -> ErgonomicsQuadratic {
     ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap()
 }
 
-/// On the way to a person six metres ahead, to work with them.
+/// Drives towards a person six metres ahead to work with them.
 pub(crate) fn towards_work(drive: &mut Drive) {
     drive.person = Some(6.0);
     for _ in 0..1500 {
@@ -186,7 +186,7 @@ fn ticks_without_a_solution_are_heard_of() {
 }
 
 #[test]
-fn a_budget_that_runs_out_is_heard_of_and_keeps_the_limits() {
+fn exhausted_budget_is_reported_and_limits_hold() {
     for iterations in [2, 4] {
         let budget = Budget::iterations(iterations);
         // The drive checks every command against the limits.
@@ -207,7 +207,7 @@ fn a_budget_that_runs_out_is_heard_of_and_keeps_the_limits() {
 }
 
 #[test]
-fn a_measurement_that_is_no_number_now_and_then_stops_the_robot() {
+fn occasional_invalid_measurements_stop_the_robot() {
     let mut drive = Drive::towards_a_person();
     for tick in 0..3000 {
         let mut measured = drive.robot.position().to_vec();
@@ -222,7 +222,7 @@ fn a_measurement_that_is_no_number_now_and_then_stops_the_robot() {
 }
 
 #[test]
-fn after_an_error_the_command_brakes_and_the_supervisor_knows() {
+fn error_brakes_and_informs_the_supervisor() {
     let mut drive = Drive::towards_a_person();
     let before = drive.fastest();
     for _ in 0..3000 {
@@ -236,9 +236,9 @@ fn after_an_error_the_command_brakes_and_the_supervisor_knows() {
     drive.assert_waits(Fault::BadMeasurement);
 }
 
-/// Held by somebody, or measured no longer: what is measured stands still for a while.
+/// The measured state stands still for some time, because the robot is held or not measured.
 #[test]
-fn a_robot_that_does_not_follow_is_not_run_away_from() {
+fn command_never_runs_away_from_held_robot() {
     let leash = LeashSettings::default();
     for (ticks, moves) in [(300, false), (2000, false), (300, true), (2000, true)] {
         let mut drive = Drive::new();
@@ -252,7 +252,7 @@ fn a_robot_that_does_not_follow_is_not_run_away_from() {
             {
                 let length = if index < 2 { leash.prismatic } else { leash.revolute };
                 let apart = (commanded - measured).abs();
-                // What a tick adds.
+                // A tick adds this distance.
                 assert!(apart <= length + joints[index].velocity * PERIOD, "{index}: {apart}");
             }
             let (desired, actual) = (&command.desired, drive.controller.actual());
@@ -279,8 +279,7 @@ fn a_robot_that_does_not_follow_is_not_run_away_from() {
             drive.controller.safety().supervisor().unacknowledged(),
             Some(Fault::FollowingError)
         );
-        // Nothing grew meanwhile, and nothing is left that makes up for what was missed: released,
-        // the robot brakes.
+        // No error has grown meanwhile, and no missed motion is made up for: the released robot brakes.
         let (speed, released) = (drive.fastest(), drive.velocity.clone());
         assert!(speed < before, "{before} {speed}");
         let from = drive.robot.position().to_vec();
@@ -303,7 +302,7 @@ fn a_robot_that_does_not_follow_is_not_run_away_from() {
 }
 
 #[test]
-fn a_controller_that_is_stepped_too_often_keeps_its_limits_and_stops() {
+fn too_frequent_ticks_keep_limits_and_stop() {
     let mut drive =
         Drive::with(ControllerSettings { period: 0.01, ..ControllerSettings::default() });
     for tick in 0..300_u32 {
@@ -331,10 +330,9 @@ fn a_controller_that_is_stepped_too_often_keeps_its_limits_and_stops() {
     assert_eq!(drive.fastest(), 0.0);
 }
 
-/// Ticks between half a period and one and a half apart are in time, and the limits hold for the
-/// time that has passed.
+/// Ticks between half a period and one and a half periods apart count as in time. The limits hold for the elapsed time.
 #[test]
-fn ticks_that_jitter_within_the_tolerance_keep_the_limits() {
+fn jitter_within_tolerance_keeps_the_limits() {
     let mut drive = Drive::new();
     let mut now = 0.0;
     for tick in 0..4000_u32 {
@@ -346,11 +344,11 @@ fn ticks_that_jitter_within_the_tolerance_keep_the_limits() {
         let command = drive.controller.step(now, &measured).unwrap();
         assert_eq!(command.fault, None);
         now += elapsed;
-        // The change came after the time of the tick before.
+        // The velocity changed in the time of the last tick.
         let limits = drive.model.limits().to_vec();
         let command = drive.controller.command();
         let last = if tick == 0 { PERIOD } else { elapsed_before(tick) };
-        // A clock counts a difference of a thousandth of the period as rounding.
+        // The clock counts a difference of a thousandth of the period as rounding.
         let last = if (last - PERIOD).abs() <= 1e-3 * PERIOD { PERIOD } else { last };
         for ((v, before), limits) in command.joint_velocity.iter().zip(&drive.velocity).zip(&limits)
         {

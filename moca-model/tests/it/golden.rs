@@ -1,5 +1,5 @@
-//! Values of independent implementations: Pinocchio on the same URDF
-//! (`golden/make_golden.py`), and the arm alone from the makers' parameters.
+//! Comparison with Pinocchio on the same URDF (`golden/make_golden.py`), and with the manufacturer's parameters of the
+//! arm.
 
 use approx::assert_abs_diff_eq;
 use moca_model::whole_body::{Data, Description, Model};
@@ -40,7 +40,7 @@ fn pose_jacobian_and_gravity_are_pinocchios() {
     }
 }
 
-/// The arm alone, standing at the world's origin: where its tool is, and its gravity torques.
+/// The arm alone at the world's origin: the pose of its tool, and its gravity torques.
 fn arm(tool: &str, urdf: &str, q: &[f64]) -> (Isometry3<f64>, [f64; 7]) {
     let description = Description {
         root: Some("panda_link0".into()),
@@ -62,7 +62,7 @@ fn without_mass(urdf: &str, mass: &str, count: usize) -> String {
     urdf.replace(&tag, "<mass value=\"0\"/>")
 }
 
-/// q, flange position, gravity torques without hand, with hand; neither with fingers.
+/// q, flange position, gravity torques without and with the hand; neither with fingers.
 type ArmCase = ([f64; 7], [f64; 3], [f64; 7], [f64; 7]);
 
 const OFF_HOME: [f64; 7] = [0.3, 0.5, -0.4, -1.2, 0.7, 1.9, -0.6];
@@ -85,7 +85,7 @@ fn arm_cases() -> [ArmCase; 2] {
 }
 
 #[test]
-fn the_flange_of_the_arm_alone_is_where_its_parameters_put_it() {
+fn flange_is_where_manufacturer_parameters_put_it() {
     for (q, flange, _, _) in arm_cases() {
         let (pose, _) = arm("panda_link8", MOCA_URDF, &q);
         assert_abs_diff_eq!(pose.translation.vector, Vector3::from(flange), epsilon = 1e-6);
@@ -93,7 +93,7 @@ fn the_flange_of_the_arm_alone_is_where_its_parameters_put_it() {
 }
 
 #[test]
-fn gravity_of_the_arm_alone_counts_what_it_carries() {
+fn gravity_of_arm_includes_its_hand() {
     let bare = without_mass(MOCA_URDF, "0.015", 2);
     let handless = without_mass(&bare, "0.73", 1);
     for (q, _, without_hand, with_hand) in arm_cases() {

@@ -1,4 +1,4 @@
-//! The book's page "Guarantees" names what there is, with the numbers of the code.
+//! The names on the book's page "Guarantees" exist, and its numbers are those of the code.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -15,7 +15,7 @@ fn page(name: &str) -> String {
     fs::read_to_string(root().join("docs/src").join(name)).unwrap()
 }
 
-/// Code of the workspace, and what its scripts contain.
+/// Source files of the workspace, with its scripts.
 fn sources() -> Vec<PathBuf> {
     let mut folders: Vec<_> =
         ["ahqp-core", "ergo-map", "hrsw", "vision-models", "moca-model", "examples", ".ci"]
@@ -39,7 +39,7 @@ fn sources() -> Vec<PathBuf> {
     files
 }
 
-/// What stands between backticks.
+/// The texts between backticks.
 fn quoted(text: &str) -> BTreeSet<&str> {
     text.lines().flat_map(|line| line.split('`').skip(1).step_by(2)).collect()
 }
@@ -48,7 +48,7 @@ fn words(text: &str) -> impl Iterator<Item = &str> {
     text.split(|c: char| !(c.is_alphanumeric() || c == '_')).filter(|word| !word.is_empty())
 }
 
-/// Functions that a line of Rust, Python or C++ defines.
+/// The name of the function that a line of Rust, Python or C++ defines, if it defines one.
 fn functions(line: &str) -> Option<&str> {
     let line = line.trim_start();
     let ["fn" | "def" | "void" | "int" | "bool", name] =
@@ -69,7 +69,7 @@ fn every_name_on_the_page_exists() {
         sources.iter().flat_map(|text| text.lines()).filter_map(functions).collect();
     let known: BTreeSet<_> = sources.iter().flat_map(|text| words(text)).collect();
     let mut tests = 0;
-    // A setting of the environment is no name.
+    // Environment settings are not names.
     for name in quoted(&text).into_iter().filter(|name| !name.contains('=')) {
         if defined.contains(name) {
             tests += 1;

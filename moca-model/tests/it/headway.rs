@@ -1,4 +1,4 @@
-//! The workspace of who walks away from the robot falls behind by what the separation asks for.
+//! The workspace falls behind a person who walks away, by the distance that separation needs.
 
 use moca_model::{ControllerSettings, SharedSpace, moca_safety};
 use nalgebra::{Isometry3, Point3, Vector2, Vector3};
@@ -6,14 +6,14 @@ use vision_models::{Action, Body25, Confidence, Keypoint, Tool};
 
 use crate::drive::{FRAME, PERIOD, doing};
 
-/// How long they stand, walk, and stand again \[s\].
+/// Times for which they stand, walk, and stand again \[s\].
 const STAND: f64 = 5.0;
 const WALK: f64 = 12.0;
 
-/// Who begins to walk, or stops, does so with this \[m/s²\].
+/// Acceleration of a person who begins to walk, or stops \[m/s²\].
 const ACCELERATION: f64 = 1.5;
 
-/// How far somebody has walked who began so long ago \[m\].
+/// The distance that a person has walked this long after the start \[m\].
 fn walked(speed: f64, since: f64) -> f64 {
     let rise = speed / ACCELERATION;
     let (begins, walks, stops) = (
@@ -24,15 +24,15 @@ fn walked(speed: f64, since: f64) -> f64 {
     speed * (walks + stops) + 0.5 * ACCELERATION * (begins * begins - stops * stops)
 }
 
-/// Where the workspace is in the frame of who walks evenly, in their axes, and where when they stand again \[m\].
-/// They walk at `velocity`, forwards and to the left \[m/s\].
+/// The place of the workspace in the frame of a person who walks evenly, and after they stop, in their axes \[m\]. They
+/// walk at `velocity`, forwards and to the left \[m/s\].
 fn places(settings: &ControllerSettings, velocity: [f64; 2]) -> [Vector3<f64>; 2] {
     let tool = Isometry3::translation(3.0, 0.0, 1.0);
     let mut space = SharedSpace::new(settings, &tool).unwrap();
     let velocity = Vector2::from(velocity);
     let mut places = [Vector3::zeros(); 2];
     for (tick, time) in (0_u32..25_000).map(|tick| (tick, f64::from(tick) * PERIOD)) {
-        // They face the robot, against x.
+        // The person faces the robot, against x.
         let way = -velocity.normalize() * walked(velocity.norm(), time - STAND);
         if tick.is_multiple_of(FRAME) {
             let mut percept = doing(Action::Using(Tool::Drill), time, Some(4.0));
@@ -60,12 +60,12 @@ fn places(settings: &ControllerSettings, velocity: [f64; 2]) -> [Vector3<f64>; 2
 }
 
 #[test]
-fn the_workspace_falls_behind_who_walks_away() {
+fn workspace_falls_behind_a_departing_person() {
     let settings = ControllerSettings::default();
     let space = &settings.space;
     let outward = (space.min + space.max).xy().normalize();
     for speed in [0.2, 0.4, 0.6, 0.8] {
-        // S_p with T_r = 0.15 s, a = 0.5 m/s² and C + Z_d + Z_r = 0.11 m, of who is seen T_r late.
+        // The person is seen T_r late. S_p is that for T_r = 0.15 s, a = 0.5 m/s² and C + Z_d + Z_r = 0.11 m.
         let away = speed * outward.x;
         let needed = 2.0 * 0.15 * away + away * away + 0.11 - space.clearance;
         let expected = (outward * needed.max(0.0)).push(0.0);
@@ -77,7 +77,7 @@ fn the_workspace_falls_behind_who_walks_away() {
 }
 
 #[test]
-fn the_workspace_stays_with_who_comes_nearer_or_passes() {
+fn workspace_stays_with_approaching_or_passing_person() {
     let settings = ControllerSettings::default();
     for velocity in [[0.8, 0.0], [0.0, 0.6], [0.5, 0.5]] {
         let [walking, _] = places(&settings, velocity);
@@ -85,7 +85,7 @@ fn the_workspace_stays_with_who_comes_nearer_or_passes() {
     }
 }
 
-/// Where nobody is kept at a distance there is nothing to fall behind for.
+/// No distance is kept, so that there is no need to fall behind.
 #[test]
 fn without_separation_the_workspace_stays_with_them() {
     let settings =

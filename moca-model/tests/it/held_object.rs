@@ -1,4 +1,4 @@
-//! The object between robot and person: where the hand is, what it weighs, and what is refused.
+//! The object between robot and person: the place of the hand, the weight, and refused objects.
 
 use ergo_map::ErgonomicsQuadratic;
 use std::f64::consts::{PI, TAU};
@@ -38,7 +38,7 @@ fn controller_with(on_board_camera: Option<[f64; 3]>) -> Controller {
 
 proptest! {
     #[test]
-    fn the_capsule_holds_the_box_and_the_hand_is_before_the_face(
+    fn capsule_contains_box_and_hand_is_outside(
         size in prop::array::uniform3(0.01..0.6_f64).prop_map(Vector3::from),
         place in prop::array::uniform3(-0.3..0.3_f64).prop_map(Vector3::from),
         turn in prop::array::uniform3(-1.5..1.5_f64).prop_map(Vector3::from),
@@ -58,7 +58,7 @@ proptest! {
         let [bare, drill] = [None, Some(Tool::Drill)]
             .map(|tool| object.tool_from_hand(&settings, tool).unwrap());
         prop_assert!(((drill - bare).norm() - settings.drill).abs() < 1e-12);
-        // In the object's axes: on the surface, and from there straight out.
+        // The points are in the object's axes: on the surface, and from there straight outwards.
         let inside = tool_from_object.inverse_transform_point(&bare.into()).coords;
         let beyond = inside.abs() - size * 0.5;
         prop_assert!(beyond.max().abs() < 1e-12 && beyond.iter().filter(|b| b.abs() < 1e-12).count() == 1);
@@ -67,9 +67,9 @@ proptest! {
     }
 }
 
-/// The robot stays behind the drill, and its wrist turns with a point that is not its own.
+/// The robot stays behind the drill, and its wrist rotates about the hand.
 #[test]
-fn the_hand_follows_a_person_who_walks_with_a_drill() {
+fn hand_follows_walking_person_with_drill() {
     let mut controller = controller();
     controller.hold(HeldObject::default()).unwrap();
     let mut robot = SimulatedRobot::new(&MOCA, &MOCA_HOME).unwrap();
@@ -91,7 +91,7 @@ fn the_hand_follows_a_person_who_walks_with_a_drill() {
         let tool = pose.world_from(controller.robot().tool()).unwrap();
         let hand = (tool * Point3::from(*controller.robot().tool_from_hand())).coords;
         assert!((controller.actual().translation.vector - hand).norm() < 1e-12);
-        // x_d and the hand stay together: the wrist turns about the hand, not about the tool.
+        // x_d and the hand stay together, since the wrist rotates about the hand and not about the tool.
         let behind = (controller.command().desired.translation.vector - hand).norm();
         assert!(behind < 5e-4, "{behind} m at {now} s");
         let velocity = controller.command().joint_velocity.clone();
@@ -120,7 +120,7 @@ fn without_a_measured_force_nobody_may_be_touched() {
     }
 }
 
-/// The torques that carry it are m g times how each joint lifts its middle.
+/// The supporting torques are m g times the rise of its middle by each joint.
 #[test]
 fn the_arm_carries_what_it_holds() {
     let settings = TorqueLoopSettings::new(Compensation::BARE);
@@ -134,7 +134,7 @@ fn the_arm_carries_what_it_holds() {
         torque: &[Some(0.0); 10],
         age: 0.0,
     };
-    // The torque's rate is limited.
+    // The torque rate is limited.
     for tick in 0..200_u32 {
         for controller in [&mut held, &mut empty] {
             controller.step(f64::from(tick) * PERIOD, &measured).unwrap();
@@ -158,7 +158,7 @@ fn the_arm_carries_what_it_holds() {
 }
 
 #[test]
-fn objects_that_are_none_are_named_and_change_nothing() {
+fn invalid_objects_are_named_and_change_nothing() {
     let mut controller = controller();
     controller.hold(HeldObject::default()).unwrap();
     let nan = Isometry3::translation(f64::NAN, 0.0, 0.0);
@@ -189,8 +189,9 @@ fn objects_that_are_none_are_named_and_change_nothing() {
     }
 }
 
-/// How far the tool turns about the vertical while it shows the far side of the object to a person, who uses a tool
-/// for that, and how far it was turned when that began, by a robot whose wrist is `turned` from home and whose base has so much room to turn either way \[rad\].
+/// Returns the angle by which the tool turns about the vertical to show the far side of the object, and its angle
+/// before \[rad\]. The person uses a hand tool for that side. The robot's wrist is `turned` from home, and its base has
+/// `room` to turn either way.
 fn half_turn(turned: f64, room: f64) -> (f64, f64) {
     let mut description = moca_description();
     for (_, limits) in description.limits.iter_mut().filter(|(joint, _)| joint == "base_yaw") {
@@ -237,22 +238,22 @@ fn half_turn(turned: f64, room: f64) -> (f64, f64) {
     (way, first.unwrap())
 }
 
-/// Of two ways to turn by half a turn the object goes the shorter one, if the wrist can or the base can help.
+/// A half turn goes the shorter way, if the wrist can or the base can help.
 #[test]
-fn half_a_turn_goes_the_shorter_way_if_it_can() {
+fn half_turn_goes_shorter_way_if_possible() {
     for turned in [-0.25, -0.1, 0.1, 0.25_f64] {
         let (way, first) = half_turn(turned, f64::INFINITY);
         assert_eq!(way.signum(), first.signum(), "from {first}: {way}");
-        // To the edge of the room for orientations, 0.35 rad, from where it stands.
+        // The turn goes from its place to the edge of the room for orientations, 0.35 rad.
         assert!(way.abs() < PI - 0.3, "from {turned}: {way}");
-        // The wrist alone has room for that way only.
+        // The wrist alone has room only for that way.
         let (way, _) = half_turn(turned, 0.3);
         assert!(way > 0.0 && way < PI, "from {turned}: {way}");
     }
 }
 
-/// How nearly a side of the object faces the camera, from the configuration alone: the cosine of the angle
-/// between the way out of it and the way to the camera.
+/// The cosine of the angle between the normal of the side nearest to the camera and the direction to the camera. It
+/// only depends on the configuration.
 fn facing(q: &[f64], object: &HeldObject, camera: [f64; 3]) -> f64 {
     let mut data = Data::new(&MOCA);
     let posed = data.pose(&MOCA, q).unwrap();
@@ -267,9 +268,9 @@ fn facing(q: &[f64], object: &HeldObject, camera: [f64; 3]) -> f64 {
     cosines.fold(-1.0, f64::max)
 }
 
-/// Held edgeways to its camera, the object is turned until a side is seen, and then back.
+/// The object is held with an edge to the camera. It is turned until a side is seen, and then back.
 #[test]
-fn an_object_that_was_not_seen_is_turned_to_the_camera_while_nobody_works() {
+fn unseen_object_turns_to_camera_while_idle() {
     let camera = [0.6, 3.0, 1.1];
     let object = HeldObject::default();
     for eye in [Some(camera), None] {
@@ -281,7 +282,7 @@ fn an_object_that_was_not_seen_is_turned_to_the_camera_while_nobody_works() {
         for tick in 0..8000_u32 {
             let now = f64::from(tick) * PERIOD;
             if tick.is_multiple_of(50) {
-                // The network is slow, and sees what is there.
+                // The network is slow, but sees the true surface.
                 let seen = now > 3.0 && facing(robot.position(), &object, camera) >= 0.5;
                 let confidence = Confidence::new(0.9).unwrap();
                 let surface =
@@ -295,7 +296,7 @@ fn an_object_that_was_not_seen_is_turned_to_the_camera_while_nobody_works() {
             robot.step(&velocity, PERIOD).unwrap();
             best = best.max(facing(robot.position(), &object, camera));
         }
-        // The workspace is as it was.
+        // The workspace is as before.
         let goal = controller.space().moving().reference_goal();
         assert!(goal.angle_to(&controller.settings().space.tool) < 1e-9);
         if eye.is_none() {

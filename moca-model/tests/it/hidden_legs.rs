@@ -1,4 +1,4 @@
-//! Legs that the camera does not see, as the robot hides them: where they are all the same, and where they are not.
+//! Legs that the camera does not see, as the robot hides them. Tests where they must be and where they cannot be.
 
 use nalgebra::{Point3, Rotation3, Vector3};
 use proptest::prelude::*;
@@ -6,16 +6,16 @@ use vision_models::{Action, Body, Body25, Confidence, Keypoint};
 
 use crate::drive::{Drive, FRAME, doing};
 
-/// Where they stand or sit, before the robot and far from it \[m\].
+/// Distance of the people, who stand or sit far in front of the robot \[m\].
 const AHEAD: f64 = 5.5;
-/// Of a leg about its axis, and how far a joint is from where it is seen at most \[m\].
+/// Radius of a leg about its axis, and the largest error of a joint \[m\].
 const FLESH: f64 = 0.08;
 const NOISE: f64 = 0.026;
-/// Ticks in which the whole body is seen, and all ticks.
+/// Number of ticks in which the whole body is seen, and of all ticks.
 const SEEN: u32 = 500;
 const TICKS: u32 = 2600;
 
-/// Joints that are not seen.
+/// Sets of joints that are not seen.
 const HIDDEN: [&[Body25]; 6] = {
     use Body25::{RightAnkle, RightHip, RightKnee};
     [
@@ -28,7 +28,7 @@ const HIDDEN: [&[Body25]; 6] = {
     ]
 };
 
-/// How a leg is held \[rad\]: the thigh ahead of straight down, the knee bent, both turned outwards.
+/// Posture of a leg \[rad\]: flexion of the hip, flexion of the knee, and outward rotation of both.
 #[derive(Debug, Clone, Copy)]
 struct Leg {
     flexion: f64,
@@ -38,21 +38,21 @@ struct Leg {
 
 const STRAIGHT: Leg = Leg { flexion: 0.0, knee: 0.0, outwards: 0.0 };
 
-/// Of whom the legs are. Segments are fractions of stature by Drillis and Contini (1966).
+/// The owner of the legs. Segments are fractions of stature by Drillis and Contini (1966).
 #[derive(Debug, Clone)]
 struct Person {
     stature: f64,
-    /// Of the hips \[m\].
+    /// Height of the hips \[m\].
     height: f64,
-    /// Of each from the middle \[m\].
+    /// Distance of each hip from the middle \[m\].
     aside: f64,
     heading: f64,
-    /// Of each joint \[m\].
+    /// Error of each joint \[m\].
     noise: Vec<Vector3<f64>>,
 }
 
 impl Person {
-    /// The joints, ahead, to the left and up from below the mid hip \[m\].
+    /// The joints as coordinates forwards, to the left and up from below the mid hip \[m\].
     fn joints(&self, leg: Leg) -> Vec<(Body25, Vector3<f64>)> {
         let (h, hips) = (self.stature, self.height);
         let outwards = Rotation3::from_axis_angle(&Vector3::z_axis(), -leg.outwards);
@@ -94,8 +94,8 @@ impl Person {
         body
     }
 
-    /// How far `points`, as the joints, are from the person's bodies, after the leg has been straight and seen, and then
-    /// as it is and hidden \[m\].
+    /// The distances of `points` from the person's bodies, where `points` are given as joints \[m\]. The leg has been
+    /// straight and seen before, and then has this posture and is hidden.
     fn distances(&self, leg: Leg, hidden: &[Body25], points: &[Vector3<f64>]) -> Vec<f64> {
         let mut drive = Drive::fast();
         for tick in 0..TICKS {
@@ -121,7 +121,7 @@ impl Person {
     }
 }
 
-/// Who stands, walks or climbs, and who sits, with a leg so.
+/// People who stand, walk, climb or sit, with a leg in such a posture.
 fn people() -> impl Strategy<Value = (Person, Leg)> {
     let noise = prop::collection::vec(prop::array::uniform3(-NOISE..NOISE), 13);
     let standing = (-0.35..1.05, 0.0..1.4).prop_map(|(flexion, knee)| (false, flexion, knee));
@@ -130,12 +130,12 @@ fn people() -> impl Strategy<Value = (Person, Leg)> {
     let posture = prop_oneof![standing, sitting];
     (1.5..2.0, posture, 0.07..0.12, -3.1..3.1, -0.1..0.35, noise).prop_map(
         |(stature, (sits, flexion, knee), aside, heading, outwards, noise)| {
-            // The foot of who sits is on the floor.
+            // The foot of a sitting person is on the floor.
             let leg = 0.245 * f64::cos(flexion) + 0.246 * f64::cos(flexion - knee);
             let height = if sits { 0.05 + leg * stature } else { 0.53 * stature };
             let noise =
                 noise.into_iter().map(|noise| Vector3::from(noise) / 3.0_f64.sqrt()).collect();
-            // Nobody kicks: the foot is not far ahead of the knee, or behind it.
+            // Nobody kicks: the foot is not far in front of the knee or behind it.
             let knee = knee.clamp(flexion - 0.2, flexion + 1.0);
             (Person { stature, height, aside, heading, noise }, Leg { flexion, knee, outwards })
         },
@@ -145,9 +145,9 @@ fn people() -> impl Strategy<Value = (Person, Leg)> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 48, ..ProptestConfig::default() })]
 
-    /// A leg that is not seen is within what stands for it, a thigh with its flesh.
+    /// A hidden leg is within the bodies that represent it, a thigh with its flesh.
     #[test]
-    fn a_leg_that_is_not_seen_is_where_it_may_be(
+    fn hidden_leg_is_within_its_assumed_bodies(
         (person, leg) in people(),
         hidden in prop::sample::select(&HIDDEN),
     ) {
@@ -161,16 +161,16 @@ proptest! {
         let points = [thigh, shank].concat();
         let distances = person.distances(leg, hidden, &points);
         for (index, (point, distance)) in points.iter().zip(distances).enumerate() {
-            // Lower legs of the largest are within a step but for some centimetres of their flesh.
+            // The largest lower legs are within a step, except for some centimetres of flesh.
             let most = if index < thigh.len() { NOISE - FLESH } else { 0.0 };
             prop_assert!(distance < most, "{point:?} is {distance} m outside");
         }
     }
 }
 
-/// A leg that is hidden does not keep the robot from where the hands work.
+/// A hidden leg does not keep the robot from the place of the hands.
 #[test]
-fn a_leg_that_is_not_seen_leaves_room_for_the_hands() {
+fn hidden_leg_leaves_room_for_the_hands() {
     use Body25::{RightAnkle, RightHip, RightKnee};
     let person = Person {
         stature: 1.75,
@@ -183,11 +183,11 @@ fn a_leg_that_is_not_seen_leaves_room_for_the_hands() {
         let hand = Vector3::new(ahead, 0.0, person.height + above);
         person.distances(STRAIGHT, hidden, &[hand])[0]
     };
-    // Between mid hip and a knee that is seen.
+    // The points are between mid hip and a knee that is seen.
     for ahead in [-0.45, 0.45] {
         assert!(room(&[RightHip], (ahead, 0.1)) > 0.1);
     }
-    // Below the hip, which is seen, or is at mid hip but for its width.
+    // The points are below the hip, which is seen, or is at mid hip except for its width.
     for ahead in [-0.45, 0.45] {
         assert!(room(&[RightKnee, RightAnkle], (ahead, 0.3)) > 0.02);
         assert!(room(&[RightHip, RightKnee, RightAnkle], (ahead, 0.5)) > 0.02);

@@ -1,4 +1,4 @@
-//! From recognised actions to intentions.
+//! The filter from recognised actions to intentions.
 
 use moca_model::{Intention, IntentionFilter, IntentionSettings};
 use proptest::prelude::*;
@@ -14,7 +14,7 @@ fn filter() -> IntentionFilter {
 
 proptest! {
     #[test]
-    fn a_flicker_shorter_than_the_dwell_time_changes_nothing(
+    fn flicker_within_dwell_time_changes_nothing(
         index in 0_usize..30, frames in 1_u32..4,
     ) {
         let mut filter = filter();

@@ -1,4 +1,4 @@
-//! Ticks that come late: they are counted, the next one comes when it is due, and the robot works on.
+//! Late ticks are counted, the next one comes when it is due, and the robot goes on working.
 
 use std::cell::{Cell, RefCell};
 use std::rc::Rc;
@@ -12,7 +12,7 @@ use moca_model::whole_body::control_loop::{
 use crate::drive::{Drive, PERIOD, percept};
 use crate::shared::MOCA;
 
-/// A clock that wakes up late, by what `late` says of the time that it is to wake up at, counted from its origin.
+/// A clock that wakes up late. `late` gives the delay for a wake-up time, counted from the origin.
 #[derive(Clone)]
 struct Sleeper {
     now: Rc<Cell<f64>>,
@@ -56,12 +56,12 @@ impl RobotSide for Anything {
     }
 }
 
-/// A law that only looks at the clock.
+/// A law that only reads the clock.
 struct Watch {
     clock: LoopClock,
     times: Vec<f64>,
     faults: Vec<Fault>,
-    /// Ticks that take long, and how long \[s\].
+    /// Duration of each tick, which may be long \[s\].
     stalls: fn(usize) -> f64,
 }
 
@@ -99,7 +99,7 @@ impl ControlLaw for Watch {
     }
 }
 
-/// Runs for `seconds`; what the law saw, and what the loop counted.
+/// Runs for `seconds`. Returns what the law saw and the loop's counts.
 fn watch(
     mut clock: impl Clock + Clone,
     seconds: f64,
@@ -112,9 +112,10 @@ fn watch(
     (law, control.statistics().clone())
 }
 
-/// In tenths of the period, so that the oracle rounds nothing: from origins of a process, of a machine and of 1970.
+/// Times are in tenths of the period, so that the expected values do not round. Origins are those of a process, of a
+/// machine and of 1970.
 #[test]
-fn a_tick_that_is_late_by_up_to_a_tenth_of_a_second_is_counted_and_the_next_is_on_the_grid() {
+fn late_tick_is_counted_and_grid_is_kept() {
     for origin in [0.0, 0.123_456_789, 86_399.7, 1.764e9, -3.5] {
         for tenths in 0..=1000_u32 {
             let by = f64::from(tenths) * 1e-4;
@@ -143,15 +144,15 @@ fn a_tick_that_is_late_by_up_to_a_tenth_of_a_second_is_counted_and_the_next_is_o
     }
 }
 
-/// The loop is as good as the machine, but no stall, of any length up to 0.1 s, makes a fault of the tick after it.
+/// The loop depends on the machine, but no stall of up to 0.1 s causes a fault in the next tick.
 #[test]
-fn the_clock_of_the_system_is_late_without_an_early_tick() {
+fn system_clock_never_causes_early_ticks() {
     let law = Watch {
         stalls: |tick| if tick % 7 == 6 { 1e-3 * ((tick * 37) % 90) as f64 } else { 0.0 },
         ..Watch::new()
     };
     let (law, statistics) = watch(MonotonicClock::new(0.0), 1.5, law);
-    // A machine that is busy may be late on most ticks, and stand for longer.
+    // A busy machine may be late in most ticks, and stall for longer.
     let known = [Fault::LateTick, hrsw_safety::ClockFault::SetAhead.into()];
     assert!(law.faults.iter().all(|fault| known.contains(fault)), "{:?}", law.faults);
     let (first, last) = (law.times[0], law.times[law.times.len() - 1]);
@@ -163,7 +164,7 @@ fn the_clock_of_the_system_is_late_without_an_early_tick() {
 }
 
 #[test]
-fn a_loop_most_of_whose_ticks_are_late_is_a_fault_and_one_that_is_late_now_and_then_is_none() {
+fn only_mostly_late_ticks_are_a_fault() {
     for (every, late) in [(1, true), (2, false), (3, false), (10, false)] {
         let mut waits = 0_u32;
         let clock = Sleeper::new(0.0, move |_| {
@@ -176,12 +177,12 @@ fn a_loop_most_of_whose_ticks_are_late_is_a_fault_and_one_that_is_late_now_and_t
     }
 }
 
-/// The robot, its controller and a camera that shows nobody.
+/// The robot, its controller and a camera without people.
 struct Law {
     drive: Drive,
     seen: f64,
     last: Option<f64>,
-    /// Time in the normal state, and all of it \[s\].
+    /// Time in the normal state, and total time \[s\].
     normal: f64,
     all: f64,
     fastest: f64,
@@ -233,7 +234,7 @@ impl ControlLaw for Law {
 }
 
 #[test]
-fn with_one_tick_in_a_hundred_late_by_up_to_five_periods_the_robot_works_on() {
+fn robot_works_on_with_occasional_late_ticks() {
     let mut state = 1_u64;
     let mut draw = move || {
         state =

@@ -1,7 +1,8 @@
-//! What is not measured is not zero: whatever an interface may leave out, the robot is never bolder without it.
+//! Missing measurements are not zero: the robot is never bolder if an interface leaves something out.
 //!
-//! Two runs see the same person; the second lacks something. Bolder is one of: a contact permitted at a higher speed,
-//! a joint of the true person nearer, more room above the protective distance, a greater share of the speeds.
+//! Two runs see the same person; the second one lacks something. A run is bolder if it permits a contact at a higher
+//! speed, or a joint of the true person is nearer. It is also bolder if it has more room above the protective distance
+//! or a larger share of the speeds.
 
 use ergo_map::ErgonomicsQuadratic;
 use hrsw_safety::{Capsule, SafetyState, proximity};
@@ -21,7 +22,7 @@ use crate::drive::{FRAME, PERIOD, loop_controller};
 use crate::shared::MOCA;
 use crate::torque::Noise;
 
-/// A standing person of 1.75 m with its hands before it: forwards, to the left, up [m].
+/// A standing person of 1.75 m with the hands in front: forwards, to the left, up \[m\].
 const JOINTS: [(Body25, [f64; 3]); 19] = {
     use Body25::*;
     [
@@ -47,12 +48,12 @@ const JOINTS: [(Body25, [f64; 3]); 19] = {
     ]
 };
 
-/// Where the person stands at a time: comes at 0.8 m/s, and stays before the robot.
+/// The place of the person at a time, who approaches at 0.8 m/s and stays in front of the robot.
 fn place(time: f64) -> f64 {
     (3.5 - 0.8 * time).max(1.3)
 }
 
-/// The joint of the person, who looks at the robot.
+/// The place of a joint of the person, who looks at the robot.
 fn joint(time: f64, [forwards, left, up]: [f64; 3]) -> Point3<f64> {
     Point3::new(place(time) - forwards, -left, up)
 }
@@ -69,7 +70,7 @@ fn everything(time: f64) -> Percept {
     Percept { time, body: Some(body), action, surface }
 }
 
-/// What a tick permits, and what it came to.
+/// The permissions of a tick and their effects.
 #[derive(Debug, Clone, Copy)]
 struct Boldness {
     contact_speed: f64,
@@ -78,7 +79,7 @@ struct Boldness {
     distance: f64,
 }
 
-/// The robot under torques, before the person.
+/// A run of the robot under torques in front of the person.
 struct Run {
     controller: TorqueController,
     robot: DynamicRobot,
@@ -126,7 +127,7 @@ impl Run {
         self.tick += 1;
     }
 
-    /// Of the true robot to the true person's joints and what is between neck and hips [m].
+    /// The distance of the true robot to the true person's joints and trunk \[m\].
     fn distance(&self, now: f64) -> f64 {
         let mut data = Data::new(&MOCA);
         let posed = data.pose(&MOCA, self.robot.simulation().position()).unwrap();
@@ -163,7 +164,7 @@ fn least(ticks: &[Boldness]) -> f64 {
     ticks.iter().fold(f64::INFINITY, |least, tick| least.min(tick.distance))
 }
 
-/// Compares outcomes: contacts tick by tick, distances by the nearest.
+/// Compares permitted contacts tick by tick, and the smallest distances.
 fn assert_never_bolder(what: &str, with: &Run, without: &Run) {
     for (tick, (with, without)) in with.ticks.iter().zip(&without.ticks).enumerate() {
         let (more, less) = (without.contact_speed, with.contact_speed);
@@ -182,7 +183,7 @@ fn without_torques_nothing_is_felt_and_nobody_touched() {
     assert!(with.controller.feels_contacts());
     let fastest = with.ticks.iter().fold(0.0, |most: f64, tick| most.max(tick.contact_speed));
     assert!(fastest > 0.1, "they work together: {fastest} m/s");
-    // All of the arm's, as an empty list of efforts has it, and a single one.
+    // All torques of the arm are missing, as in an empty list of efforts, or a single one.
     for lost in [3..10, 5..6] {
         let without = run(6.0, everything, |torques| torques[lost.clone()].fill(None));
         assert!(!without.controller.feels_contacts());
@@ -190,14 +191,14 @@ fn without_torques_nothing_is_felt_and_nobody_touched() {
         assert_eq!(without.controller.external_force().norm(), 0.0, "no force that is not there");
         assert!(without.state() < SafetyState::ProtectiveStop);
         assert_never_bolder("torques", &with, &without);
-        // Distances are those to somebody with whom the robot does not work.
+        // The distances are those to a person who does not work with the robot.
         let separation = without.controller.controller().settings().safety.separation;
         let kept = separation.protective_distance(0.0, 0.0) - 0.05;
         assert!(least(&without.ticks) > kept, "{} m", least(&without.ticks));
     }
 }
 
-/// What the robot does not measure at first and does later counts from then on, and only while it lasts.
+/// Measurements that begin later count from then on, and only while they come.
 #[test]
 fn force_limiting_comes_and_goes_with_the_torques() {
     let mut run = Run::new();
@@ -218,7 +219,7 @@ fn force_limiting_comes_and_goes_with_the_torques() {
 type Leave = fn(&mut Percept, f64);
 
 #[test]
-fn without_a_part_of_a_frame_the_robot_is_no_bolder() {
+fn missing_part_of_frame_never_makes_bolder() {
     let with = run(6.0, everything, all_torques);
     let leave: [(&str, Leave); 4] = [
         ("an action", |percept, _| percept.action = None),
@@ -227,7 +228,7 @@ fn without_a_part_of_a_frame_the_robot_is_no_bolder() {
             let body = percept.body.take().map(|body| Body::new(*body.keypoints()));
             percept.body = body;
         }),
-        // Joints that were seen before.
+        // These joints were seen before.
         ("the arms", |percept, time| {
             use Body25::{LeftElbow, LeftWrist, RightElbow, RightWrist};
             let body = percept.body.as_mut().filter(|_| time > 2.0);
@@ -251,9 +252,9 @@ fn without_a_part_of_a_frame_the_robot_is_no_bolder() {
     }
 }
 
-/// The robot stands, and the frames alone differ: every joint that was seen and is no more leaves no more room.
+/// The robot stands, and only the frames differ. A joint that is not seen any longer leaves no more room.
 #[test]
-fn a_joint_that_is_seen_no_more_leaves_no_more_room() {
+fn lost_joint_never_leaves_more_room() {
     let stands = |time: f64| Percept { action: None, ..everything(time + 2.0) };
     let rooms = |missing: Option<Body25>| -> Vec<Boldness> {
         let settings = ControllerSettings::default();
@@ -294,9 +295,9 @@ fn a_joint_that_is_seen_no_more_leaves_no_more_room() {
     }
 }
 
-/// A robot that says nothing of itself is commanded like one that says that all is well.
+/// A robot without a status gets the same commands as one whose status is good.
 #[test]
-fn a_robot_that_says_nothing_is_told_the_same() {
+fn missing_status_does_not_change_commands() {
     let commands = |status: RobotStatus| -> Vec<JointCommand> {
         let (mut law, frames, mut measured) = loop_controller();
         measured.robot = status;

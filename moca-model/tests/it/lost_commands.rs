@@ -8,8 +8,9 @@ use crate::drive::{FRAME, PERIOD, loop_controller, percept};
 use crate::shared::MOCA;
 use crate::torque::Noise;
 
-/// Drives off, and loses the commands of so many ticks at so many moments; the faults by tick since a moment, and by how
-/// much a joint is faster after a moment than 1.2 times as at its end, and 0.1 rad/s.
+/// Starts to drive and loses the commands of `lost` ticks at each of `moments` moments. Returns the faults by tick
+/// since a moment, and the largest excess speed. The excess is what a joint is faster than 1.2 times its speed at the
+/// moment's end plus 0.1 rad/s.
 fn drive(lost: u32, moments: u32) -> (Vec<(u32, Fault)>, f64) {
     let (mut law, frames, mut measured) = loop_controller();
     let settings = DynamicRobotSettings { loss: 0.0, ..DynamicRobotSettings::default() };
@@ -50,10 +51,10 @@ fn drive(lost: u32, moments: u32) -> (Vec<(u32, Fault)>, f64) {
 }
 
 #[test]
-fn commands_that_are_lost_are_named_within_10_ms() {
+fn lost_commands_are_reported_within_10_ms() {
     let (faults, worst) = drive(19, 5);
     assert!(faults.iter().all(|(_, fault)| *fault == Fault::LostCommand), "{faults:?}");
-    // The tick before says in which the robot has not taken a command.
+    // The tick before reports in which the robot has not taken a command.
     assert_eq!(faults.iter().filter(|(tick, _)| *tick == 6).count(), 5, "{faults:?}");
     assert!(worst < 0.0, "{worst} rad/s too fast when commands come again");
 }

@@ -1,4 +1,4 @@
-//! A frame that shows the head elsewhere.
+//! A frame that shows the head at a wrong place.
 
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
@@ -7,9 +7,9 @@ use vision_models::{Action, Body25, Confidence, Keypoint};
 use crate::drive::{Drive, FRAME, doing};
 
 const AHEAD: f64 = 5.5;
-/// Of the head \[m\].
+/// Radius of the head \[m\].
 const FLESH: f64 = 0.1;
-/// Frames before the one that is wrong.
+/// Number of frames before the wrong one.
 const BEFORE: u32 = 12;
 
 fn places() -> [(Body25, Vector3<f64>); 2] {
@@ -27,10 +27,10 @@ fn error(length: f64) -> impl Strategy<Value = Vector3<f64>> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
 
-    /// However far one frame shows neck and nose from where they are, the robot keeps away from there until
-    /// the next frame, too.
+    /// One frame may show neck and nose anywhere. The robot still keeps away from their true place until the next
+    /// frame.
     #[test]
-    fn a_frame_that_misplaces_the_head_does_not_remove_it(
+    fn misplaced_head_still_counts_at_true_place(
         noise in prop::collection::vec(error(0.02), 2 * (BEFORE as usize + 2)),
         wrong in prop::array::uniform2(error(0.25)),
     ) {

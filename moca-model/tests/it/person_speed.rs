@@ -1,4 +1,4 @@
-//! How fast a person is taken to be whom the camera misses, and what the noise of the joints is not.
+//! Assumed speed of a person whom the camera misses, and the effect of noise in the joints.
 
 use hrsw_safety::{
     Age, Capsule, MeasuredVelocity, RobotLimits, Safety, SafetyInput, SafetySettings, SafetyState,
@@ -17,10 +17,10 @@ use vision_models::{Body, Body25, BodyTracker, Confidence, Keypoint, Percept};
 use crate::drive::{Drive, FRAME, PERIOD, body, percept};
 use crate::shared::MOCA;
 
-/// Where somebody stands, about five metres before the robot \[m\].
+/// Place of a person, about five metres in front of the robot \[m\].
 const AHEAD: f64 = 5.5;
 
-/// Of the trunk.
+/// The measured velocity of the trunk.
 fn speed(drive: &Drive) -> Option<MeasuredVelocity> {
     drive.controller.safety().person_bodies().first().and_then(|body| body.velocity)
 }
@@ -33,9 +33,9 @@ fn seen() -> Drive {
     drive
 }
 
-/// Who is missed may have begun to walk, and nobody is taken for faster at once.
+/// A person who is missed may have begun to walk, but is not assumed to be faster at once.
 #[test]
-fn who_is_missed_is_as_fast_as_measured_with_an_uncertainty_that_grows() {
+fn missed_person_keeps_speed_with_growing_uncertainty() {
     let mut drive = seen();
     drive.person = None;
     let last = drive.time().mul_add(20.0, -1e-9).floor() / 20.0;
@@ -46,11 +46,11 @@ fn who_is_missed_is_as_fast_as_measured_with_an_uncertainty_that_grows() {
         assert_eq!(now.mean, before.mean);
         let growth = now.uncertainty - before.uncertainty;
         assert!((-1e-12..0.01).contains(&growth), "{growth} m/s in a tick");
-        // Somebody who begins to walk comes to speed with about 1 m/s².
+        // A person who begins to walk accelerates at about 1 m/s².
         assert!(now.uncertainty >= drive.time() - last - 1e-3, "{now:?}");
         before = now;
     }
-    // Seen again, they need not be got to know again.
+    // A person who is seen again is known at once.
     let mut found = drive.clone();
     found.person = Some(AHEAD);
     for _ in 0..300 {
@@ -61,7 +61,7 @@ fn who_is_missed_is_as_fast_as_measured_with_an_uncertainty_that_grows() {
     assert_eq!(speed(&drive), None);
 }
 
-/// In every other frame the joints of the trunk are elsewhere, each its own way; then all of them alike.
+/// The joints of the trunk are displaced in every other frame, first each in its own direction, then all alike.
 #[test]
 fn joints_that_disagree_are_nobody_elsewhere() {
     let errors = [
@@ -111,15 +111,14 @@ fn at_home(settings: SafetySettings) -> (Kinematics, Safety) {
     (robot, safety)
 }
 
-/// The share of its speeds at which the robot, at rest, may leave somebody who is too near, as fast as this
-/// towards it.
+/// The speed scale of a robot at rest that retreats from a person who is too near and approaches at this speed.
 fn share_in_retreat(towards: f64) -> f64 {
     let mut settings = moca_safety();
     settings.supervisor.ramp = PERIOD;
     settings.supervisor.retreat_after = 0.0;
     let retreat_scale = settings.supervisor.retreat_scale;
     let (robot, mut safety) = at_home(settings);
-    // Where the trunk is a little nearer than somebody at 0.45 m/s asks for of a robot at rest.
+    // The trunk is a little nearer than the distance that a robot at rest must keep to a person at 0.45 m/s.
     let distance = |x: f64| {
         let at = |z: f64| Vector3::new(x, 0.0, z);
         let trunk = Capsule::new(at(1.45), at(0.93), 0.15).unwrap();
@@ -128,11 +127,11 @@ fn share_in_retreat(towards: f64) -> f64 {
     };
     let x =
         (0..3000).map(|step| 3.0 - 1e-3 * f64::from(step)).find(|&x| distance(x) < 0.165).unwrap();
-    // Up to a frame, and a little: the way since then, by how little is known of it, would leave no direction that is surely away.
+    // Run up to a frame and a little. The uncertainty of a longer time would leave no direction that surely leads away.
     for tick in 0..=1953_u32 {
         let now = f64::from(tick) * PERIOD;
         if tick.is_multiple_of(FRAME) {
-            // There in the last frame.
+            // The person is at that place in the last frame.
             safety.observe(&percept(now, Some(x + towards * (1.95 - now)))).unwrap();
         }
         let input = SafetyInput {
@@ -149,18 +148,18 @@ fn share_in_retreat(towards: f64) -> f64 {
     safety.speed_scale() - retreat_scale
 }
 
-/// Who is too near and comes on is left as much faster as they come.
+/// The retreat is faster by the speed at which the person approaches.
 #[test]
-fn a_robot_in_retreat_leaves_as_much_faster_as_the_person_comes() {
+fn retreat_is_faster_by_the_approach_speed() {
     for towards in [0.45, 0.5, 0.55] {
         let more = share_in_retreat(towards) * MOCA_AXIS_SPEED;
         assert!((more - towards).abs() < 0.05, "{more} m/s from somebody at {towards} m/s");
-        // The filter has come to that speed but for some millimetres a second.
+        // The filter has reached that speed except for some millimetres a second.
         assert!(more <= towards + 5e-3, "{more} m/s from somebody at {towards} m/s");
     }
 }
 
-/// What a camera makes of the joints of somebody who walks along x: standard deviations along x and across \[m\].
+/// Standard deviations of the measured joints of a person who walks along x: along x and across \[m\].
 #[derive(Clone, Copy)]
 struct Noise {
     along: f64,
@@ -172,7 +171,7 @@ impl Noise {
         let mut seen = Body::default();
         let sigma = Vector3::new(self.along, self.across, self.across);
         for (joint, keypoint) in body.iter() {
-            // Twelve uniform numbers of each axis: nearly normal, with tails.
+            // Twelve uniform numbers for each axis are nearly normal, with tails.
             let normal =
                 sigma.map(|_| (0..12).map(|_| draw.random_range(-0.5..0.5_f64)).sum::<f64>());
             let noise = sigma.component_mul(&normal);
@@ -188,9 +187,9 @@ impl Noise {
     }
 }
 
-/// Checks that the velocity of somebody is within three of its standard deviations in all but five of a thousand
-/// frames, also where they begin to walk, or stop, at 1.5 m/s²; `noise` draws what a camera makes of the joints, and
-/// `is_known` says whether it tells.
+/// Checks that a person's velocity is within three of its standard deviations in all but five of a thousand frames. The
+/// person also begins to walk, and stops, at 1.5 m/s². `noise` draws the camera's errors; `is_known` says whether the
+/// camera reports them.
 fn is_as_certain_as_it_says(is_known: bool, noise: impl Fn(&mut ChaCha8Rng) -> Noise) {
     let settings = ControllerSettings::default();
     let deviations = settings.safety.person.speed_deviations;
@@ -224,26 +223,26 @@ fn is_as_certain_as_it_says(is_known: bool, noise: impl Fn(&mut ChaCha8Rng) -> N
 }
 
 #[test]
-fn a_velocity_from_covariances_is_as_certain_as_it_says() {
+fn velocity_with_covariances_has_stated_uncertainty() {
     is_as_certain_as_it_says(true, |draw| {
         let sigma = draw.random_range(0.01..0.05);
         Noise { along: sigma, across: sigma }
     });
 }
 
-/// A depth camera 1.5 to 3 m away: 9 to 38 mm along the ray, 1.5 pixels across.
+/// The depth camera is 1.5 to 3 m away: 9 to 38 mm along the ray, 1.5 pixels across.
 #[test]
-fn a_velocity_without_covariances_is_as_certain_as_it_says() {
+fn velocity_without_covariances_has_stated_uncertainty() {
     is_as_certain_as_it_says(false, |draw| {
         let distance = draw.random_range(1.5..3.0_f64);
         Noise { along: 0.0042 * distance.powi(2), across: 1.5 / 615.0 * distance }
     });
 }
 
-/// The trunk of somebody 3 to 4.5 m from a depth camera is no farther from where it was seen than Z_d and what is known
-/// of its place, in all but two of a hundred frames.
+/// The trunk of a person 3 to 4.5 m from a depth camera is measured 100 times. At most twice it is farther from its
+/// measured place than Z_d plus the reported uncertainty.
 #[test]
-fn a_place_from_covariances_is_as_certain_as_it_says() {
+fn place_from_covariances_has_stated_uncertainty() {
     let (mut beyond, mut frames) = (0, 0);
     for seed in 0..20 {
         let mut draw = ChaCha8Rng::seed_from_u64(seed);

@@ -1,4 +1,4 @@
-//! What must hold for MOCA in every configuration.
+//! Properties of MOCA in every configuration.
 
 use approx::assert_abs_diff_eq;
 use moca_model::whole_body::robot::JointLimits;
@@ -42,7 +42,7 @@ fn around(q: &[f64], joint: usize) -> [Vec<f64>; 2] {
 
 proptest! {
     #[test]
-    fn the_jacobian_is_the_derivative_of_the_tools_pose(q in moca_configuration()) {
+    fn jacobian_is_derivative_of_tool_pose(q in moca_configuration()) {
         let robot = moca_at(&q);
         for (joint, column) in robot.jacobian().column_iter().enumerate() {
             let [before, after] = around(&q, joint).map(|q| *moca_at(&q).world_from_tool());
@@ -54,7 +54,7 @@ proptest! {
     }
 
     #[test]
-    fn bodies_move_by_the_first_columns_of_the_tools_jacobian(q in moca_configuration()) {
+    fn bodies_move_by_first_jacobian_columns(q in moca_configuration()) {
         let robot = moca_at(&q);
         let tool = robot.world_from_tool().translation.vector;
         for joint in 0..10 {
@@ -85,7 +85,7 @@ proptest! {
         let drive = Isometry3::from_parts(Vector3::new(x, y, 0.0).into(), turn);
         assert_abs_diff_eq!(*driven.world_from_tool(), drive * still.world_from_tool(), epsilon = 1e-12);
         assert_abs_diff_eq!(gravity(&driven_q)[..], gravity(&still_q)[..], epsilon = 1e-11);
-        // The arm's columns turn with the base; base x and y stay the world's.
+        // The arm's columns rotate with the base; those of base x and y stay the world's.
         for (moved, original) in driven.jacobian().column_iter().zip(still.jacobian().column_iter()).skip(2) {
             for row in [0, 3] {
                 let original = original.fixed_rows::<3>(row).into_owned();
@@ -100,7 +100,7 @@ proptest! {
     }
 
     #[test]
-    fn gravity_asks_nothing_of_the_base_on_a_level_floor(q in moca_configuration()) {
+    fn gravity_needs_no_base_force_on_floor(q in moca_configuration()) {
         for torque in &gravity(&q)[..4] {
             prop_assert!(torque.abs() < 1e-12); // base x, y, yaw and the arm's upright first joint
         }

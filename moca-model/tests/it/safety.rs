@@ -1,4 +1,4 @@
-//! The controller keeps its distance from people, and its bodies hold the robot.
+//! The controller keeps its distance from people, and its bodies contain the robot.
 
 use ergo_map::ErgonomicsQuadratic;
 use hrsw::{Attachment, Bounds};
@@ -32,7 +32,7 @@ impl Loop {
         Self { controller, robot, tick: 0 }
     }
 
-    /// One period with a person whose trunk is at x, or nobody in the frame; they stay apart.
+    /// Makes a period with a person whose trunk is at x, or nobody in the frame. The intention stays apart.
     fn step(&mut self, person: Option<f64>) {
         let now = f64::from(self.tick) * PERIOD;
         if self.tick.is_multiple_of(50) {
@@ -48,7 +48,7 @@ impl Loop {
         self.tick += 1;
     }
 
-    /// Asks for the tool at x, where the workspace then is.
+    /// Moves the workspace so that the tool is wanted at x.
     fn ask(&mut self, x: f64) {
         let space = self.controller.space().workspace();
         let (centre, rotation) = (space.position(), space.world_from_workspace().rotation);
@@ -86,9 +86,9 @@ fn a_person_in_the_way_is_not_touched() {
     assert!(run.controller.command().joint_velocity.iter().all(|v| v.abs() < 0.05));
 }
 
-/// A hand is where the noise of elbow and wrist puts it: as much less is known of it than of these.
+/// The place of a hand follows from elbow and wrist, so that it is less certain than these.
 #[test]
-fn a_hand_is_known_less_well_than_the_joints() {
+fn hand_is_less_certain_than_arm_joints() {
     let (elbow, wrist) = (Vector3::new(2.0, 0.25, 1.1), Vector3::new(1.8, 0.15, 1.15));
     let mut run = Loop::new();
     let mut seen = body(2.1);
@@ -117,13 +117,13 @@ fn a_hand_is_known_less_well_than_the_joints() {
     }
     let known = moca_safety().separation.human_uncertainty;
     let farther = f64::sqrt(of_hand / of_joint) - 1.0;
-    // Along the forearm less: there the hand is off by no more than the wrist.
+    // The uncertainty along the forearm is smaller, since there the hand has only the error of the wrist.
     let counted = forearm.uncertainty / known;
     assert!(counted > farther && counted < 1.5 * farther, "{counted}, {farther}");
 }
 
 #[test]
-fn a_person_who_appears_before_the_moving_robot_stops_it() {
+fn suddenly_visible_person_stops_the_robot() {
     let mut run = Loop::new();
     run.step(None);
     run.ask(4.0);
@@ -143,7 +143,7 @@ fn a_person_who_appears_before_the_moving_robot_stops_it() {
         run.step(Some(x + 0.6));
         let now = &run.controller.command().joint_velocity;
         for ((now, before), limits) in now.iter().zip(&before).zip(&limits) {
-            // Turning the acceleration round at the jerk limit, and letting it fade, take 2.5 a/j.
+            // Reversing the acceleration at the jerk limit and letting it fade takes 2.5 a/j.
             let (a, j) = (limits.acceleration, limits.jerk);
             let late = if j.is_finite() { 3.0 * a / j + PERIOD } else { 0.0 };
             let left = (before.abs() - a * (f64::from(tick) * PERIOD - late).max(0.0)).max(0.0);
@@ -172,7 +172,7 @@ fn without_frames_the_robot_stops() {
     assert!(run.controller.command().joint_velocity.iter().all(|v| v.abs() < 1e-9));
 }
 
-/// Every point of the chassis' faces but the inside of the deck lies in a capsule.
+/// Every point of the chassis' faces except the inside of the deck is in a capsule.
 #[test]
 fn the_capsules_hold_the_chassis() {
     let bodies = moca_safety().bodies;

@@ -1,4 +1,4 @@
-//! People beside the one who works with the robot.
+//! People besides the person who works with the robot.
 
 use hrsw_safety::{PersonBody, SafetyState};
 use moca_model::Error;
@@ -13,7 +13,7 @@ fn others_in_the_way_are_not_touched() {
     drive.others = vec![drive.controller.actual().translation.x + 1.8];
     drive.run(5.0); // every tick finds the robot away from them
     drive.assert_near_but_not_too_near();
-    // They go, are out of sight, and the robot goes on when they are forgotten.
+    // They leave and are out of sight, and the robot goes on when they are forgotten.
     drive.others.clear();
     drive.run(5.0);
     assert_ne!(drive.state(), SafetyState::Normal, "they may be anywhere");
@@ -23,7 +23,7 @@ fn others_in_the_way_are_not_touched() {
 
 /// One frame in five shows them.
 #[test]
-fn who_is_missed_in_most_frames_is_not_touched() {
+fn rarely_seen_person_is_not_touched() {
     let mut drive = Drive::fast();
     let at = drive.controller.actual().translation.x + 1.8;
     for tick in 0..5000_u32 {
@@ -35,7 +35,8 @@ fn who_is_missed_in_most_frames_is_not_touched() {
     }
 }
 
-/// Contact is for the one who works with the robot; everybody else's speed is measured by their own joints.
+/// Contact is only permitted for the person who works with the robot. The speed of others is measured by their own
+/// joints.
 #[test]
 fn nobody_else_is_worked_with() {
     let mut drive = Drive::new();
@@ -59,7 +60,7 @@ fn nobody_else_is_worked_with() {
     assert!(others.iter().all(stands));
 }
 
-/// Each body of a frame goes to who was there, in whatever order they come.
+/// Each body of a frame is matched to a known person, in any order.
 #[test]
 fn people_are_told_apart_by_where_they_are() {
     let mut drive = Drive::new();
@@ -74,7 +75,7 @@ fn people_are_told_apart_by_where_they_are() {
         bodies.rotate_left(frame % 3);
         look(&bodies[..=frame % 4]).unwrap();
     }
-    // Of one of them the legs come into sight, and then nothing else is seen.
+    // The legs of one person come into sight, and then nothing else of them is seen.
     let knee =
         |x| Some(Keypoint { position: Point3::new(x, 0.1, 0.5), confidence: Confidence::ONE });
     let mut whole = body(10.0);
@@ -95,9 +96,9 @@ fn people_are_told_apart_by_where_they_are() {
     );
 }
 
-/// Who stood among the others and then comes to work is not kept away from as one of them.
+/// A person who first stands among the others and then works with the robot no longer counts as one of them.
 #[test]
-fn who_begins_to_work_is_nobody_else_any_more() {
+fn working_person_stops_counting_as_another() {
     let mut drive = Drive::new();
     drive.camera = false;
     let mut look = |work: bool| {
@@ -116,7 +117,7 @@ fn who_begins_to_work_is_nobody_else_any_more() {
     };
     let of_two = look(false);
     assert_eq!(look(true) * 2, of_two, "one of them is left");
-    // And who stops working is one of them again.
+    // A person who stops working is one of the others again.
     assert_eq!(look(false), of_two);
 }
 

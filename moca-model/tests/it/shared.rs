@@ -1,4 +1,4 @@
-//! What many tests need and none changes.
+//! Values that many tests need and none changes.
 
 use std::sync::LazyLock;
 

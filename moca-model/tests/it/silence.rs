@@ -1,4 +1,4 @@
-//! Measurements that stop, freeze, come late or seldom, of a simulated robot whose true state is judged.
+//! Measurements that stop, freeze, come late or seldom. The robot's true state is judged.
 
 use ergo_map::ErgonomicsQuadratic;
 use hrsw::Attachment;
@@ -19,24 +19,24 @@ use crate::drive::{FRAME, PERIOD, loop_controller_of, percept};
 use crate::shared::MOCA;
 use crate::torque::Noise;
 
-/// What measurements do from a tick on.
+/// The kind of disturbance of measurements from a tick on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Trouble {
     None,
-    /// Nothing comes.
+    /// No measurement comes.
     Silent,
-    /// The same comes.
+    /// The same measurement comes.
     Frozen,
 }
 
-/// A robot that is always on its way to another place.
+/// A robot that always moves to another place.
 #[derive(Clone)]
 struct Moving {
     controller: TorqueController,
     robot: DynamicRobot,
     noise: Noise,
     tick: u32,
-    /// A measurement comes in every so many ticks.
+    /// Number of ticks between measurements.
     every: u32,
     position: Vec<f64>,
     velocity: Vec<f64>,
@@ -131,11 +131,11 @@ impl Moving {
     }
 }
 
-/// What a robot does on its way in 6 s.
+/// Result of a motion of 6 s.
 struct Ride {
-    /// The fastest that a joint truly is, as a share of its largest speed.
+    /// Largest true joint speed over its limit.
     fastest: f64,
-    /// The largest following error [rad].
+    /// The largest following error \[rad\].
     error: f64,
     faults: u32,
 }
@@ -155,7 +155,7 @@ fn ride(delay: usize, every: u32, known: f64) -> Ride {
     ride
 }
 
-/// Rates of 250 Hz to 1 kHz, and delays of up to 4 ms beyond the usual, are borne; so are both.
+/// Rates of 250 Hz to 1 kHz and delays of up to 4 ms beyond the usual are tolerated, also together.
 #[test]
 fn seldom_and_late_measurements_are_borne() {
     let table = [(0, 1), (1, 1), (2, 1), (3, 1), (4, 1), (1, 2), (1, 4), (4, 2), (4, 4)];
@@ -166,22 +166,22 @@ fn seldom_and_late_measurements_are_borne() {
             ride.fastest, ride.error
         );
         assert_eq!(ride.faults, 0, "{delay} {every}");
-        // A joint overshoots what it is told a little.
+        // A joint slightly overshoots its command.
         assert!(ride.fastest < 1.15, "{delay} {every}: {}", ride.fastest);
         assert!(ride.error < 0.05, "{delay} {every}: {}", ride.error);
     }
 }
 
-/// A delay that nobody told of is borne to one period more.
+/// An unknown delay is tolerated up to one further period.
 #[test]
 fn a_delay_may_be_known_to_a_millisecond() {
     let ride = ride(4, 1, 3e-3);
     assert!(ride.faults == 0 && ride.error < 0.05, "{}", ride.error);
 }
 
-/// Measurements that come at 100 Hz are missing.
+/// Measurements at 100 Hz count as missing.
 #[test]
-fn measurements_at_a_tenth_of_the_rate_stop_the_robot() {
+fn measurements_at_100_hz_stop_the_robot() {
     let mut robot = Moving::new(1, 10, 7);
     for _ in 0..100 {
         robot.step(Trouble::None);
@@ -191,10 +191,10 @@ fn measurements_at_a_tenth_of_the_rate_stop_the_robot() {
     assert_eq!(supervisor.cause(), Some(&Cause::Fault(Fault::MissingMeasurement)));
 }
 
-/// At 50 moments of a robot that moves as fast as it can: the harder ones are in `examples`, where it moves as in work.
+/// The disturbance begins at 50 moments of a robot at full speed. Harder ones are in `examples`, where it works.
 #[test]
-fn a_joint_that_is_not_measured_does_not_run_away() {
-    // What is bridged without a fault is followed by whatever the robot is told.
+fn unmeasured_joint_does_not_run_away() {
+    // Disturbances without a fault are followed by any command.
     for (trouble, ticks, after) in [
         (Trouble::Silent, 3, 0),
         (Trouble::Silent, 5, 0),
@@ -224,20 +224,21 @@ fn a_joint_that_is_not_measured_does_not_run_away() {
         println!(
             "{trouble:?} {ticks}: {worst:.3} rad/s beyond; fault by tick {latest}, none in {none}"
         );
-        // Joints at 2 rad/s and torques that change by 1 Nm a millisecond; at work it is none.
+        // The tolerance is for joints at 2 rad/s and torques that change by 1 Nm a millisecond. There is no excess in
+        // work.
         assert!(worst < 0.15, "{trouble:?} for {ticks} ms: {worst} rad/s beyond");
         assert_eq!(none, if ticks > 10 { 0 } else { 50 }, "{trouble:?} {ticks}");
         assert!(latest <= 10, "{trouble:?}: a fault after {latest} ms");
     }
 }
 
-/// Nobody knows what an arm did that was not measured for 0.4 s; when it is measured again it stays where it is.
+/// The motion of an arm without measurements for 0.4 s is unknown. When measurements return it stays where it is.
 #[test]
 fn what_was_missed_is_not_made_up_for() {
     let mut robot = Moving::new(1, 1, 9);
     (0..4000).for_each(|_| robot.step(Trouble::None));
     robot.wanders = false;
-    // It goes on when the fault is over for half a second.
+    // The robot goes on half a second after the fault.
     (0..100).for_each(|_| robot.step(Trouble::Silent));
     let before = robot.robot.simulation().position().to_vec();
     (0..180).for_each(|_| robot.step(Trouble::None));
@@ -248,7 +249,7 @@ fn what_was_missed_is_not_made_up_for() {
     }
 }
 
-/// A loop finds how late a robot answers, and refuses one that is too late.
+/// A loop measures the robot's response delay and refuses too long ones.
 #[test]
 fn a_loop_finds_how_late_the_robot_answers() {
     for (delay, every) in
@@ -284,7 +285,7 @@ struct Line {
     noise: Noise,
     every: u32,
     tick: u32,
-    /// By what torques are multiplied on the way.
+    /// Factor of torques on the line.
     strength: f64,
 }
 
@@ -307,7 +308,7 @@ impl RobotSide for Line {
     fn send(&mut self, command: &JointCommand) -> Result<(), Self::Error> {
         let mut torque = command.torque[3..].to_vec();
         if self.strength == 0.0 {
-            // Its brakes are closed: the arm does not move.
+            // The brakes are closed, so that the arm does not move.
             return Ok(());
         }
         for torque in &mut torque {
@@ -323,7 +324,7 @@ impl RobotSide for Line {
 }
 
 impl Line {
-    /// Drives for half a second; the delay that was found [s], or why the robot was refused.
+    /// Drives for half a second. Returns the measured delay \[s\], or why the robot was refused.
     fn drive(delay: usize, every: u32, strength: Option<f64>) -> Result<f64, String> {
         let (mut law, _frames, _) = loop_controller_of(AnswerDelay::Measured);
         let settings = DynamicRobotSettings { delay, ..DynamicRobotSettings::default() };

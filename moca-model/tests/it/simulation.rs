@@ -1,4 +1,4 @@
-//! The simulated robot follows its command as a first-order lag does.
+//! The simulated robot follows its command as a first-order lag.
 
 use approx::assert_abs_diff_eq;
 use moca_model::{Error, MOCA_HOME, SimulatedRobot};
@@ -12,7 +12,7 @@ fn robot() -> SimulatedRobot {
 
 proptest! {
     #[test]
-    fn without_lag_the_position_is_the_sum_of_the_commands(
+    fn position_without_lag_is_sum_of_commands(
         commands in prop::collection::vec(prop::collection::vec(-2.0..2.0, 10), 1..100),
     ) {
         let mut robot = robot();
@@ -30,7 +30,7 @@ proptest! {
     }
 
     #[test]
-    fn a_lagging_robot_does_not_care_how_time_is_cut(
+    fn lagging_motion_is_independent_of_step_size(
         constant in 1e-3..1.0, command in prop::collection::vec(-2.0..2.0, 10), cuts in 2_u32..50,
     ) {
         let mut whole = robot().with_time_constants(&[constant; 10]).unwrap();
@@ -47,7 +47,7 @@ proptest! {
 }
 
 #[test]
-fn after_one_time_constant_all_but_one_eth_is_reached() {
+fn lag_reaches_63_percent_after_time_constant() {
     let mut robot = robot().with_time_constants(&[0.05; 10]).unwrap();
     for _ in 0..50 {
         robot.step(&[1.0; 10], 0.001).unwrap();

@@ -15,17 +15,17 @@ use crate::shared::MOCA;
 const PERIOD: f64 = 1e-3;
 const BASE: usize = 3;
 
-/// The tool held out of reach.
+/// Result of a target for the tool that is out of reach.
 struct Reach {
-    /// In the last two seconds: the fastest joint of the arm, as a share of its limit, and the highest place of the
-    /// tool \[m\].
+    /// Speed of the fastest joint of the arm over its limit, and the highest place of the tool \[m\], in the last two
+    /// seconds.
     fastest: f64,
     height: f64,
-    /// The most of w = √det(J Jᵀ), from singular values, as a share of that at home.
+    /// Largest w = √det(J Jᵀ) over its value at home, from singular values.
     nearness: f64,
 }
 
-/// w, from singular values.
+/// w from singular values.
 fn measure(jacobian: &Matrix6xX<f64>) -> f64 {
     jacobian.clone().svd(false, false).singular_values.iter().product()
 }
@@ -37,7 +37,7 @@ fn controller(singularity: Option<SingularitySettings>) -> Result<Controller, Er
     Controller::new(MOCA.clone(), comfort, settings, &MOCA_HOME)
 }
 
-/// Asks for the tool 2 m above what it reaches, for 8 s.
+/// Sets a target for the tool 2 m above its reach, for 8 s.
 fn reach(singularity: Option<SingularitySettings>) -> Reach {
     let mut robot = SimulatedRobot::new(&MOCA, &MOCA_HOME).unwrap();
     let mut controller = controller(singularity).unwrap();
@@ -76,10 +76,10 @@ fn reach(singularity: Option<SingularitySettings>) -> Reach {
     reach
 }
 
-/// An arm that cannot reach its workspace swings at the end of its reach; slowed down it hardly does, and is as
-/// near.
+/// An arm that cannot reach its workspace oscillates at the end of its reach. The slowdown nearly stops that, and the
+/// tool comes as near.
 #[test]
-fn an_arm_at_the_end_of_its_reach_is_slow() {
+fn arm_is_slow_at_its_reach_limit() {
     let settings = SingularitySettings::default();
     let (with, without) = (reach(Some(settings)), reach(None));
     assert!(with.nearness < settings.share * settings.slowest, "{}", with.nearness);
@@ -113,7 +113,7 @@ fn shares_that_are_none_are_refused() {
         assert!(error.to_string().contains(name), "{error}");
     }
     assert_eq!(good.speed_scale(f64::NAN), good.slowest);
-    // Rows that depend on each other, and numbers that are none.
+    // The rows depend on each other, or contain numbers that are not finite.
     let mut jacobian = Matrix6xX::repeat(7, 1.0);
     assert!(manipulability(&jacobian) < 1e-12);
     jacobian[(0, 0)] = f64::NAN;

@@ -1,5 +1,5 @@
-//! Loops that are slower than their period, and loops that stall: a robot that goes on at its last velocity for as
-//! long as the next command takes stays within its limits.
+//! Loops that are slower than their period, and loops that stall. The robot continues at its last velocity until the
+//! next command, and stays within its limits.
 
 use ergo_map::ErgonomicsQuadratic;
 use hrsw::Attachment;
@@ -11,14 +11,14 @@ use nalgebra::{Isometry3, Matrix3, Translation3, UnitQuaternion, Vector3};
 use crate::drive::{PERIOD, percept};
 use crate::shared::MOCA;
 
-/// How far a joint may be outside its position limits \[rad\].
+/// Tolerance of position limits \[rad\].
 const ROUNDING: f64 = 1e-9;
 /// Time between two camera frames \[s\].
 const FRAME: f64 = 0.05;
 /// Time between two workspaces \[s\].
 const CHANGE: f64 = 0.7;
 
-/// Random numbers from 0 to 1, the same for the same seed.
+/// Random numbers from 0 to 1, reproducible by the seed.
 #[derive(Clone)]
 struct Draw(u64);
 
@@ -34,7 +34,7 @@ impl Draw {
     }
 }
 
-/// A robot that holds its last velocity, and the time that is true.
+/// A robot that holds its last velocity, and the true time.
 #[derive(Clone)]
 struct Held {
     controller: Controller,
@@ -42,11 +42,11 @@ struct Held {
     position: Vec<f64>,
     velocity: Vec<f64>,
     now: f64,
-    /// How long the velocity was held.
+    /// Time for which the velocity was held.
     lasts: f64,
     seen: f64,
     changed: f64,
-    /// How near a joint came to a limit of its position, as a share of its range.
+    /// Smallest distance of a joint to a position limit, over its range.
     nearest: f64,
     fastest: f64,
     measures: bool,
@@ -79,7 +79,7 @@ impl Held {
         }
     }
 
-    /// A workspace that is far away, turned anyhow.
+    /// Sets a workspace that is far away, with a random orientation.
     fn change(&mut self) {
         let draw = &mut self.draw;
         let place = Vector3::new(draw.around(8.0), draw.around(8.0), draw.around(3.0));
@@ -89,7 +89,7 @@ impl Held {
         self.changed = self.now;
     }
 
-    /// A tick whose command is held for `time`.
+    /// Makes a tick whose command is held for `time`.
     fn tick(&mut self, time: f64) {
         if self.now - self.changed >= CHANGE {
             self.change();
@@ -112,7 +112,7 @@ impl Held {
                 "{v} of joint {joint} at {}",
                 self.now
             );
-            // A clock counts a difference of a thousandth of the period as rounding.
+            // The clock counts a difference of a thousandth of the period as rounding.
             let change = limits.acceleration * (self.lasts + 1e-3 * PERIOD) * (1.0 + 1e-9);
             assert!(
                 (v - before).abs() <= change,
@@ -135,14 +135,14 @@ impl Held {
         self.lasts = time;
     }
 
-    /// Ran into its limits, and fast.
+    /// Asserts that the robot moved fast and reached its limits.
     fn assert_hard(&self) {
         assert!(self.nearest < 1e-3, "no joint came to a limit: {}", self.nearest);
         assert!(self.fastest > 0.4, "no joint was fast: {}", self.fastest);
     }
 }
 
-/// How far a joint is outside its position limits.
+/// The distance of a joint beyond its position limits.
 fn outside(q: f64, limits: &JointLimits) -> f64 {
     (q - limits.upper).max(limits.lower - q)
 }
@@ -151,7 +151,7 @@ fn both() -> [SafetySettings; 2] {
     [moca_safety().off(), moca_safety()]
 }
 
-/// Runs with commands that last for as long as `time` says; limits are checked at each.
+/// Runs with commands that last for the times that `time` returns. Limits are checked after each.
 fn run(seconds: f64, seed: u64, mut time: impl FnMut(&mut Draw) -> f64) {
     for safety in both() {
         let mut held = Held::new(safety, seed);
@@ -164,18 +164,18 @@ fn run(seconds: f64, seed: u64, mut time: impl FnMut(&mut Draw) -> f64) {
 }
 
 #[test]
-fn ticks_that_steadily_take_up_to_twenty_periods_keep_the_limits() {
+fn steadily_slow_ticks_keep_the_limits() {
     for periods in 1..=20_u32 {
         run(8.0, 7 + u64::from(periods), |_| f64::from(periods) * PERIOD);
     }
 }
 
 #[test]
-fn stalls_of_up_to_sixty_periods_keep_the_limits() {
+fn stalls_of_sixty_periods_keep_limits() {
     for (seed, usual) in [(1, 1.0), (2, 1.0), (3, 1.0), (4, 3.0), (5, 20.0)] {
         let mut since = 0.0;
         run(20.0, seed, |draw| {
-            // From one to the next a robot at its limits can come to rest.
+            // A robot at its limits can come to rest between two stalls.
             let time =
                 if since > 0.3 + 0.5 * draw.next() { 5.0 + 55.0 * draw.next() } else { usual };
             since = if time > usual { 0.0 } else { since + time * PERIOD };
@@ -185,12 +185,12 @@ fn stalls_of_up_to_sixty_periods_keep_the_limits() {
 }
 
 #[test]
-fn ticks_that_come_irregularly_up_to_twenty_periods_apart_keep_the_limits() {
+fn irregularly_slow_ticks_keep_the_limits() {
     for seed in 1..6 {
         let mut slow = false;
         run(8.0, seed, |draw| {
             slow = draw.next() < if slow { 0.4 } else { 0.2 };
-            // On the grid, as the loop leaves out what it has missed, or anywhere.
+            // Times are multiples of the period, as the loop leaves out missed ticks, or arbitrary.
             let time = if slow { 1.0 + 19.0 * draw.next() } else { 1.0 };
             if seed % 2 == 0 { time.round() * PERIOD } else { time * PERIOD }
         });
@@ -203,9 +203,9 @@ fn ticks_that_come_irregularly_up_to_twenty_periods_apart_keep_the_limits() {
     });
 }
 
-/// The stop that a bad measurement asks for, at any moment.
+/// A bad measurement asks for a stop at a random moment.
 #[test]
-fn a_slow_loop_that_brakes_stays_within_its_limits() {
+fn slow_loop_brakes_within_its_limits() {
     for periods in [1, 2, 5, 20_u32] {
         let mut held = Held::new(moca_safety().off(), 3);
         for _ in 0..40 {

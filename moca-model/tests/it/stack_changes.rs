@@ -1,5 +1,5 @@
-//! What changes in the stack of tasks: working together begins and ends, ergonomics come and go, people come into
-//! the protective distance and leave it, contacts are permitted and are not. The command does not jump.
+//! Changes in the stack of tasks do not make the command jump. Working together begins and ends, and ergonomics fade in
+//! and out. People enter and leave the protective distance, and contacts are permitted or not.
 
 use ergo_map::ErgonomicsQuadratic;
 use moca_model::{Controller, ControllerSettings, Error, MOCA_HOME, SimulatedRobot, moca_safety};
@@ -10,13 +10,13 @@ use vision_models::{Action, Tool};
 use crate::drive::{FRAME, PERIOD, doing};
 use crate::shared::MOCA;
 
-/// What the stack is to do for a while.
+/// The state of the stack for some time.
 #[derive(Debug, Clone)]
 struct Change {
     action: Action,
-    /// Where the person's trunk is \[m\]; none is seen without.
+    /// Place of the person's trunk \[m\]; `None` if nobody is seen.
     person: Option<f64>,
-    /// Whether a force from outside would be noticed, so that contacts are permitted.
+    /// Whether external forces would be noticed, so that contacts are permitted.
     feels: bool,
     ticks: u32,
 }
@@ -35,10 +35,9 @@ fn change() -> impl Strategy<Value = Change> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(12))]
 
-    /// In no tick do velocities change by more than the accelerations allow, nor the accelerations of the arm by
-    /// more than its jerks.
+    /// Velocities change by at most the accelerations in each tick, and accelerations of the arm by at most its jerks.
     #[test]
-    fn no_change_of_the_stack_makes_the_command_jump(
+    fn stack_changes_never_make_command_jump(
         changes in prop::collection::vec(change(), 3..7), keeps_distance in any::<bool>(),
     ) {
         let hessian = Matrix3::from_diagonal(&Vector3::new(10.0, 5.0, 7.0));
@@ -57,7 +56,7 @@ proptest! {
                 let now = f64::from(tick) * PERIOD;
                 if tick.is_multiple_of(FRAME) {
                     let seen = controller.observe(&doing(action, now, person));
-                    // Nobody jumps: who does is believed from the next frame on.
+                    // A person who jumps is only accepted from the next frame on.
                     prop_assert!(matches!(seen, Ok(()) | Err(Error::Safety(hrsw_safety::Error::BodySpeed { .. }))), "{seen:?}");
                 }
                 if feels {
@@ -81,7 +80,7 @@ proptest! {
                 tick += 1;
             }
         }
-        // Else nothing was tried.
+        // Otherwise the case tests nothing.
         prop_assert!(moved || keeps_distance);
     }
 }

@@ -1,4 +1,4 @@
-//! The states of the supervisor, row by row of the book's table.
+//! The states of the supervisor, as in the book's table.
 
 use hrsw_safety::{Cause, SafetyState};
 use moca_model::moca_safety;
@@ -7,7 +7,7 @@ use vision_models::{Body25, Confidence, Keypoint};
 
 use crate::drive::{Drive, FRAME, percept};
 
-/// State, when it is left.
+/// The rows of the book's table: state, when it ends.
 fn table() -> Vec<[String; 2]> {
     let book = include_str!("../book.md");
     let header = "| state | cause | entered when | what the robot does | left when |";
@@ -20,7 +20,7 @@ fn table() -> Vec<[String; 2]> {
     .collect()
 }
 
-/// The share of its greatest speed that a joint uses at most.
+/// The largest share of its speed limit that a joint uses.
 fn share(drive: &Drive) -> f64 {
     let limits = drive.controller.robot().model().limits();
     let shares = drive.velocity.iter().zip(limits).map(|(v, limits)| v.abs() / limits.velocity);
@@ -28,7 +28,7 @@ fn share(drive: &Drive) -> f64 {
 }
 
 #[test]
-fn every_state_is_what_the_table_of_the_book_says() {
+fn every_state_is_as_in_the_book() {
     let states: Vec<_> = table().into_iter().map(|[state, _]| state).collect();
     assert_eq!(states, ["normal", "reduced", "retreat", "protective stop"]);
     let settings = moca_safety().supervisor;
@@ -64,7 +64,7 @@ fn every_state_is_what_the_table_of_the_book_says() {
                 assert_eq!(drive.state(), SafetyState::Normal, "{left}");
             }
             "retreat" => {
-                // Somebody stands before the robot at once.
+                // A person suddenly stands in front of the robot.
                 drive.person = Some(drive.controller.actual().translation.x + 0.75);
                 while drive.state() < SafetyState::Retreat {
                     drive.step();
@@ -72,7 +72,7 @@ fn every_state_is_what_the_table_of_the_book_says() {
                 let cause = drive.controller.safety().supervisor().cause();
                 assert!(matches!(cause, Some(Cause::TooClose(_))), "{cause:?}");
                 assert_eq!(drive.state(), SafetyState::Retreat);
-                // The ramp, and what the joints need to slow down.
+                // The ramp, and the time that the joints need to slow down.
                 drive.run(1.5);
                 let (mut last, mut nearest) = (drive.distance(), 0.0_f64);
                 while drive.state() == SafetyState::Retreat {
@@ -94,7 +94,7 @@ fn every_state_is_what_the_table_of_the_book_says() {
     }
 }
 
-/// Frames in which the person is somewhere else each time say nothing of where they are.
+/// Frames with the person at another place each time do not tell where they are.
 #[test]
 fn a_person_who_is_everywhere_is_no_news() {
     let settings = moca_safety().supervisor;
@@ -105,7 +105,7 @@ fn a_person_who_is_everywhere_is_no_news() {
     let began = drive.time();
     let mut entered = [None; 2];
     for tick in 0..1200_u32 {
-        // It changes between two frames.
+        // The place changes between two frames.
         let frame = (tick + FRAME / 2) / FRAME;
         let away = f64::from(10 + 7 * (frame % 5));
         drive.person = Some(drive.controller.actual().translation.x + away);
@@ -119,17 +119,17 @@ fn a_person_who_is_everywhere_is_no_news() {
         }
     }
     let [Some(reduced), Some(stopped)] = entered else { panic!("{entered:?}") };
-    // Nobody is that fast: the first of these frames is a fault.
+    // No person is that fast, so that the first of these frames is a fault.
     assert!(reduced < 0.11, "{reduced} s");
     assert!((stopped - settings.stop_age).abs() < 0.11, "{stopped} s");
-    // Somebody who did move there is believed.
+    // A person who did move there is accepted.
     drive.run(2.0);
     assert_eq!(drive.state(), SafetyState::Normal);
 }
 
-/// Who is seen in one frame where nobody can have gone counts there, and where they were.
+/// A person who is seen in one frame at an unreachable place counts there and at the last place.
 #[test]
-fn one_frame_moves_nobody_away_and_keeps_the_robot_off() {
+fn single_frame_counts_at_both_places() {
     let mut drive = Drive::fast();
     let here = drive.controller.actual().translation.x + 3.0;
     drive.person = Some(here);
@@ -145,7 +145,7 @@ fn one_frame_moves_nobody_away_and_keeps_the_robot_off() {
         drive.step();
     }
     assert!(counts_at(&drive, here));
-    // Frames without anybody decide nothing.
+    // Frames without people decide nothing.
     let mut left = drive.clone();
     left.person = None;
     left.run(0.3);
@@ -155,11 +155,11 @@ fn one_frame_moves_nobody_away_and_keeps_the_robot_off() {
     assert!(counts_at(&drive, here + 9.0) && !counts_at(&drive, here));
 }
 
-/// Where somebody stands, about five metres before the robot \[m\].
+/// Place of a person, about five metres in front of the robot \[m\].
 const AHEAD: f64 = 5.5;
 
-/// Somebody of whom `joints` are seen for half a second, and hips and shoulders for five; from half a second on
-/// `check` gets the tick and the distance of a point from the bodies.
+/// Shows `joints` of a person for half a second, and hips and shoulders for five. From half a second on, `check` gets
+/// the tick and a function that returns the distance of a point from the bodies.
 fn hide(joints: &[(Body25, Point3<f64>)], check: impl Fn(u32, &dyn Fn(&Vector3<f64>) -> f64)) {
     let mut drive = Drive::fast();
     for tick in 0..5000_u32 {
@@ -185,15 +185,16 @@ fn hide(joints: &[(Body25, Point3<f64>)], check: impl Fn(u32, &dyn Fn(&Vector3<f
     }
 }
 
-/// A wrist that nobody sees for long is somewhere within reach of the shoulder: all those places count, and no others.
+/// A wrist that is not seen for long may be anywhere within reach of the shoulder. All those places count, and no
+/// others.
 #[test]
-fn what_is_not_seen_for_long_stays_within_reach_of_what_is() {
+fn hidden_wrist_stays_within_reach_of_shoulder() {
     let shoulder = Point3::new(AHEAD, 0.2, 1.43);
     let at = |z: f64| Point3::new(AHEAD, 0.2, z);
     let arm = [(Body25::RightElbow, at(1.13)), (Body25::RightWrist, at(0.88))];
     hide(&arm, |tick, nearest| {
         for toward in [Vector3::x(), -Vector3::x(), Vector3::y(), Vector3::z()] {
-            // The arm hung down when it was seen last, and is raised at no more than 1.6 m/s.
+            // The arm hung down when it was last seen, and is raised at 1.6 m/s at most.
             for along in [0.2, 0.4, 0.6] {
                 let place = shoulder.coords + toward * along;
                 assert!(tick < 1500 || nearest(&place) < 0.0, "tick {tick}: {toward:?} {along}");
@@ -204,8 +205,8 @@ fn what_is_not_seen_for_long_stays_within_reach_of_what_is() {
     });
 }
 
-/// Legs that the camera does not see, as the robot hides them, stand, walk or sit: their feet are within a step of the
-/// hips, and they do not keep the robot from the hands.
+/// Hidden legs stand, walk or sit. Their feet are within a step of the hips, and they do not keep the robot from the
+/// hands.
 #[test]
 fn legs_that_are_not_seen_stay_below() {
     let at = |z: f64| Point3::new(AHEAD, 0.12, z);
@@ -214,7 +215,7 @@ fn legs_that_are_not_seen_stay_below() {
         for toward in [Vector3::x(), -Vector3::x(), Vector3::y()] {
             for (aside, height) in [(0.25, 0.1), (0.45, 0.1), (0.45, 0.4)] {
                 let foot = at(height).coords + toward * aside;
-                // Legs move with the person, who stands, and as much faster as that is not sure.
+                // Legs move with the standing person, and also with the uncertainty of the person's velocity.
                 assert!(tick < 4500 || nearest(&foot) < 0.0, "tick {tick}: {toward:?} {aside}");
             }
             let hand = at(1.1).coords + toward * 0.75;

@@ -1,4 +1,4 @@
-//! The loop down to torque: MOCA follows, is pushed, is held, and measures badly.
+//! The loop down to torque: MOCA follows, is pushed, is held, and has bad measurements.
 
 mod giving_way;
 
@@ -42,7 +42,7 @@ impl RandomSource for Noise {
     }
 }
 
-/// The robot with nobody there, whose tool goes where it is told.
+/// The robot without people, whose tool goes where it is told.
 struct Loop {
     controller: TorqueController,
     robot: DynamicRobot,
@@ -68,7 +68,7 @@ impl Loop {
         }
     }
 
-    /// The middle of the workspace is to be here.
+    /// Sets the middle of the workspace.
     fn assign(&mut self, middle: Vector3<f64>) {
         let space = self.controller.controller().space().workspace();
         let rotation = space.world_from_workspace().rotation;
@@ -146,10 +146,10 @@ fn the_tool_comes_to_its_place_under_torque() {
     assert!(gap < 5e-3, "{gap} m");
 }
 
-/// The commanded state starts anew from the measured one until the arm rests, not for as long as the base brakes:
-/// its arm would have no spring, and sag.
+/// The commanded state restarts from the measured one until the arm rests, not for as long as the base brakes. Its arm
+/// would have no spring and sag.
 #[test]
-fn an_arm_keeps_its_place_while_the_base_still_brakes() {
+fn arm_keeps_its_place_while_base_brakes() {
     let mut settings = ControllerSettings::default();
     settings.desired.velocity = 1.4;
     settings.horizon = 5.0;
@@ -160,7 +160,7 @@ fn an_arm_keeps_its_place_while_the_base_still_brakes() {
     robot.run(3.5);
     let speed = |robot: &Loop| robot.robot.simulation().velocity()[0];
     assert!(speed(&robot) > 0.8, "{} m/s", speed(&robot));
-    // Something holds the tool back for a moment.
+    // A force holds the tool back for a moment.
     robot.push(Vector3::new(-250.0, 0.0, 0.0));
     while robot.state() != SafetyState::ProtectiveStop {
         robot.step();
@@ -171,22 +171,22 @@ fn an_arm_keeps_its_place_while_the_base_still_brakes() {
     let arm = |robot: &Loop| Vec::from(&robot.robot.simulation().position()[3..]);
     let before = arm(&robot);
     assert!(speed(&robot) > 0.4, "{} m/s", speed(&robot));
-    // As somebody who works on the object pushes.
+    // The push is that of a person who works on the object.
     robot.push(Vector3::new(15.0, 0.0, -15.0));
     robot.run(2.0);
     assert_eq!(robot.state(), SafetyState::ProtectiveStop);
     assert!(speed(&robot).abs() < 1e-3);
     for (joint, (before, after)) in before.iter().zip(arm(&robot)).enumerate() {
-        // 11 Nm on a spring of 600 Nm/rad.
+        // The bound is 11 Nm on a spring of 600 Nm/rad.
         assert!((after - before).abs() < 0.04, "joint {joint} from {before} to {after}");
     }
 }
 
 #[test]
-fn a_push_that_is_too_hard_stops_the_arm_which_gives_way() {
+fn hard_push_stops_arm_which_yields() {
     let mut robot = Loop::new(ControllerSettings::default());
     robot.run(0.5);
-    // Work does not trip.
+    // Forces of work do not stop the robot.
     robot.push(Vector3::new(25.0, -25.0, 0.0));
     robot.run(0.5);
     assert_eq!(robot.state(), SafetyState::Normal, "35 N are work");
@@ -214,9 +214,9 @@ fn a_push_that_is_too_hard_stops_the_arm_which_gives_way() {
     assert_eq!(robot.state(), SafetyState::Normal);
 }
 
-/// The floors of the issue: q* within the leash for 3 s at a wall; no jump of more than 5 mm.
+/// q* stays within the leash for 3 s at a wall, and the robot jumps by at most 5 mm.
 #[test]
-fn a_tool_pushed_against_a_wall_is_let_go_without_a_jump() {
+fn tool_released_from_wall_does_not_jump() {
     let leash = LeashSettings::default().revolute;
     for contact_force in [60.0, 1e6] {
         let mut settings = ControllerSettings::default();
@@ -243,14 +243,14 @@ fn a_tool_pushed_against_a_wall_is_let_go_without_a_jump() {
             jump = jump.max((robot.tool() - before).norm());
             excursion = excursion.max(robot.excursion());
         }
-        // What is commanded in one period comes on top.
+        // The command of one period comes on top.
         assert!(excursion <= leash + 2.61e-3 + 1e-3, "{excursion} rad");
         assert!(jump <= 5e-3, "{jump} m");
     }
 }
 
 #[test]
-fn a_bad_measurement_leaves_an_arm_that_carries_itself() {
+fn bad_measurement_leaves_arm_supporting_itself() {
     let mut robot = Loop::new(ControllerSettings::default());
     robot.assign(robot.tool() + Vector3::new(1.0, 0.0, 0.0));
     robot.run(1.5);
@@ -288,7 +288,7 @@ fn a_bad_measurement_leaves_an_arm_that_carries_itself() {
 }
 
 #[test]
-fn an_arm_whose_positions_are_not_measured_stops_and_stays() {
+fn arm_without_measured_positions_stops() {
     let nan = [f64::NAN; 10];
     for lost in [0..10, 4..5, 0..3] {
         let mut robot = Loop::new(ControllerSettings::default());
@@ -357,15 +357,15 @@ fn joints_that_nobody_knows_are_refused() {
     assert!(error.contains("rate of joint 1"), "{error}");
 }
 
-/// As libfranka's robots bridge them.
+/// Losses are bridged as by libfranka's robots.
 #[test]
-fn lost_commands_are_bridged_until_the_robot_stops_and_says_so() {
+fn lost_commands_are_bridged_until_robot_stops() {
     let mut robot = Loop::new(ControllerSettings::default());
     let middle = robot.tool() + Vector3::new(1.4, 0.3, 0.1);
     robot.assign(middle);
     robot.run(1.0);
     assert!(robot.robot.lose(1.5).is_err() && robot.robot.lose(f64::NAN).is_err());
-    // Half of all commands: never twenty in a row, and the robot follows.
+    // Half of all commands are lost, but never twenty in a row. The robot follows.
     robot.robot.lose(0.5).unwrap();
     robot.run(1.0);
     assert!(
@@ -375,7 +375,7 @@ fn lost_commands_are_bridged_until_the_robot_stops_and_says_so() {
     );
     assert_eq!((robot.state(), robot.cause()), (SafetyState::Normal, None));
 
-    // All: after twenty the robot brakes by itself and the controller hears of it.
+    // All commands are lost. After twenty the robot brakes by itself and the controller is informed.
     let speed = |robot: &Loop| {
         let velocity = robot.robot.simulation().velocity().iter();
         velocity.fold(0.0, |most: f64, velocity| most.max(velocity.abs()))
@@ -397,7 +397,7 @@ fn lost_commands_are_bridged_until_the_robot_stops_and_says_so() {
     assert_eq!(robot.cause(), Some(Fault::RobotStopped));
     assert!(speed(&robot) < 1e-3, "it stands: {}", speed(&robot));
 
-    // Recovered, it makes up for nothing; acknowledged, it goes on.
+    // A recovered robot makes up for nothing; after the acknowledgement it goes on.
     let at = robot.tool();
     robot.robot.lose(0.0).unwrap();
     robot.robot.recover();
@@ -411,9 +411,9 @@ fn lost_commands_are_bridged_until_the_robot_stops_and_says_so() {
     assert!((robot.tool() - at).norm() > 0.1, "{} m", (robot.tool() - at).norm());
 }
 
-/// A robot that has stopped by itself is told nothing that moves it when it takes commands again.
+/// A robot that has stopped by itself gets no command to move when it takes commands again.
 #[test]
-fn after_a_stop_of_the_robot_the_command_begins_at_rest() {
+fn command_restarts_at_rest_after_robot_stop() {
     let mut robot = Loop::new(ControllerSettings::default());
     let middle = robot.tool() + Vector3::new(2.0, 0.5, 0.1);
     robot.assign(middle);
@@ -433,14 +433,14 @@ fn after_a_stop_of_the_robot_the_command_begins_at_rest() {
         robot.step();
         let now = robot.robot.simulation().velocity();
         for (joint, (now, before)) in now.iter().zip(&before).enumerate().take(3) {
-            // It still brakes by itself at its limit, and is not pushed on.
+            // The robot still brakes by itself at its limit, and is not pushed on.
             let faster = (now.abs() - before.abs()) / PERIOD;
             assert!(faster < 0.6, "joint {joint} is driven at {faster} m/s²");
         }
     }
 }
 
-/// Gravity is added once: by a robot that does so itself, and else by the controller. Where both add it the arm goes up.
+/// Gravity is added once, either by the robot or by the controller. If both add it, the arm goes up.
 #[test]
 fn gravity_is_added_by_one_of_both() {
     for (compensation, robot_adds, stays) in [

@@ -15,7 +15,7 @@ use vision_models::{Body, Body25, Confidence, ImpossibleBody, Keypoint, Percept}
 use crate::drive::{Drive, percept};
 use crate::shared::MOCA;
 
-/// Somebody who stands at x [m], with arms and legs, in other units by a factor.
+/// A person who stands at x \[m\], with arms and legs, in other units by a factor.
 pub(crate) fn standing(x: f64, scale: f64) -> Body {
     use Body25::{
         LeftAnkle, LeftElbow, LeftHip, LeftKnee, LeftShoulder, LeftWrist, MidHip, Neck, RightAnkle,
@@ -44,9 +44,9 @@ pub(crate) fn standing(x: f64, scale: f64) -> Body {
     body
 }
 
-/// The robot drives at 0.2 m/s and more towards somebody, who is shown in other units from now on.
+/// The robot drives at 0.2 m/s and more towards a person, who is shown in other units from now on.
 #[test]
-fn a_person_in_other_units_is_no_data_and_a_fault() {
+fn person_in_other_units_is_a_fault() {
     for (scale, expected) in [
         (1e3, FrameFault::Units),
         (1e2, FrameFault::Units),
@@ -76,7 +76,7 @@ fn a_person_in_other_units_is_no_data_and_a_fault() {
             assert_eq!(drive.cause(), Some(Fault::Frame(expected)), "{scale}");
             assert_eq!(drive.fastest(), 0.0);
             assert!(drive.distance() > 0.5);
-            // It goes on with people in metres.
+            // The robot goes on with people in metres.
             drive.camera = true;
             drive.person = Some(person + 20.0);
             drive.run(2.0);
@@ -106,7 +106,7 @@ fn frames_of_wild_single_joints_are_taken() {
             }
         }
     }
-    // Those of no confidence are not asked how long the segments are, but how far away they are.
+    // Joints without confidence are checked for their distance, but not for the length of their segments.
     let unsure = |keypoint: Keypoint| Keypoint { confidence: Confidence::ZERO, ..keypoint };
     let feet = standing(2.5, 1.0 / 0.3048);
     let hidden = Body::new(feet.keypoints().map(|keypoint| keypoint.map(unsure)));
@@ -122,13 +122,13 @@ fn people_of_every_stature_and_posture_are_possible() {
     for stature in [1.2, 1.5, 1.75, 2.0, 2.3] {
         assert_eq!(standing(3.0, stature / 1.7).check_possible(&Point3::origin(), 0.5), Ok(()));
     }
-    // A kilometre from the origin of the odometry, beside the robot.
+    // The person is a kilometre from the origin of the odometry, beside the robot.
     let far = standing(1000.0, 1.0);
     assert!(far.check_possible(&Point3::origin(), 0.5).is_err());
     assert_eq!(far.check_possible(&Point3::new(998.0, 0.0, 1.0), 0.5), Ok(()));
 }
 
-/// A robot that measures the same for ever.
+/// A robot that always measures the same.
 struct Stands(Vec<f64>, Vec<f64>, u32);
 
 impl RobotSide for Stands {
@@ -151,7 +151,7 @@ impl RobotSide for Stands {
 }
 
 #[test]
-fn joints_in_degrees_and_odometry_in_millimetres_end_the_loop_before_the_first_command() {
+fn joints_in_wrong_units_end_the_loop() {
     let degrees = MOCA_HOME.iter().enumerate();
     let degrees: Vec<f64> =
         degrees.map(|(joint, q)| if joint < 3 { *q } else { q.to_degrees() }).collect();
@@ -186,8 +186,8 @@ fn joints_in_degrees_and_odometry_in_millimetres_end_the_loop_before_the_first_c
 }
 
 #[test]
-fn who_moves_faster_than_anybody_runs_is_no_data_until_seen_again() {
-    // A frame every 0.05 s, in which 12.5 m/s are 0.625 m, and 0.03 m are noise.
+fn impossibly_fast_person_needs_second_sighting() {
+    // Frames come every 0.05 s, in which 12.5 m/s are 0.625 m; 0.03 m are noise.
     for (way, refused) in [(0.1, false), (0.6, false), (0.7, true), (2.0, true), (20.0, true)] {
         let mut drive = Drive::fast();
         let person = drive.controller.actual().translation.x + 4.0;
@@ -217,7 +217,7 @@ fn who_moves_faster_than_anybody_runs_is_no_data_until_seen_again() {
             assert_eq!(cause, Some(FrameFault::ImpossibleSpeed.into()), "{way} m");
             assert!((followed(&drive) - before).abs() < 0.01, "{way} m");
         }
-        // Seen there again, they are there.
+        // A person who is seen there again is there.
         show(&mut drive, person + way).unwrap();
     }
 }

@@ -1,4 +1,4 @@
-//! A person who works with the robot walks into it while it moves.
+//! A person who works with the moving robot walks into it.
 
 use hrsw_safety::{Capsule, proximity};
 use moca_model::whole_body::{Data, FrameId};
@@ -13,12 +13,12 @@ use vision_models::{Action, Body, Body25, Confidence, Keypoint, Percept, Recogni
 use crate::shared::MOCA;
 
 const PERIOD: f64 = 1e-3;
-/// Ticks between two camera frames at 20 Hz.
+/// Number of ticks between two camera frames at 20 Hz.
 const FRAME: usize = 50;
-/// The robot comes nearer no faster than this: what happens then is the person's doing \[m/s\].
+/// Approach speed of the robot up to which a contact is caused by the person \[m/s\].
 const STANDS: f64 = 0.01;
 
-/// A person of 1.75 m with the hands before the trunk: place in the person's frame \[m\].
+/// A person of 1.75 m with the hands in front of the trunk: places in the person's frame \[m\].
 const JOINTS: [(Body25, [f64; 3]); 15] = [
     (Body25::Nose, [0.1, 0.0, 1.6]),
     (Body25::Neck, [0.0, 0.0, 1.43]),
@@ -37,8 +37,8 @@ const JOINTS: [(Body25, [f64; 3]); 15] = [
     (Body25::LeftAnkle, [0.0, 0.1, 0.07]),
 ];
 
-/// What a region bears in a quasi-static contact: force \[N\], stiffness \[N/m\] and mass \[kg\] of open data
-/// for ISO 10218-2:2025, Annex M; none for the head, which nothing may touch.
+/// Limits of a body region in a quasi-static contact: force \[N\], stiffness \[N/m\] and mass \[kg\] of open data for
+/// ISO 10218-2:2025, Annex M; `None` for the head, which nothing may touch.
 type Bears = Option<[f64; 3]>;
 const HEAD: Bears = None;
 const CHEST: Bears = Some([140.0, 25e3, 40.0]);
@@ -49,7 +49,7 @@ const FOREARM: Bears = Some([160.0, 40e3, 2.0]);
 const THIGH: Bears = Some([220.0, 50e3, 75.0]);
 const LOWER_LEG: Bears = Some([130.0, 60e3, 75.0]);
 
-/// From, to, beyond, radius \[m\], what the region bears.
+/// From, to, extension, radius \[m\], limits of the region.
 const PARTS: [(Body25, Body25, f64, f64, Bears); 12] = [
     (Body25::Neck, Body25::Nose, 0.0, 0.13, HEAD),
     (Body25::Neck, Body25::MidHip, 0.0, 0.15, CHEST),
@@ -88,18 +88,18 @@ fn percept(time: f64, world_from_person: &Isometry3<f64>) -> Percept {
     Percept { time, body: Some(body), action, surface: None }
 }
 
-/// What the episodes came to.
+/// Results of the episodes.
 #[derive(Debug, Default)]
 struct Count {
-    /// Parts that were touched, whoever moved.
+    /// Number of body parts that were touched, whoever moved.
     touched: usize,
-    /// Parts that were touched while the robot came nearer, in the regime of force limiting.
+    /// Number of body parts that were touched by an approaching robot under force limiting.
     by_robot: usize,
-    /// The largest share of the region's force that such a contact reached.
+    /// Largest force of such a contact over the region's limit.
     worst: f64,
-    /// Those above it.
+    /// Contacts above the limit.
     above: Vec<String>,
-    /// Heads that were touched by a robot that came nearer.
+    /// Number of heads that were touched by an approaching robot.
     heads: usize,
 }
 
@@ -120,7 +120,7 @@ fn walk_in(seed: u64, count: &mut Count) {
     let object = HeldObject::default();
     controller.hold(object.clone()).unwrap();
 
-    // They stand before the robot, work, and walk into it from there, at some speed and angle.
+    // They stand in front of the robot, work, and walk into it from there at some speed and angle.
     let tool = robot.position()[0] + 0.3;
     let distance = draw.random_range(0.9..1.3);
     let aside: f64 = draw.random_range(-0.4..0.4);
@@ -172,7 +172,7 @@ fn walk_in(seed: u64, count: &mut Count) {
                     continue;
                 }
                 count.touched += 1;
-                // By the robot's own motion in the last tick, the person standing.
+                // The distance after the robot's own motion in the last tick, with the person at rest.
                 let moved = proximity(&placed[i], part).distance;
                 let robot_speed = (moved - near.distance) / PERIOD;
                 if robot_speed <= STANDS {
@@ -209,7 +209,7 @@ fn walk_in(seed: u64, count: &mut Count) {
     }
 }
 
-/// 1/(nᵀ J M⁻¹ Jᵀ n) of a point of a link \[world, m\], by the mass matrix and differences of its place \[kg\].
+/// 1/(nᵀ J M⁻¹ Jᵀ n) of a point of a link \[world, m\], from the mass matrix and differences of its place \[kg\].
 fn effective_mass(
     data: &mut Data,
     q: &[f64],
@@ -238,11 +238,10 @@ fn effective_mass(
     1.0 / row.dot(&mass.cholesky().unwrap().solve(&row))
 }
 
-/// The first is that of seed `AHQP_FIRST`, or 0.
-///
-/// `AHQP_CASES=10000 cargo test --release -p moca-model --test it walk_in` for as many as one likes.
+/// The first case is that of seed `AHQP_FIRST`, or 0. Set the number of cases with `AHQP_CASES=10000 cargo test
+/// --release -p moca-model --test it walk_in`.
 #[test]
-fn who_walks_into_the_robot_is_touched_as_gently_as_the_region_bears() {
+fn walking_into_robot_keeps_contact_limits() {
     let number = |name| std::env::var(name).ok().and_then(|number| number.parse::<u64>().ok());
     let (first, cases) = (number("AHQP_FIRST").unwrap_or(0), number("AHQP_CASES").unwrap_or(12));
     let mut count = Count::default();

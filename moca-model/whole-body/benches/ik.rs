@@ -1,8 +1,8 @@
-//! Time of one `Ik::step` on a motion, limits of position, velocity, acceleration and jerk included:
-//! a Panda with 3 levels, two arms on a base with 6, a humanoid with 5 and 60 inequalities.
+//! Time of one `Ik::step` in motion with limits of position, velocity, acceleration and jerk. The robots are a Panda
+//! with 3 levels, two arms on a base with 6, and a humanoid with 5 levels and 60 inequalities.
 //!
-//! `cargo bench -p whole-body --bench ik`; `--bench ik_percentiles` has the slowest steps, and
-//! `benches/peers/ik.py` Pink and mink beside it.
+//! Run `cargo bench -p whole-body --bench ik`. `--bench ik_percentiles` gives the slowest steps, and
+//! `benches/peers/ik.py` measures Pink and mink.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 #[path = "support/ik_loops.rs"]

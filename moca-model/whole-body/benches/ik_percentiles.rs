@@ -1,9 +1,8 @@
-//! Median and slowest of many `Ik::step`s on a motion, of the robots of the bench `ik`:
-//! `cargo bench -p whole-body --bench ik_percentiles`.
+//! Median and maximum of the time of many `Ik::step`s in motion, for the robots of the bench `ik`.
 //!
-//! Each motion is run several times; of each of its steps the fastest run counts, so that what the
-//! operating system takes is left out and what the step itself takes is not. With
-//! `-- ROBOT STEPS` one robot alone runs once, for a profiler.
+//! Run `cargo bench -p whole-body --bench ik_percentiles`. Each motion is run several times, and the fastest run of
+//! each step counts. This removes the time that the operating system takes. The arguments `-- ROBOT STEPS` run one
+//! robot once, for a profiler.
 #![allow(clippy::unwrap_used, clippy::print_stdout, missing_docs)]
 
 #[path = "support/ik_loops.rs"]

@@ -1,6 +1,6 @@
-//! Time of one call, from q on: for MOCA, n = 10, and for a humanoid of 31 joints on a floating base.
+//! Time of single calls from q on, for MOCA with n = 10 and for a humanoid of 31 joints on a floating base.
 //!
-//! `cargo bench -p whole-body --bench robot`; `benches/peers` has Pinocchio beside it.
+//! Run `cargo bench -p whole-body --bench robot`; `benches/peers` measures Pinocchio.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 use divan::{Bencher, black_box};
@@ -14,7 +14,7 @@ fn main() {
     divan::main();
 }
 
-/// A robot, a state, and room for results.
+/// A robot, a state, and memory for results.
 struct Bench {
     model: Model,
     data: Data,
@@ -61,7 +61,7 @@ impl Bench {
     }
 }
 
-/// The robots by name, as divan wants arguments.
+/// The robots by name, as arguments of divan.
 #[derive(Debug, Clone, Copy)]
 enum Robot {
     Moca,

@@ -1,12 +1,12 @@
-//! Everything that the crate computes of a robot in given states, as JSON: what
-//! `tests/golden/cross_check.py` holds against Pinocchio.
+//! Prints everything that the crate computes of a robot in given states, as JSON. `tests/golden/cross_check.py`
+//! compares it with Pinocchio.
 //!
 //! `cargo run --release --example dynamics_of_states < request.json`
 //!
-//! The request is `{"urdf": path, "base": "fixed" | "planar" | "floating", "frames": [name, …],
-//! "states": [{"position": {joint: value}, "velocity": …, "acceleration": …, "base_position": […],
-//! "base_velocity": […], "base_acceleration": […]}]}`; with a base that moves, its entries of q, q̇
-//! and q̈. The answer has matrices row by row, in the order of the `joints` that it begins with.
+//! The request is `{"urdf": path, "base": "fixed" | "planar" | "floating", "frames": [name, …], "states": [{"position":
+//! {joint: value}, "velocity": …, "acceleration": …, "base_position": […], "base_velocity": […], "base_acceleration":
+//! […]}]}`. Moving bases have their entries of q, q̇ and q̈. The answer has matrices by rows, in the order of the
+//! `joints` at its beginning.
 
 use std::error::Error;
 use std::io::{Read, Write};
@@ -99,7 +99,7 @@ fn answer(
     let mut torque = vec![0.0; n];
     moving.inverse_dynamics_into(&a, &[], &mut torque)?;
     let mut acceleration = vec![0.0; n];
-    // A joint that moves nothing has no acceleration: null.
+    // The acceleration of a joint without inertia is null.
     let solved = moving.forward_dynamics_into(&a, &[], &mut acceleration).is_ok();
     Ok(json!({
         "frames": of_frames,

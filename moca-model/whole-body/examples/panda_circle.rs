@@ -1,4 +1,4 @@
-//! A Panda whose hand follows a circle: position before orientation before posture.
+//! Moves a Panda's hand on a circle, with position before orientation before posture.
 use std::io::Write;
 use whole_body::tasks::{OrientationTask, PositionTask, PostureTask};
 use whole_body::{Description, Ik, Model};

@@ -1,5 +1,4 @@
-//! A humanoid that reaches down with one hand while its feet stand and its centre of mass stays
-//! above them.
+//! A humanoid reaches down with one hand. Its feet stay in place and its centre of mass above them.
 use nalgebra::Vector3;
 use whole_body::stack::TaskLevel;
 use whole_body::tasks::{Axis, CentreOfMassTask, FrameTask, PositionTask, PostureTask};

@@ -1,5 +1,5 @@
-//! A robot with two arms on a differential base: the right hand reaches for a point two metres away,
-//! the left one keeps its pose beside it, and base, lift and arms share the work.
+//! A robot with two arms on a differential base. The right hand reaches for a point two metres away, and the left one
+//! keeps its pose beside it. Base, lift and arms share the work.
 use nalgebra::{Isometry3, vector};
 use whole_body::limits::WheelLimit;
 use whole_body::robot::LimitOverride;

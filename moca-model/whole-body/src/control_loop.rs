@@ -1,5 +1,5 @@
-//! The loop that moves a real robot: once a period it takes what the robot measures, asks a control law and
-//! sends the command; it counts what comes too late, watches over robot and perception, and stops in order.
+//! The loop that moves a real robot. Once a period it takes what the robot measures, asks a control law and sends the
+//! command. It counts ticks that come too late, watches over robot and perception, and stops in order.
 
 pub(crate) mod clock;
 pub(crate) mod deadlines;

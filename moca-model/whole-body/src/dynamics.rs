@@ -1,7 +1,7 @@
 //! Forces and inertias.
 //!
-//! All sums are in world axes, so that nothing is turned from body to body, and about the origins of
-//! the bodies, so that they hold no distances larger than a link.
+//! All sums are in world axes, so that nothing is rotated from body to body. They are about the origins of the bodies,
+//! so that they contain no distances longer than a link.
 
 pub(crate) mod articulated;
 mod carried;

@@ -1,12 +1,12 @@
 //! Eigenvectors of small symmetric matrices.
 
-/// Sweeps; six suffice for matrices of ten rows.
+/// Largest number of sweeps. Six suffice for matrices of ten rows.
 const SWEEPS: usize = 20;
-/// Of the diagonal, what counts as rounding beside it.
+/// Share of the diagonal below which an entry beside it counts as rounding.
 const ROUNDING: f64 = 1e-15;
 
-/// Turns a symmetric matrix into the diagonal one of its eigenvalues and writes the eigenvectors,
-/// one a row, by Jacobi's rotations (Golub and Van Loan, *Matrix Computations*, 4th ed., Sec. 8.5.3).
+/// Diagonalises a symmetric matrix by Jacobi's rotations (Golub and Van Loan, *Matrix Computations*, 4th ed., Sec.
+/// 8.5.3). Eigenvalues are left on its diagonal, eigenvectors are written one a row.
 pub(crate) fn eigenvectors(matrix: &mut [f64], m: usize, vectors: &mut [f64]) {
     vectors.fill(0.0);
     vectors.iter_mut().step_by(m + 1).for_each(|entry| *entry = 1.0);
@@ -47,7 +47,7 @@ impl Turn {
         (self.cosine * a - self.sine * b, self.sine * a + self.cosine * b)
     }
 
-    /// Turns rows p and q, p before q.
+    /// Rotates rows p and q, where p < q.
     fn rows(&self, matrix: &mut [f64], m: usize, p: usize, q: usize) {
         let (above, below) = matrix.split_at_mut(q * m);
         for (a, b) in above[p * m..(p + 1) * m].iter_mut().zip(&mut below[..m]) {

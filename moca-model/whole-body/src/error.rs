@@ -1,4 +1,4 @@
-//! What can be wrong with what this crate is given.
+//! Errors of this crate.
 
 pub(crate) mod urdf;
 
@@ -8,7 +8,7 @@ use thiserror::Error;
 
 use self::urdf::UrdfError;
 
-/// What was wrong, where, and what would be right.
+/// What is wrong, where, and what would be right.
 ///
 /// Lines count from 1.
 #[derive(Debug, Error)]
@@ -23,7 +23,7 @@ pub enum Error {
         source: std::io::Error,
     },
 
-    /// What a file says is wrong.
+    /// The content of a file is wrong.
     #[error("{}: {source}", path.display())]
     InFile {
         /// The file.
@@ -36,7 +36,7 @@ pub enum Error {
     #[error(transparent)]
     Urdf(#[from] UrdfError),
 
-    /// Two links, two joints or two frames have one name.
+    /// Two links, two joints or two frames have the same name.
     #[error("{}there is more than one {element} named `{name}`; names must be unique", at_line(*line))]
     DuplicateName {
         /// Where the second one begins, if the URDF has it.
@@ -47,27 +47,27 @@ pub enum Error {
         name: String,
     },
 
-    /// A link, frame or joint is asked for that the robot does not have.
+    /// The robot has no link, frame or joint of this name.
     #[error(
         "{}{role} `{name}` is no {element} of robot `{robot}`; its {element}s are {known}",
         at_line(*line)
     )]
     UnknownName {
-        /// Where the joint of the URDF begins that gives the name, if it is one.
+        /// Where the joint of the URDF that gives the name begins, if there is one.
         line: Option<usize>,
         /// `link`, `frame` or `joint`.
         element: &'static str,
         /// The name asked for.
         name: String,
-        /// What it was to be.
+        /// The role of the element that was asked for.
         role: &'static str,
         /// The robot's name in the URDF.
         robot: String,
-        /// The names that there are, the most similar first.
+        /// The names that exist, the most similar first.
         known: String,
     },
 
-    /// Going from a tip towards the root does not reach the root.
+    /// The path from a tip towards the root does not reach the root.
     #[error(
         "no path from root `{root}` to tip `{tip}`: going up from the tip ends at `{reached}`; \
          add the missing joint or name another root"
@@ -77,11 +77,11 @@ pub enum Error {
         root: String,
         /// The tip link.
         tip: String,
-        /// Where the way up from the tip ended.
+        /// Where the path from the tip ended.
         reached: String,
     },
 
-    /// The listed joints are not those that move.
+    /// The listed joints are not the joints that move.
     #[error(
         "the joints that move are {expected}, but the description lists {given}; list these in \
          this order, or hold the others at a position"
@@ -93,14 +93,14 @@ pub enum Error {
         given: String,
     },
 
-    /// A joint is both listed as moving and held.
+    /// A joint is listed both as moving and as held.
     #[error("joint `{joint}` is listed among the moving joints and held at a position; do either")]
     HeldAndMoving {
         /// The joint.
         joint: String,
     },
 
-    /// Nothing moves.
+    /// No joint moves.
     #[error(
         "no joint of robot `{robot}` moves below root `{root}`; a robot on a fixed base needs one"
     )]
@@ -128,7 +128,7 @@ pub enum Error {
         upper: f64,
     },
 
-    /// A limit that must be positive is not.
+    /// A limit is not positive.
     #[error(
         "{}the {limit} limit of joint `{joint}` is {value}; it must be positive",
         at_line(*line)
@@ -144,7 +144,7 @@ pub enum Error {
         value: f64,
     },
 
-    /// The effort limit of a joint that torque drives is not known.
+    /// The effort limit of a joint that is driven by torque is not known.
     #[error(
         "the effort limit of joint `{joint}` is not known, for its URDF states 0 or none; torques need \
          it: give it among the description's limits"
@@ -154,7 +154,7 @@ pub enum Error {
         joint: String,
     },
 
-    /// A measured number is far beyond what the robot can reach.
+    /// A measured number is far beyond what the robot can reach, probably in wrong units.
     #[error("the {what} of {joint} is {value}, far beyond its {limit}; give {unit}")]
     Units {
         /// `position` or `velocity`.
@@ -163,9 +163,9 @@ pub enum Error {
         joint: String,
         /// Its value.
         value: f64,
-        /// The limit that is next to it.
+        /// The limit that it was compared with.
         limit: f64,
-        /// What it should be in, and what it may be in.
+        /// The unit that it should be in, and the unit that it may be in.
         unit: &'static str,
     },
 
@@ -187,7 +187,7 @@ pub enum Error {
         robot: String,
     },
 
-    /// Data have not seen a configuration.
+    /// The data have not been given a configuration.
     #[error("the data have not been given a configuration yet; call Data::pose first")]
     NeverPosed,
 
@@ -200,14 +200,14 @@ pub enum Error {
         robot: String,
     },
 
-    /// There is no room for one more payload.
+    /// There is no room for another payload.
     #[error("{limit} payloads are attached already; detach one first")]
     TooManyPayloads {
-        /// How many there may be.
+        /// The largest number of payloads.
         limit: usize,
     },
 
-    /// No force moves the robot in a definite way, for a joint carries no inertia.
+    /// Forces do not determine the motion, because a joint moves no inertia.
     #[error(
         "the mass matrix is not positive definite at joint `{joint}`: what it moves has no inertia, \
          or one of no body (see `Model::warnings`); give its links a mass or hold the joint"
@@ -217,7 +217,7 @@ pub enum Error {
         joint: String,
     },
 
-    /// A task, or a limit, cannot do what it is asked.
+    /// A task or a limit cannot do what it is asked.
     #[error("task `{task}` of level `{level}`: {source}")]
     InTask {
         /// The task.
@@ -228,7 +228,7 @@ pub enum Error {
         source: Box<Error>,
     },
 
-    /// A task does not know where to go.
+    /// A task has no target.
     #[error("its target was never set; set it before the first step, or hold what there is")]
     TargetMissing,
 
@@ -243,10 +243,10 @@ pub enum Error {
         expected: &'static str,
     },
 
-    /// A robot cannot do what is asked of it.
+    /// The robot cannot do what is asked of it.
     #[error("{what}; {remedy}")]
     Unsuitable {
-        /// What stands against it.
+        /// What prevents it.
         what: String,
         /// What would help.
         remedy: &'static str,
@@ -259,7 +259,7 @@ pub enum Error {
         what: String,
     },
 
-    /// The system does not grant what a thread asks for.
+    /// The system does not grant what was asked for a thread.
     #[error("the system refuses {what} ({reason}); {remedy}")]
     Refused {
         /// What was asked for.
@@ -270,7 +270,7 @@ pub enum Error {
         remedy: &'static str,
     },
 
-    /// A row of velocities has bounds that leave nothing between them.
+    /// A row of velocities has bounds that are not in order.
     #[error(
         "row {row} must lie from {lower} to {upper}; order the bounds, and use an infinite one for \
          a side that is free"
@@ -284,7 +284,7 @@ pub enum Error {
         upper: f64,
     },
 
-    /// A level has rows and quadratics to minimise.
+    /// A level has both tasks of rows and tasks of quadratics.
     #[error(
         "level `{level}` has tasks of rows and quadratic ones; push them on levels of their own"
     )]
@@ -293,7 +293,7 @@ pub enum Error {
         level: String,
     },
 
-    /// Two levels, or two tasks of one level, have one name.
+    /// Two levels, or two tasks of one level, have the same name.
     #[error("there is a {element} named `{name}` already; names must be unique")]
     NameTaken {
         /// `level`, `task` or `limit`.
@@ -302,7 +302,7 @@ pub enum Error {
         name: String,
     },
 
-    /// There is no such task.
+    /// There is no task with this id.
     #[error("the id of a task is of another stack; take the one that `push` returned")]
     UnknownTask,
 
@@ -313,47 +313,46 @@ pub enum Error {
         source: Box<Error>,
     },
 
-    /// What the solver refused.
+    /// The solver refused the problem.
     #[error(transparent)]
     Hierarchy(#[from] ahqp_core::Error),
 }
 
 impl Error {
-    /// A number out of its range.
+    /// Creates the error for a number out of its range.
     pub(crate) fn value(what: impl Into<String>, value: f64, expected: &'static str) -> Self {
         Self::Value { what: what.into(), value, expected }
     }
 
-    /// A number that is not positive.
+    /// Creates the error for a number that is not positive.
     pub(crate) fn not_positive(what: impl Into<String>, value: f64) -> Self {
         Self::value(what, value, "positive")
     }
 
-    /// A number that is NaN, infinite, or so large that results would be.
+    /// Creates the error for a number that is NaN, infinite, or so large that results would be.
     pub(crate) fn not_finite(what: impl Into<String>, value: f64) -> Self {
         Self::value(what, value, "a finite number of magnitude 1e12 at most")
     }
 
-    /// A gain that overshoots within a period.
+    /// Creates the error for a gain that overshoots within a period.
     pub(crate) fn too_high(gain: f64, period: f64) -> Self {
         let what = format!("a gain at a control period of {period} s");
         Self::value(what, gain, "1/period at most [1/s], or it overshoots")
     }
 
-    /// A robot that cannot do what is asked of it.
+    /// Creates the error for a robot that cannot do what is asked of it.
     pub(crate) fn unsuitable(what: impl Into<String>, remedy: &'static str) -> Self {
         Self::Unsuitable { what: what.into(), remedy }
     }
 
-    /// A joint of six degrees of freedom, where one is needed.
+    /// Creates the error for a joint of six degrees of freedom where one is needed.
     pub(crate) fn floating_joint(joint: &str) -> Self {
         let what = format!("joint `{joint}` has six degrees of freedom");
         Self::unsuitable(what, "name joints that turn or slide")
     }
 
-    /// Whether it is about a limit that cannot be meant, which
-    /// [`UnusableLimits::Ignore`](crate::robot::UnusableLimits::Ignore) takes for unlimited. Programs name their own option
-    /// for that.
+    /// Returns whether the error is about a limit that cannot be meant. Such a limit counts as unlimited under
+    /// [`UnusableLimits::Ignore`](crate::robot::UnusableLimits::Ignore). Programs name their own option for that.
     pub fn is_unusable_limit(&self) -> bool {
         match self {
             Self::InFile { source, .. } => source.is_unusable_limit(),
@@ -371,22 +370,22 @@ fn at_line(line: Option<usize>) -> String {
     line.map_or_else(String::new, |line| format!("line {line}: "))
 }
 
-/// Numbers above this are refused: squares and products of them stay finite.
+/// Larger numbers are refused, so that their squares and products stay finite.
 const LARGEST: f64 = 1e12;
 
-/// Returns true if `value` is a number of sensible size.
+/// Returns true if `value` is finite and of sensible size.
 #[inline]
 pub(crate) fn is_sensible(value: f64) -> bool {
     value.abs() <= LARGEST
 }
 
-/// An error unless `value` is a number of sensible size; `what` is asked for only then.
+/// Returns an error unless `value` is finite and of sensible size. `what` is called only then.
 #[inline]
 pub(crate) fn check_finite(value: f64, what: impl FnOnce() -> String) -> Result<(), Error> {
     if is_sensible(value) { Ok(()) } else { Err(Error::not_finite(what(), value)) }
 }
 
-/// An error unless there are `expected` elements.
+/// Returns an error unless `got` is `expected`.
 #[inline]
 pub(crate) fn check_size(what: &'static str, got: usize, expected: usize) -> Result<(), Error> {
     if got == expected { Ok(()) } else { Err(Error::WrongSize { what, expected, got }) }

@@ -1,4 +1,4 @@
-//! Velocities that do what the tasks ask, in their order and within the limits.
+//! Differential inverse kinematics with strict priorities within limits.
 
 pub(crate) mod commanded;
 pub(crate) mod differential;

@@ -1,4 +1,4 @@
-//! Inertias, from that of one body to those of bodies that joints join.
+//! Inertias of single bodies and of trees of bodies.
 
 pub(crate) mod articulated;
 pub(crate) mod body;

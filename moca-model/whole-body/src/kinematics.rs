@@ -1,4 +1,4 @@
-//! Where frames are, and how they move with the joints.
+//! Poses and motions of frames.
 
 pub(crate) mod jacobian;
 mod placement;

@@ -1,30 +1,29 @@
-//! Any robot by its URDF: kinematics and dynamics of trees, and tasks with strict priorities.
+//! Kinematics, dynamics and prioritised control of any robot that a URDF describes as a tree.
 //!
-//! A [`Model`] is read from a URDF and does not change; a [`Data`] is one thread's memory. Giving
-//! the data a configuration returns a [`Posed`], which knows poses, Jacobians, gravity and
-//! inertia; giving that a velocity returns a [`Moving`], which knows twists, J̇q̇ and dynamics. What
-//! has not been computed cannot be read.
+//! A [`Model`] is read from a URDF and does not change. A [`Data`] is the memory of one thread. A configuration turns
+//! the data into a [`Posed`], which gives poses, Jacobians, gravity and inertia. A velocity turns that into a
+//! [`Moving`], which gives twists, J̇q̇ and dynamics. So nothing can be read before it has been computed.
 //!
 //! An [`Ik`] turns levels of [`Task`]s into velocities within all limits.
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`robot`] | joints, their limits, friction, and what is odd in a URDF |
-//! | [`state`] | payloads and forces on the robot |
-//! | [`tasks`] | what a robot is asked to do, and what a task of your own needs |
+//! | [`robot`] | joints, their limits, friction, and warnings about a URDF |
+//! | [`state`] | payloads and external forces |
+//! | [`tasks`] | the built-in tasks, and the traits for tasks of your own |
 //! | [`stack`] | levels of tasks over q̇ and further variables within bounds of your own |
 //! | [`limits`] | limits of joints, wheels and speeds of frames |
-//! | [`ik`] | settings and results of an [`Ik`], and commands for a robot that may be held |
-//! | [`torque`] | torques for velocities, impedance, and an observer that finds out who pushes |
+//! | [`ik`] | settings and results of an [`Ik`], and commands with a limited following error |
+//! | [`torque`] | torques that follow velocities, impedance control, and an observer of external torques |
 //! | [`control_loop`] | the periodic loop with a real robot |
-//! | [`simulation`] | rigid bodies, contacts and sensors to try a controller on |
+//! | [`simulation`] | rigid bodies, contacts and sensors for testing controllers |
 //!
-//! SI units, radians. Twists and accelerations are linear then angular, forces are forces then
-//! moments, all of a frame's origin in axes parallel to the world's unless [`Axes::Local`] is asked
-//! for. The size of q is [`Model::position_count`], that of q̇ [`Model::velocity_count`]; they
-//! differ for a floating base alone.
+//! Units are SI and radians. Twists and accelerations are linear, then angular; wrenches are forces, then moments. All
+//! refer to a frame's origin, in axes parallel to the world's unless [`Axes::Local`] is given. The size of q is
+//! [`Model::position_count`], that of q̇ [`Model::velocity_count`]. They differ only for a floating base.
 //!
-//! A Panda's hand on a circle, its position before its orientation before the posture of the arm:
+//! This program moves a Panda's hand on a circle. The hand's position has priority over its orientation, and that over
+//! the posture of the arm:
 //!
 //! ```
 //! use whole_body::nalgebra::{self, vector};
@@ -51,7 +50,7 @@
 //! # Ok::<(), whole_body::Error>(())
 //! ```
 //!
-//! Kinematics by themselves, of an arm on a base that moves in the plane:
+//! Kinematics work without tasks. This is an arm on a base that moves in the plane:
 //!
 //! ```
 //! use whole_body::nalgebra::Matrix6xX;

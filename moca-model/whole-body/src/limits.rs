@@ -1,4 +1,4 @@
-//! What a robot may do: intervals of its joints' velocities, and rows that hold before all tasks.
+//! Hard limits: intervals of joint velocities, and rows that take precedence over all tasks.
 
 pub(crate) mod anticipation;
 pub(crate) mod common_point;

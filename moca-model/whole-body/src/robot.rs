@@ -1,4 +1,4 @@
-//! The robot: what does not change while it moves.
+//! The model of a robot, which does not change while the robot moves.
 
 mod additions;
 mod assembly;

@@ -1,5 +1,4 @@
-//! Robots to try a controller on: rigid bodies under torques, what touches them, what their sensors
-//! say.
+//! Simulated robots for testing controllers: rigid bodies under torques, contacts and sensors.
 
 pub(crate) mod command_line;
 pub(crate) mod contact;

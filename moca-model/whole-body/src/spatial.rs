@@ -35,7 +35,7 @@ impl Pose {
         IsometryMatrix3::from_parts(Translation3::from(self.position), rotation)
     }
 
-    /// The pose of C in A, if `self` is that of B in A and `next` that of C in B.
+    /// The pose of C in A, where `self` is that of B in A and `next` that of C in B.
     #[inline]
     pub(crate) fn then(&self, next: &Self) -> Self {
         Self {
@@ -44,7 +44,7 @@ impl Pose {
         }
     }
 
-    /// The direction of the z axis, along or about which a joint moves.
+    /// The direction of the z axis, which is the axis of the joint.
     #[inline]
     pub(crate) fn axis(&self) -> Vector3<f64> {
         self.rotation.column(2).into_owned()
@@ -61,17 +61,16 @@ impl Pose {
     }
 }
 
-/// How a joint moves with respect to its axis.
+/// The kind of motion of a joint relative to its axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Motion {
-    /// About it \[rad\].
+    /// Rotation about the axis \[rad\].
     Turns,
-    /// Along it \[m\].
+    /// Translation along the axis \[m\].
     Slides,
 }
 
-/// A linear and an angular vector in world axes: a twist, an acceleration, or a force with its
-/// moment.
+/// A linear and an angular vector in world axes: a twist, an acceleration, or a wrench.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Spatial {
     pub(crate) linear: Vector3<f64>,
@@ -79,7 +78,7 @@ pub(crate) struct Spatial {
 }
 
 impl Motion {
-    /// The part of a force and moment at the axis that a motor must give.
+    /// The component of a wrench at the axis that a motor must exert.
     #[inline]
     pub(crate) fn part(self, axis: &Vector3<f64>, force: &Spatial) -> f64 {
         match self {
@@ -93,7 +92,7 @@ impl Spatial {
     pub(crate) const ZERO: Self =
         Self { linear: Vector3::new(0.0, 0.0, 0.0), angular: Vector3::new(0.0, 0.0, 0.0) };
 
-    /// Linear, then angular.
+    /// The vector of six numbers, linear, then angular.
     pub(crate) fn to_vector(self) -> Vector6<f64> {
         let Self { linear, angular } = self;
         Vector6::new(linear.x, linear.y, linear.z, angular.x, angular.y, angular.z)
@@ -112,7 +111,7 @@ impl Spatial {
         self.linear.dot(&other.linear) + self.angular.dot(&other.angular)
     }
 
-    /// Both parts in the axes of a frame that stands at `rotation` in the present ones.
+    /// Both vectors in the axes of a frame with this `rotation` in the present axes.
     pub(crate) fn in_axes_of(&self, rotation: &Matrix3<f64>) -> Self {
         Self { linear: rotation.tr_mul(&self.linear), angular: rotation.tr_mul(&self.angular) }
     }

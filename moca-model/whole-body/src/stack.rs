@@ -1,4 +1,4 @@
-//! Levels of tasks with strict priorities, and what solving them said.
+//! Levels of tasks with strict priorities, and their solver.
 
 pub(crate) mod curvature_rows;
 pub(crate) mod level_tasks;

@@ -1,4 +1,4 @@
-//! What is known of the robot now: one thread's memory, and views that say what it holds.
+//! The present state of the robot: the memory of one thread, and views of what it holds.
 
 mod attachment;
 pub(crate) mod data;

@@ -1,4 +1,4 @@
-//! What a robot is asked to do: rows `A q̇ ∈ [lower, upper]` or a quadratic, one kind of task a file.
+//! Tasks: rows `A q̇ ∈ [lower, upper]` or quadratics, one kind of task a file.
 
 pub(crate) mod augmented_frame;
 pub(crate) mod axis;

@@ -1,4 +1,4 @@
-//! From velocities to torques, and from torques and motion to what pushes the robot.
+//! Torques that follow velocities, and external torques from torques and motion.
 
 pub(crate) mod contact_force;
 pub(crate) mod control;

@@ -1,8 +1,8 @@
-//! Reading a URDF: the few elements that say how a robot moves.
+//! A reader of the elements of a URDF that describe motion.
 //!
-//! A streaming reader takes what is needed and skips all else unread: visuals, collisions, meshes,
-//! materials, transmissions, plugins, unknown elements. It does not recurse, looks at each byte a
-//! bounded number of times, and knows the line of everything that it keeps.
+//! It is a streaming reader that skips everything else: visuals, collisions, meshes, materials, transmissions, plugins
+//! and unknown elements. It does not recurse and reads each byte a bounded number of times. It knows the line of
+//! everything that it keeps.
 
 pub(crate) mod document;
 pub(crate) mod names;

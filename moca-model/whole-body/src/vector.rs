@@ -1,6 +1,6 @@
-//! Sums over slices, four at a time, so that additions need not wait for each other.
+//! Sums over slices, four at a time, so that additions do not wait for each other.
 
-/// Σ aᵢ bᵢ, of one length.
+/// Σ aᵢ bᵢ of equal lengths.
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     debug_assert_eq!(a.len(), b.len());
     let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
@@ -14,7 +14,7 @@ pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
 }
 
-/// Σ |aᵢ| bᵢ, of one length.
+/// Σ |aᵢ| bᵢ of equal lengths.
 pub(crate) fn dot_of_sizes(a: &[f64], b: &[f64]) -> f64 {
     debug_assert_eq!(a.len(), b.len());
     let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
@@ -28,7 +28,7 @@ pub(crate) fn dot_of_sizes(a: &[f64], b: &[f64]) -> f64 {
     (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
 }
 
-/// a ← a − factor · b, of one length.
+/// a ← a − factor · b of equal lengths.
 pub(crate) fn subtract(a: &mut [f64], factor: f64, b: &[f64]) {
     debug_assert_eq!(a.len(), b.len());
     a.iter_mut().zip(b).for_each(|(a, b)| *a -= factor * b);

@@ -1,5 +1,4 @@
-//! The picture of a run: joints within their ranges, errors, and the motion from the front and from
-//! the side.
+//! The picture of a run: joints within their ranges, errors, and the motion from the front and from the side.
 
 use std::{fmt::Display, ops::Range};
 
@@ -18,10 +17,10 @@ const GRID: RGBColor = RGBColor(228, 228, 228);
 const ROBOT: RGBColor = RGBColor(150, 160, 180);
 const TARGET: RGBColor = RGBColor(200, 55, 45);
 const ACTUAL: RGBColor = RGBColor(35, 95, 215);
-/// Points that a curve has at most.
+/// Largest number of points of a curve.
 const POINTS: usize = 400;
 
-/// Draws the picture, as SVG.
+/// Draws the picture as SVG.
 ///
 /// # Errors
 /// A run without ticks, or one that cannot be drawn.
@@ -60,7 +59,7 @@ fn thinned(ticks: &[Tick]) -> Vec<&Tick> {
     ticks.iter().step_by(ticks.len().div_ceil(POINTS)).collect()
 }
 
-/// All joints from the lower end of their ranges, 0, to the upper, 1; grey where a limit stops one.
+/// Draws all joints from the lower end of their ranges, 0, to the upper end, 1; grey where a limit stops one.
 fn draw_joints(area: &Area<'_>, record: &Record) -> Result<()> {
     let ticks = thinned(&record.ticks);
     let finite = record.ranges.iter().enumerate();
@@ -111,14 +110,14 @@ fn draw_curves(
     Ok(())
 }
 
-/// The robot at some times, the path and the frame's way along it, over `axis` and z.
+/// Draws the robot at some times, the path and the motion of the frame along it, over `axis` and z.
 fn draw_view(area: &Area<'_>, title: &str, record: &Record, axis: usize) -> Result<()> {
     let seen = |place: &Vector3<f64>| (place[axis], place.z);
     let places = || record.poses.iter().flatten().map(seen);
     let ways = || record.ticks.iter().map(|tick| seen(&tick.target));
     let across = range(places().chain(ways()).map(|point| point.0));
     let up = range(places().chain(ways()).map(|point| point.1));
-    // One scale for both.
+    // Both axes have the same scale.
     let half = 0.55 * (across.end - across.start).max(up.end - up.start).max(0.1);
     let around = |range: Range<f64>| {
         let middle = 0.5 * (range.start + range.end);

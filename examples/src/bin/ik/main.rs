@@ -1,4 +1,4 @@
-//! Any robot along a path: a frame's position before its orientation before the posture.
+//! Moves any robot along a path: a frame's position before its orientation before the posture.
 
 mod figure;
 mod path;
@@ -24,16 +24,18 @@ use robot::RobotOptions;
 use run::Run;
 use table::table;
 
-/// The largest file of a path (bytes).
+/// Largest file of a path (bytes).
 const LARGEST_PATH: u64 = 256 << 20;
 
 /// Moves a frame of any robot along a path, within the limits of all joints: the position first,
 /// then the orientation, then the posture.
 ///
-/// Writes a table of every control period and a picture (joints within their ranges, errors, the
-/// motion from the front and from the side) into the report's folder, and prints how it went. Each
-/// period is checked against the robot's limits apart from the library; the exit status is 1 if one
-/// was exceeded, if a period had no solution, or if the frame ends more than 1 mm off its path. Ctrl-C ends early and keeps what there is.
+/// Writes a table of every control period and a picture into the report's folder, and prints a summary. The picture
+/// shows joints within their ranges, errors, and the motion from the front and from the side.
+///
+/// Each period is checked against the robot's limits, independently of the library. The exit status is 1 if a limit was
+/// exceeded or a period had no solution. It is also 1 if the frame ends more than 1 mm off its path. Ctrl-C ends early
+/// and keeps the results so far.
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Options {
@@ -42,7 +44,7 @@ struct Options {
     /// The link that moves along the path.
     #[arg(long, value_name = "NAME")]
     frame: String,
-    /// A link that stays where it is, before all else, such as a foot; may be given several times.
+    /// A link that stays in place with the highest priority, such as a foot; may be given several times.
     #[arg(long, value_name = "NAME")]
     hold: Vec<String>,
     /// `circle` or `line` from where the robot starts, or a file of lines time,x,y,z (s, m) in the
@@ -55,16 +57,16 @@ struct Options {
     /// Length of the line in metres.
     #[arg(long, value_name = "METRES", default_value_t = 0.2)]
     length: f64,
-    /// Time of a round in seconds.
+    /// Time for a round in seconds.
     #[arg(long, value_name = "SECONDS", default_value_t = 4.0, value_parser = positive)]
     duration: f64,
-    /// How many rounds.
+    /// Number of rounds.
     #[arg(long, value_name = "COUNT", default_value_t = 2.0, value_parser = positive)]
     rounds: f64,
     /// The control period in seconds, 0.00001 to 1.
     #[arg(long, value_name = "SECONDS", default_value_t = 0.001, value_parser = period)]
     period: f64,
-    /// The report's folder, made if it is not there: ik.csv and ik.svg.
+    /// The report's folder, made if it does not exist: ik.csv and ik.svg.
     #[arg(long, short, value_name = "FOLDER", default_value = "report")]
     output: PathBuf,
     /// Write no report.

@@ -8,32 +8,32 @@ use nalgebra::Vector3;
 /// The shape of a path.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Shape {
-    /// A circle of this radius (m) in the plane of y and z, below the start.
+    /// A circle of this radius \[m\] in the plane of y and z, below the start.
     Circle(f64),
-    /// To and fro along y over this length (m).
+    /// A line along y of this length \[m\], to and fro.
     Line(f64),
-    /// Points in the world (m) with their times (s), straight lines between them.
+    /// Points in the world \[m\] with their times \[s\], joined by straight lines.
     Points(Vec<(f64, Vector3<f64>)>),
 }
 
 /// A path with its timing.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Path {
-    /// What it looks like.
+    /// The shape.
     pub(crate) shape: Shape,
-    /// Time of a round at full speed (s); points have their own times.
+    /// Time for a round at full speed \[s\]; points have their own times.
     pub(crate) duration: f64,
-    /// How many rounds.
+    /// Number of rounds.
     pub(crate) rounds: f64,
 }
 
-/// How long circles and lines take to get up to speed, and to stop (s).
+/// Time in which circles and lines reach full speed, and stop \[s\].
 const RAMP: f64 = 1.0;
-/// What is recorded after the end of the path (s).
+/// Time that is recorded after the end of the path \[s\].
 const REST: f64 = 1.0;
 
 impl Path {
-    /// How long it is followed (s), with the rest at its end.
+    /// The duration, with the rest at the end \[s\].
     pub(crate) fn time(&self) -> f64 {
         match &self.shape {
             Shape::Circle(_) | Shape::Line(_) => self.duration * self.rounds + RAMP + REST,
@@ -41,7 +41,7 @@ impl Path {
         }
     }
 
-    /// Place (m) and velocity (m/s) at a time (s), for a frame that began at `start`.
+    /// Place \[m\] and velocity \[m/s\] at a time \[s\], for a frame that began at `start`.
     pub(crate) fn at(&self, time: f64, start: &Vector3<f64>) -> (Vector3<f64>, Vector3<f64>) {
         match &self.shape {
             Shape::Circle(radius) => {
@@ -59,7 +59,7 @@ impl Path {
         }
     }
 
-    /// The angle, and its rate: minimum-jerk ramps of the rate at both ends.
+    /// The angle and its rate, with minimum-jerk ramps of the rate at both ends.
     fn angle(&self, time: f64) -> (f64, f64) {
         let full = std::f64::consts::TAU / self.duration;
         let end = self.duration * self.rounds;
@@ -68,7 +68,7 @@ impl Path {
     }
 }
 
-/// The integral of the minimum-jerk polynomial 10s³ − 15s⁴ + 6s⁵, and its value; 0 before, 1 behind.
+/// The integral of the minimum-jerk polynomial 10s³ − 15s⁴ + 6s⁵, and its value: 0 before, 1 behind.
 fn ramp(s: f64) -> (f64, f64) {
     if s <= 0.0 {
         (0.0, 0.0)
@@ -94,7 +94,7 @@ fn between(points: &[(f64, Vector3<f64>)], time: f64) -> (Vector3<f64>, Vector3<
     }
 }
 
-/// Lines of time,x,y,z; empty ones, and a first one that begins with a letter, do not count.
+/// Parses lines of time,x,y,z. Empty lines, and a first line that begins with a letter, are skipped.
 impl FromStr for Shape {
     type Err = anyhow::Error;
 
@@ -126,7 +126,7 @@ impl FromStr for Shape {
     }
 }
 
-/// As much of a line as a message quotes.
+/// The part of a line that a message quotes.
 fn beginning(line: &str) -> String {
     const LONGEST: usize = 120;
     match line.char_indices().nth(LONGEST) {

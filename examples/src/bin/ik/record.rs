@@ -1,72 +1,72 @@
-//! What is recorded of a run.
+//! The record of a run.
 
 use std::fmt;
 
 use nalgebra::Vector3;
 use serde::Serialize;
 
-/// Everything of a run that its table and its picture show.
+/// The data of a run for its table and its picture.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Record {
-    /// Names of the entries of q̇ that are no floating base's.
+    /// Names of the entries of q̇ except those of a floating base.
     pub(crate) joints: Vec<String>,
-    /// Their limits of position.
+    /// Position limits of these joints.
     pub(crate) ranges: Vec<(f64, f64)>,
-    /// One a tick.
+    /// The ticks.
     pub(crate) ticks: Vec<Tick>,
-    /// Joints that a limit of position stopped in the last tick.
+    /// Joints that a position limit stopped in the last tick.
     pub(crate) stopped: Vec<String>,
-    /// Places of the joints on the way to the frame, from the root, at some times.
+    /// Places of the joints from the root to the frame, at some times.
     pub(crate) poses: Vec<Vec<Vector3<f64>>>,
 }
 
-/// One tick.
+/// A tick.
 #[derive(Clone, Debug)]
 pub(crate) struct Tick {
-    /// (s)
+    /// Time \[s\].
     pub(crate) time: f64,
-    /// Of the joints that have ranges.
+    /// Positions of the joints with ranges.
     pub(crate) positions: Vec<f64>,
-    /// Where the frame was to be (m).
+    /// Target of the frame \[m\].
     pub(crate) target: Vector3<f64>,
-    /// Where it was (m).
+    /// Place of the frame \[m\].
     pub(crate) actual: Vector3<f64>,
-    /// (m)
+    /// Position error \[m\].
     pub(crate) position_error: f64,
-    /// (rad)
+    /// Orientation error \[rad\].
     pub(crate) orientation_error: f64,
-    /// How many joints a limit stopped.
+    /// Number of joints that a limit stopped.
     pub(crate) limited: usize,
-    /// How long the step took (µs).
+    /// Time of the step \[µs\].
     pub(crate) duration: f64,
 }
 
-/// How it went.
+/// Summary of a run.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(crate) struct Summary {
-    /// Control periods.
+    /// Number of control periods.
     pub(crate) ticks: usize,
-    /// Limits of position, velocity, acceleration and jerk that a joint exceeded in a tick.
+    /// Number of position, velocity, acceleration and jerk limits that a joint exceeded in a tick.
     pub(crate) limit_violations: usize,
-    /// Ticks without a solution.
+    /// Number of ticks without a solution.
     pub(crate) infeasible: usize,
-    /// (mm)
+    /// Root mean square position error \[mm\].
     pub(crate) position_rms_mm: f64,
-    /// How far the frame is from its place in the last tick (mm).
+    /// Distance of the frame from its target in the last tick \[mm\].
     pub(crate) position_end_mm: f64,
-    /// (rad)
+    /// Root mean square orientation error \[rad\].
     pub(crate) orientation_rms_rad: f64,
-    /// Half the steps took no longer (µs).
+    /// Median time of a step \[µs\].
     pub(crate) tick_us_p50: f64,
-    /// 999 of 1000 steps took no longer (µs).
+    /// 99.9 % quantile of the time of a step \[µs\].
     pub(crate) tick_us_p999: f64,
 }
 
-/// A frame that ends farther from its place has not got there (mm).
+/// Distance from its target above which a frame has not reached it \[mm\].
 const LARGEST_END: f64 = 1.0;
 
 impl Record {
-    /// What to say of a frame that ends farther than a millimetre from its place; nothing if it does not.
+    /// The message for a frame that ends farther than a millimetre from its target; `None` if it does not.
     pub(crate) fn shortfall(&self) -> Option<String> {
         let off = 1e3 * self.ticks.last()?.position_error;
         if off <= LARGEST_END {
@@ -81,7 +81,7 @@ impl Record {
         Some(format!("the frame ends {off:.1} mm off its path; {reason}"))
     }
 
-    /// Sums a run up.
+    /// Summarises a run.
     pub(crate) fn summary(&self, limit_violations: usize, infeasible: usize) -> Summary {
         let count = self.ticks.len().max(1) as f64;
         let rms = |error: fn(&Tick) -> f64| {

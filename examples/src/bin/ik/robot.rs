@@ -7,34 +7,33 @@ use clap::{Args, ValueEnum};
 use whole_body::robot::{JointKind, UnusableLimits};
 use whole_body::{Base, Description, Model};
 
-/// How the root link moves.
+/// The kind of motion of the root link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum BaseKind {
-    /// Not at all.
+    /// Fixed in the world.
     Fixed,
-    /// On the floor.
+    /// Moving on the floor.
     Planar,
-    /// Freely.
+    /// Moving freely.
     Floating,
 }
 
-/// Which robot, and where it starts.
+/// The robot, and its start.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct RobotOptions {
-    /// The robot.
+    /// The URDF of the robot.
     #[arg(value_name = "URDF")]
     pub(crate) urdf: PathBuf,
-    /// How its root link moves.
+    /// The kind of motion of its root link.
     #[arg(long, value_enum, default_value_t = BaseKind::Fixed)]
     pub(crate) base: BaseKind,
     /// The link to start from, in place of the URDF's root.
     #[arg(long, value_name = "LINK")]
     pub(crate) root: Option<String>,
-    /// Take limits that cannot be meant, such as a velocity of zero, for none.
+    /// Ignore limits that cannot be meant, such as a velocity of zero.
     #[arg(long)]
     pub(crate) ignore_bad_limits: bool,
-    /// Where it starts: all positions, with commas between them; in place of the middle of all
-    /// ranges.
+    /// The start: all positions, separated by commas, in place of the middle of all ranges.
     #[arg(long, value_name = "POSITIONS", value_delimiter = ',', allow_negative_numbers = true)]
     pub(crate) start: Vec<f64>,
 }
@@ -70,10 +69,10 @@ impl RobotOptions {
         })
     }
 
-    /// Where it starts.
+    /// The start configuration.
     ///
     /// # Errors
-    /// Positions that are not as many as the robot has.
+    /// A wrong number of positions.
     pub(crate) fn start(&self, model: &Model) -> Result<Vec<f64>> {
         let mut q = model.neutral();
         if self.start.is_empty() {

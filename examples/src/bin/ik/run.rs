@@ -1,4 +1,4 @@
-//! A robot along a path, at the control rate.
+//! Motion of a robot along a path at the control rate.
 
 use std::ops::ControlFlow;
 use std::time::Instant;
@@ -14,7 +14,7 @@ use whole_body::{FrameId, Ik, Model};
 use crate::path::Path;
 use crate::record::{Record, Summary, Tick};
 
-/// Frames that stay, then a frame's position along a path, then its orientation, then the posture.
+/// The run of a robot: held frames, then a frame's position along a path, its orientation, and the posture.
 #[derive(Debug)]
 pub(crate) struct Run {
     ik: Ik,
@@ -25,7 +25,7 @@ pub(crate) struct Run {
     position: TaskId<PositionTask>,
     q: Vec<f64>,
     start: Isometry3<f64>,
-    /// Where joints with a range stand in q and q̇.
+    /// Entries of joints with a range in q and q̇.
     entries: Vec<(usize, usize)>,
     way: Vec<FrameId>,
     record: Record,
@@ -33,7 +33,7 @@ pub(crate) struct Run {
     violations: Violations,
 }
 
-/// Counts limits that are exceeded, by the motion alone.
+/// Counts exceeded limits from the motion alone.
 #[derive(Clone, Debug)]
 struct Violations {
     count: usize,
@@ -42,15 +42,15 @@ struct Violations {
     inside: Vec<bool>,
 }
 
-/// How many poses of the robot the picture shows.
+/// Number of poses of the robot in the picture.
 const POSES: usize = 12;
 
 impl Run {
-    /// With the robot at `q`, and the frames named `held` kept where they are.
+    /// Creates a run with the robot at `q`, and the frames named `held` kept in place.
     ///
     /// # Errors
-    /// Names that the robot does not know, a configuration that does not fit, a period that is no
-    /// positive number of seconds.
+    /// Names that the robot does not have, a configuration that does not fit, or a period that is not a positive number
+    /// of seconds.
     pub(crate) fn new(
         model: &Model,
         frame: &str,
@@ -124,18 +124,18 @@ impl Run {
         })
     }
 
-    /// How many ticks there are.
+    /// The number of ticks.
     pub(crate) fn ticks(&self) -> usize {
-        // Of a path of at most a day.
+        // The path takes at most a day.
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "as above")]
         let ticks = (self.path.time() / self.period).min(1e8) as usize;
         ticks
     }
 
-    /// Follows the path, telling `each` how many ticks are done.
+    /// Follows the path and tells `each` how many ticks are done.
     ///
     /// # Errors
-    /// What cannot be computed at all, such as a gain too high for the period.
+    /// Problems that cannot be computed at all, such as a gain too high for the period.
     pub(crate) fn play(
         mut self,
         mut each: impl FnMut(usize) -> ControlFlow<()>,
@@ -226,7 +226,7 @@ impl Violations {
     }
 }
 
-/// The links that the joints on the way to a frame carry, from the root, and the frame.
+/// The links of the joints on the path to a frame, from the root, and the frame.
 fn way(model: &Model, frame: FrameId) -> Result<Vec<FrameId>> {
     let entries: Vec<usize> = model.moved_by(frame)?.collect();
     let mut way: Vec<FrameId> = model.frames().next().map(|(root, _)| root).into_iter().collect();

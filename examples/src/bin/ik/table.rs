@@ -4,12 +4,11 @@ use anyhow::Result;
 
 use crate::record::Record;
 
-/// A line a tick: time, where the frame was to be and was, the errors, how many joints a limit
-/// stopped, how long the step took, and the joints' positions with their distances to the nearer
-/// end of their ranges.
+/// Writes a line for each tick: time, target and place of the frame, errors, number of joints that a limit stopped, and
+/// time of the step. The joints' positions with their distances to the nearer end of their ranges follow.
 ///
 /// # Errors
-/// None but of memory.
+/// None except for lack of memory.
 pub(crate) fn table(record: &Record) -> Result<Vec<u8>> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let fixed = [

@@ -1,4 +1,4 @@
-//! What holds of every recording: what is written is read, a cut is seen, and no input makes a reader panic.
+//! Properties of all recordings: written data are read back, a cut is detected, and no input makes a reader panic.
 
 use percept_recording::Timing;
 
@@ -14,7 +14,7 @@ fn any_body() -> impl Strategy<Value = Option<Body>> {
         .prop_map(|(x, y, z, confidence)| Keypoint { position: Point3::new(x, y, z), confidence });
     prop::collection::vec(prop::option::of(joint), 25).prop_map(|joints| {
         let body = Body::new(joints.try_into().unwrap());
-        // A body without a joint is nobody.
+        // A body without joints is nobody.
         Some(body).filter(|body| body.iter().next().is_some())
     })
 }
@@ -45,8 +45,8 @@ fn written(header: &Header, percepts: &[Percept]) -> Vec<u8> {
 }
 
 proptest! {
-    /// What is read back is what was written, to the rounding of the format; and writing that once
-    /// more gives the same bytes.
+    /// The data that are read are those that were written, up to the rounding of the format. Writing them again gives
+    /// the same bytes.
     #[test]
     fn writing_and_reading_is_a_round_trip(
         percepts in any_percepts(), rate in 0.1..1000.0_f64, stature in prop::option::of(0.5..2.5_f64),
@@ -76,8 +76,8 @@ proptest! {
         prop_assert_eq!(written(&header, &back), bytes);
     }
 
-    /// So are the other people in a frame, but for those of whom no joint was seen; a frame without any says nothing
-    /// of them.
+    /// The other people in a frame are kept, except those without a visible joint. A frame without others does not
+    /// mention them.
     #[test]
     fn other_people_are_kept(
         percepts in any_percepts(),
@@ -108,7 +108,7 @@ proptest! {
         }
     }
 
-    /// Wherever a file is cut, it is refused, and the frames that are whole can be taken.
+    /// A file that is cut anywhere is refused, and its complete frames can be taken.
     #[test]
     fn no_cut_passes_for_a_whole_recording(
         percepts in any_percepts(), at in any::<prop::sample::Index>(), complete in any::<bool>(),
@@ -138,7 +138,7 @@ proptest! {
         }
     }
 
-    /// Whatever is in a file, reading it ends, with percepts or an error that names a line.
+    /// Reading any file ends, with percepts or an error that names a line.
     #[test]
     fn no_input_makes_a_reader_panic(bytes in prop::collection::vec(any::<u8>(), 0..400), cut in 0..600_usize) {
         let mut text = format!("{HEADER}\n{}\n", good("0.0")).into_bytes();

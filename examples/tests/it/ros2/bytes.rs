@@ -1,4 +1,4 @@
-//! Messages as bytes, against those of Cyclone DDS (`examples/ros2/golden.py`).
+//! Messages as bytes, compared with those of Cyclone DDS (`examples/ros2/golden.py`).
 
 use std::f64::consts::FRAC_PI_2;
 use std::fmt::Debug;
@@ -22,7 +22,7 @@ const LITTLE_ENDIAN: RepresentationIdentifier = RepresentationIdentifier::CDR_LE
 const TYPES: [&str; 6] =
     ["JointState", "Odometry", "PoseArray", "String", "TwistStamped", "Float64MultiArray"];
 
-/// The bytes of a message, without the four that say how it is encoded.
+/// The bytes of a message without the four that give its encoding.
 fn golden(name: &str) -> Vec<u8> {
     let lines = include_str!("../../../ros2/golden.txt").lines();
     let mut messages = lines.filter_map(|line| line.split_once(' '));
@@ -49,10 +49,10 @@ fn same<M: DeserializeOwned + Serialize + PartialEq + Debug>(name: &str) -> M {
     message
 }
 
-/// Takes bytes as a message of a type; whether anything was taken.
+/// Takes bytes as a message of a type. Returns whether anything was taken.
 fn take(name: &str, bytes: &[u8]) -> bool {
     let (mut perceived, mut commands) = (Perceived::default(), Commands::new(7));
-    // Odometry of the same time would be overtaken by the one before.
+    // Odometry with the same time as the one before would count as overtaken.
     let before = name == "JointState";
     let mut measurements =
         if before { measurements() } else { Measurements::new(RobotJoints::moca()) };
@@ -83,7 +83,7 @@ fn take(name: &str, bytes: &[u8]) -> bool {
 }
 
 #[test]
-fn bytes_of_cyclone_dds_are_the_messages_that_it_wrote() {
+fn cyclone_dds_messages_are_understood() {
     let mut measurements = Measurements::new(RobotJoints::moca());
     measurements.take_odometry(&same("Odometry"), after(1)).unwrap();
     measurements.take_joint_state(&same("JointState"), after(1)).unwrap();
@@ -91,7 +91,7 @@ fn bytes_of_cyclone_dds_are_the_messages_that_it_wrote() {
     let [x, y, yaw, arm @ ..] = newest.position.as_slice() else { panic!("three of the base") };
     assert_eq!((*x, *y, arm), (1.5, -2.5, [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7].as_slice()));
     assert!((yaw - FRAC_PI_2).abs() < 1e-12, "{yaw}");
-    // The twist (0.5, -0.25) of a base that looks along y.
+    // The twist is (0.5, -0.25) of a base that looks along y.
     assert!((newest.velocity[0] - 0.25).abs() < 1e-12 && (newest.velocity[1] - 0.5).abs() < 1e-12);
     assert_eq!(newest.velocity[2..], [0.125, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
     assert_eq!(newest.torque[3..], [10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0].map(Some));
@@ -132,7 +132,7 @@ fn bytes_of_another_message_are_refused() {
 fn messages_that_are_cut_off_are_refused() {
     for name in TYPES {
         let bytes = golden(name);
-        // Without what Cyclone DDS fills up with, and without one byte of what it means.
+        // The messages lack the fill bytes of Cyclone DDS and one byte of content.
         for length in 0..bytes.len().saturating_sub(4) {
             assert!(!take(name, &bytes[..length]), "{length} bytes of {name}");
         }

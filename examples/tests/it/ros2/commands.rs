@@ -36,7 +36,7 @@ fn torques_go_to_the_arm_in_its_order() {
 }
 
 #[test]
-fn commands_that_are_none_are_refused_and_change_nothing() {
+fn invalid_commands_are_refused_and_change_nothing() {
     let mut commands = Commands::new(7);
     commands.take_twist(&twist(0.5, 0.0, 0.0), after(1)).unwrap();
     commands.take_effort(&numbers(vec![1.0; 7])).unwrap();
@@ -59,7 +59,7 @@ fn commands_that_are_none_are_refused_and_change_nothing() {
 }
 
 #[test]
-fn the_type_on_a_topic_is_that_of_its_message() {
+fn topic_type_is_that_of_its_message() {
     let unstamped = Topic::BaseTwist.check_type("geometry_msgs::msg::dds_::Twist_").unwrap_err();
     let (found, expected) =
         ("geometry_msgs/Twist".to_owned(), "geometry_msgs/TwistStamped".to_owned());

@@ -1,4 +1,4 @@
-//! Over DDS on this machine.
+//! Robots over DDS on this machine.
 
 use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -16,7 +16,7 @@ use moca_simulation::plant::RobotNoise;
 use crate::robot_side::at_rest;
 use crate::support::{Runs, coarse_map_file};
 
-/// Turns the base at 0.2 rad/s, carries the arm by the torques measured, and counts its steps.
+/// Turns the base at 0.2 rad/s, supports the arm by the measured torques, and counts its steps.
 struct Turn<'a>(&'a Cell<u32>);
 
 impl ControlLaw for Turn<'_> {
@@ -49,7 +49,7 @@ impl ControlLaw for Turn<'_> {
 
 #[test]
 fn a_loop_moves_a_robot_on_ros2() {
-    // No other test is there.
+    // No other test uses this domain.
     let domain = RosDomain::parse("77").unwrap();
     let robot = SimulatedSide::new(&MOCA_HOME, 1e-3, RobotNoise::new(1)).unwrap();
     let mut server = Ros2Server::join(domain, robot, &MOCA_HOME).unwrap();
@@ -61,7 +61,7 @@ fn a_loop_moves_a_robot_on_ros2() {
         });
         let (mut side, _) =
             Ros2Side::join(domain, RobotJoints::moca(), JointInterface::Effort).unwrap();
-        // However busy the machine is.
+        // The timeout must suit a busy machine.
         let patient = LoopSettings {
             robot_timeout: 20.0,
             first_measurement: 60.0,

@@ -8,7 +8,7 @@ use proptest::prelude::*;
 use super::{after, joint_state, measurements, odometry, refused};
 
 #[test]
-fn joints_are_found_by_name_whatever_else_is_published_with_them() {
+fn joints_are_found_by_name_among_others() {
     let (mut measurements, mut state) = (measurements(), joint_state());
     for (numbers, gripper) in
         [(&mut state.position, 9.0), (&mut state.velocity, f64::NAN), (&mut state.effort, 9.0)]
@@ -44,7 +44,7 @@ fn joints_without_torques_have_none() {
 }
 
 #[test]
-fn what_a_robot_says_of_itself_holds_for_a_second() {
+fn robot_status_holds_for_a_second() {
     let (mut measurements, mut state) = (measurements(), joint_state());
     let said = |mode: &str| Text { data: mode.to_owned() };
     measurements.take_joint_state(&state, after(2)).unwrap();
@@ -63,14 +63,14 @@ fn what_a_robot_says_of_itself_holds_for_a_second() {
     }
     let unknown = measurements.take_mode(&said("Running"), after(3)).unwrap_err();
     assert!(unknown.to_string().contains("\"Running\", expected one of running"), "{unknown}");
-    // Its joints go on, and it says nothing any more.
+    // Its joints continue, and its status is unknown again.
     measurements.take_odometry(&later(odometry(0.0)), after(1001)).unwrap();
     state.header.stamp.sec += 1;
     measurements.take_joint_state(&state, after(1003)).unwrap();
     assert_eq!(measurements.newest().robot, RobotStatus::default());
 }
 
-/// A second later.
+/// The same odometry a second later.
 fn later(mut odometry: Odometry) -> Odometry {
     odometry.header.stamp.sec += 1;
     odometry
@@ -86,12 +86,12 @@ fn joint_states_of_another_size_are_refused() {
 }
 
 #[test]
-fn joints_of_another_robot_are_refused_with_their_names() {
+fn joints_of_another_robot_are_named() {
     let missing = refused(|state| state.name[6] = "fr3_joint7".to_owned());
     let text = missing.to_string();
     assert!(text.contains("no joint \"panda_joint7\"") && text.contains("fr3_joint7"), "{text}");
     let repeated = refused(|state| state.name[6] = "panda_joint1".to_owned());
-    // Of two faults the one of the joint that comes first.
+    // The fault of the joint that comes first is reported.
     assert_eq!(repeated, Refusal::RepeatedJoint { joint: "panda_joint1".to_owned() });
 }
 
@@ -135,7 +135,7 @@ fn an_arm_without_a_base_is_no_measurement() {
     let (mut alone, mut state) = (Measurements::new(RobotJoints::moca()), joint_state());
     let none = Err(Refusal::NoOdometry { oldest: 0.1 });
     assert_eq!(alone.take_joint_state(&state, after(2)), none);
-    // Odometry that has stopped.
+    // The odometry has stopped.
     let mut stopped = measurements();
     state.header.stamp.nanosec += 100_000_000;
     assert!(stopped.take_joint_state(&state, after(101)).is_ok());
@@ -191,7 +191,7 @@ fn odometry_that_is_no_pose_is_refused() {
     assert_eq!(position, Refusal::NotFinite { what: "position" });
     let twist = refused(|odometry| odometry.twist.twist.angular.z = f64::INFINITY);
     assert_eq!(twist, Refusal::NotFinite { what: "twist" });
-    // What a publisher sends that never sets it, in languages that begin with zeros.
+    // A publisher that never sets it sends zeros in some languages.
     let zero = Quaternion { w: 0.0, ..Quaternion::default() };
     let mut unset = odometry(0.0);
     unset.pose.pose.orientation = zero;

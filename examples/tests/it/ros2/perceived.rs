@@ -6,7 +6,7 @@ use vision_models::{Action, Body25, Tool};
 use super::{after, body};
 
 #[test]
-fn poses_are_joints_in_the_order_of_body_25() {
+fn poses_follow_the_order_of_body_25() {
     let mut poses = body();
     let unseen = &mut poses.poses[Body25::LeftEar.index()].position;
     (unseen.x, unseen.y, unseen.z) = (f64::NAN, f64::NAN, f64::NAN);
@@ -21,7 +21,7 @@ fn poses_are_joints_in_the_order_of_body_25() {
     assert!(taken.as_secs_f64() < 1e-6 && seen.action.is_none(), "{taken:?}");
 }
 
-/// Behind the joints of the person come those of others; who was not seen is nobody.
+/// The joints of others follow those of the person. A body without visible joints is nobody.
 #[test]
 fn there_may_be_others() {
     let mut poses = body();
@@ -56,7 +56,7 @@ fn bodies_that_are_none_are_refused() {
         change(&mut poses);
         Perceived::default().take_body(&poses, after(80)).unwrap_err()
     };
-    // OpenPose's COCO model.
+    // The message has OpenPose's COCO model.
     let coco = refused(|poses| poses.poses.truncate(18));
     assert_eq!(coco, Refusal::Size { what: "body joints", found: 18, expected: 25 });
     let half = refused(|poses| poses.poses[3].position.y = f64::NAN);
@@ -69,7 +69,7 @@ fn bodies_that_are_none_are_refused() {
     assert!(matches!(simulated, Refusal::Old { .. }), "{simulated}");
 }
 
-/// All the same, for a body.
+/// Equal confidences for a body.
 fn confidences(poses: &PoseArray, confidence: f64) -> Float64MultiArray {
     let Time { sec, nanosec } = poses.header.stamp;
     let mut data = vec![f64::from(sec), f64::from(nanosec)];
@@ -87,7 +87,7 @@ fn confidences_go_with_the_body_of_their_stamp() {
     let person = perceived.take_body(&poses, after(80)).unwrap().body.unwrap();
     let of = |joint| person.get(joint).unwrap().confidence.value();
     assert_eq!((of(Body25::LeftWrist), of(Body25::Nose)), (0.2, 0.9));
-    // Those of another frame say nothing of this one.
+    // Confidences of another frame do not apply to this one.
     perceived.take_action(&Text { data: "Using The Drill".to_owned() }, after(80)).unwrap();
     poses.header.stamp.nanosec += 50_000_000;
     let seen = perceived.take_body(&poses, after(130)).unwrap();

@@ -5,13 +5,13 @@ use std::process::Command;
 
 use tempfile::TempDir;
 
-/// A file system of its own with room for few bytes.
+/// A file system with room for few bytes.
 pub(crate) struct SmallDisk {
     folder: TempDir,
 }
 
 impl SmallDisk {
-    /// A disk for so many kilobytes; none, with a line that says so, where mounting is not allowed.
+    /// Creates a disk of this number of kilobytes; `None`, with a message, if mounting is not allowed.
     pub(crate) fn new(kilobytes: u32) -> Option<Self> {
         let folder = tempfile::tempdir().unwrap();
         let size = format!("size={kilobytes}k");

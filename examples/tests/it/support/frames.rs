@@ -10,7 +10,7 @@ pub(crate) fn small_frames() -> &'static str {
     FOLDER.get_or_init(|| {
         let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("small-frames");
         let folder = folder.to_str().unwrap().to_owned();
-        // What an earlier run left may be of another program.
+        // The files of an earlier run may come from another version of the program.
         drop(fs::remove_dir_all(&folder));
         let film = ["--frames", &folder, "--size=32x32", "--duration=20", "--walk"];
         Runs::new("record").with(&film).run().done();

@@ -20,7 +20,7 @@ pub(crate) fn coarse_map() -> &'static ErgonomicsMap {
     &MAP
 }
 
-/// Its file.
+/// The file of the coarse map.
 pub(crate) fn coarse_map_file() -> &'static str {
     static PATH: OnceLock<String> = OnceLock::new();
     PATH.get_or_init(|| {

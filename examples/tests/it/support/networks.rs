@@ -22,14 +22,14 @@ pub(crate) fn slow_only_r18() -> &'static str {
     PATH.get_or_init(|| write("slow_only_r18", SlowOnly::parameters(form, 30)))
 }
 
-/// The checkpoint of a simple baseline, as Microsoft's.
+/// The checkpoint of a simple baseline in Microsoft's format.
 pub(crate) fn simple_baseline() -> &'static str {
     static PATH: OnceLock<String> = OnceLock::new();
     let form = SimpleBaselineForm::Microsoft;
     PATH.get_or_init(|| write("simple_baseline", SimpleBaseline::parameters(form)))
 }
 
-/// Writes a checkpoint in the folder for files of tests, from where it may be read at any time.
+/// Writes a checkpoint in the folder for test files, from where it may be read at any time.
 fn write(name: &str, parameters: Vec<(String, Vec<usize>)>) -> String {
     let mut random = Congruential(1);
     let mut tensors = Tensors::new();
@@ -51,8 +51,8 @@ fn write(name: &str, parameters: Vec<(String, Vec<usize>)>) -> String {
     })
 }
 
-/// A linear congruential generator (D. Knuth, "The Art of Computer Programming" 2, 3.3.4): ten
-/// million numbers in no time, even where nothing is optimised.
+/// A linear congruential generator (D. Knuth, "The Art of Computer Programming" 2, 3.3.4). It makes ten million numbers
+/// quickly, even without optimisation.
 struct Congruential(u64);
 
 impl Congruential {

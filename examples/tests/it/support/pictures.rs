@@ -4,7 +4,7 @@ use std::path::Path;
 
 use image::{ImageFormat, RgbImage};
 
-/// A picture of 40 × 30 pixels about a grey level, with a texture that differs by `seed`.
+/// A picture of 40 × 30 pixels around a grey level, with a texture that depends on `seed`.
 fn picture(level: u8, seed: u32) -> RgbImage {
     RgbImage::from_fn(40, 30, |x, y| {
         let texture = |channel: u32| {
@@ -21,13 +21,12 @@ pub(crate) fn save_picture(path: &Path, level: u8, seed: u32) -> String {
     path.to_str().unwrap().to_owned()
 }
 
-/// A small PNG whose header claims so many pixels in grey.
+/// A small PNG whose header claims this number of pixels in grey.
 pub(crate) fn png_that_claims(width: u32, height: u32) -> Vec<u8> {
     let mut png = std::io::Cursor::new(Vec::new());
     RgbImage::new(1, 1).write_to(&mut png, ImageFormat::Png).unwrap();
     let mut png = png.into_inner();
-    // The header chunk: its kind at 12, then width, height, depth, colour type, three bytes, and
-    // the checksum.
+    // The header chunk has its kind at 12, then width, height, depth, colour type, three bytes, and the checksum.
     png[16..20].copy_from_slice(&width.to_be_bytes());
     png[20..24].copy_from_slice(&height.to_be_bytes());
     (png[24], png[25]) = (8, 0);

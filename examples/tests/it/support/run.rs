@@ -1,4 +1,4 @@
-//! Programs, run from the outside.
+//! Programs that are run as processes.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Write};
@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use super::coarse_map_file;
 
-/// No program of a test is waited for longer.
+/// Longest time that a test waits for a program.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 /// A program with its arguments.
@@ -19,7 +19,7 @@ pub(crate) struct Runs {
     command: Command,
 }
 
-/// What a program left behind.
+/// The result of a program's run.
 #[derive(Debug)]
 pub(crate) struct Ran {
     pub(crate) status: ExitStatus,
@@ -28,8 +28,7 @@ pub(crate) struct Ran {
 }
 
 impl Runs {
-    /// The program of this name. Whatever the tests run under, it sees RUST_BACKTRACE=1: no message
-    /// may depend on it.
+    /// Creates a run of the program of this name. It always has RUST_BACKTRACE=1, since no message may depend on it.
     pub(crate) fn new(name: &'static str) -> Self {
         let folder = Path::new(env!("CARGO_BIN_EXE_record")).parent().unwrap();
         let mut command =
@@ -38,13 +37,12 @@ impl Runs {
         Self { name, command }
     }
 
-    /// `follow` with a coarse map, which takes less time than building one.
+    /// Creates a run of `follow` with a coarse map, which takes less time than building one.
     pub(crate) fn follow() -> Self {
         Self::new("follow").with(&["--map", coarse_map_file()])
     }
 
-    /// The program of this name with at most so much memory (MiB). What it has does not count by its
-    /// use but by its addresses.
+    /// Creates a run of the program of this name with at most this memory (MiB). Addresses count, not used memory.
     pub(crate) fn within(name: &'static str, mebibytes: u32) -> Self {
         let Self { command: program, .. } = Self::new(name);
         let mut command = Command::new("sh");
@@ -58,12 +56,12 @@ impl Runs {
         self
     }
 
-    /// Runs it to its end.
+    /// Runs the program to its end.
     pub(crate) fn run(self) -> Ran {
         self.run_on("")
     }
 
-    /// Runs it to its end with a standard error on a full device; its exit status.
+    /// Runs it to its end with a standard error on a full device. Returns its exit status.
     pub(crate) fn code_with_full_errors(mut self) -> Option<i32> {
         let full = File::options().write(true).open("/dev/full").unwrap();
         let status = self.command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(full).status();
@@ -76,7 +74,7 @@ impl Runs {
         let mut child = self.command.spawn().unwrap();
         let mut stdin = child.stdin.take().unwrap();
         let input = input.to_owned();
-        // A program that stops early reads no more.
+        // A program that stops early does not read the rest.
         let writer = thread::spawn(move || drop(stdin.write_all(input.as_bytes())));
         let output = child.wait_with_output().unwrap();
         writer.join().unwrap();
@@ -87,7 +85,7 @@ impl Runs {
         }
     }
 
-    /// Runs it with a standard output that nobody reads.
+    /// Runs it with a closed standard output.
     pub(crate) fn run_closed(mut self) -> Ran {
         let (reader, writer) = std::io::pipe().unwrap();
         drop(reader);
@@ -104,8 +102,7 @@ impl Runs {
         Ran::of(child)
     }
 
-    /// Runs it, sends it a signal as soon as a line on standard error contains `sign`, and waits
-    /// for its end.
+    /// Runs it, sends it a signal as soon as a line on standard error contains `sign`, and waits for its end.
     pub(crate) fn interrupt_at(mut self, sign: &str, signal: &str) -> Ran {
         self.command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
         let mut child = self.command.spawn().unwrap();
@@ -129,7 +126,7 @@ impl Runs {
         ran
     }
 
-    /// Starts it with everything piped.
+    /// Starts it with pipes for all standard streams.
     pub(crate) fn start(mut self) -> Child {
         self.command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         self.command.spawn().unwrap()
@@ -146,7 +143,7 @@ impl Ran {
         }
     }
 
-    /// The exit status; none if a signal ended the program.
+    /// The exit status; `None` if a signal ended the program.
     pub(crate) fn code(&self) -> Option<i32> {
         self.status.code()
     }
@@ -156,14 +153,13 @@ impl Ran {
         serde_json::from_str(self.output.lines().last().unwrap()).unwrap()
     }
 
-    /// Asserts that the program did what it was asked to.
+    /// Asserts that the program succeeded.
     pub(crate) fn done(self) -> Self {
         assert_eq!(self.code(), Some(0), "{self:?}");
         self
     }
 
-    /// Asserts that it failed with this status and one message that contains `says`, short and
-    /// without a trace of the program's insides.
+    /// Asserts that it failed with this status and one short message that contains `says` and no internal details.
     pub(crate) fn failed(self, code: i32, says: &str) -> Self {
         assert_eq!(self.code(), Some(code), "{self:?}");
         assert!(self.errors.contains(says), "no {says:?} in {self:?}");

@@ -1,4 +1,4 @@
-//! Writes `include/ahqp.h`; with `--check` says whether it is current.
+//! Writes `include/ahqp.h`. Checks instead whether the file is current if `--check` is given.
 //!
 //! `cargo run --locked --manifest-path moca-model/c/header/Cargo.toml [-- --check]`
 

@@ -1,4 +1,4 @@
-//! From commands to messages, and back at the robot's side.
+//! Conversion of commands to messages, and back on the robot's side.
 
 use std::time::SystemTime;
 
@@ -13,14 +13,14 @@ use super::refusal::Refusal;
 use super::stamps::Stamps;
 use super::topic::JointInterface;
 
-/// The base's part of q̇, in the axes of a base with this `yaw` \[rad\]: (ẋ, ẏ, θ̇) \[m/s, rad/s\].
+/// Returns the base's part of q̇ in the axes of a base with this `yaw` \[rad\]: (ẋ, ẏ, θ̇) \[m/s, rad/s\].
 pub(super) fn base_velocity(velocity: &[f64], yaw: f64) -> [f64; MOCA_BASE_JOINTS] {
     let [x, y, turn] = velocity.first_chunk().copied().unwrap_or_default();
     let own = Rotation2::new(-yaw) * Vector2::new(x, y);
     [own.x, own.y, turn]
 }
 
-/// The arm's part of a command.
+/// Returns the arm's part of a command.
 pub(super) fn joint_values(command: &JointCommand, interface: JointInterface) -> &[f64] {
     let all = match interface {
         JointInterface::Effort => &command.torque,
@@ -38,26 +38,26 @@ impl From<[f64; MOCA_BASE_JOINTS]> for Twist {
     }
 }
 
-/// What a robot is told by ROS: twists of its base and torques of its arm.
+/// Commands that a robot receives by ROS: twists of its base and torques of its arm.
 #[derive(Clone, Debug)]
 pub struct Commands {
     stamps: Stamps,
-    /// In the base's axes.
+    /// Twist in the base's axes.
     twist: [f64; MOCA_BASE_JOINTS],
     effort: Vec<f64>,
 }
 
 impl Commands {
-    /// To an arm of so many joints, before the first.
+    /// Creates the commands of an arm with this number of joints, before the first message.
     pub fn new(arm_joints: usize) -> Self {
         let twist = [0.0; MOCA_BASE_JOINTS];
         Self { stamps: Stamps::of_robot(), twist, effort: vec![0.0; arm_joints] }
     }
 
-    /// Takes a twist in the base's axes that has come `now`; its age \[s\].
+    /// Takes a twist in the base's axes that came at time `now`. Returns its age \[s\].
     ///
     /// # Errors
-    /// Why it is refused; the numbers are then as they were.
+    /// Why the twist is refused; the numbers are then unchanged.
     pub fn take_twist(&mut self, twist: &TwistStamped, now: SystemTime) -> Result<f64, Refusal> {
         check_frame(&twist.header.frame_id, BASE_FRAME)?;
         check_twist(&twist.twist)?;
@@ -70,7 +70,7 @@ impl Commands {
     /// Takes the torques of the arm's joints, in their order.
     ///
     /// # Errors
-    /// Why they are refused; the numbers are then as they were.
+    /// Why the torques are refused; the numbers are then unchanged.
     pub fn take_effort(&mut self, effort: &Float64MultiArray) -> Result<(), Refusal> {
         check_size("effort", &effort.data, self.effort.len())?;
         if !effort.data.iter().all(|number| number.is_finite()) {
@@ -80,8 +80,8 @@ impl Commands {
         Ok(())
     }
 
-    /// Writes velocities of the base, along the world's axes, and torques of the arm into the command of a robot whose
-    /// base has this `yaw` \[rad\].
+    /// Writes the command of a robot whose base has this `yaw` \[rad\]: velocities of the base along the world's axes,
+    /// and torques of the arm.
     pub fn write(&self, yaw: f64, command: &mut JointCommand) {
         let [x, y, turn] = self.twist;
         let world = Rotation2::new(yaw) * Vector2::new(x, y);

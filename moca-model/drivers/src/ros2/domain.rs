@@ -1,15 +1,15 @@
-//! The domain of a ROS graph.
+//! Domain of a ROS graph.
 
 use std::env;
 
 use super::error::Ros2Error;
 
-/// The variable that names it.
+/// Environment variable that holds the domain.
 const VARIABLE: &str = "ROS_DOMAIN_ID";
-/// The highest whose ports exist.
+/// Highest domain whose ports exist.
 const LAST: u16 = 232;
 
-/// The number of a ROS graph, 0 to 232: nodes of different domains do not meet.
+/// Number of a ROS graph, 0 to 232. Nodes of different domains cannot see each other.
 ///
 /// ```
 /// use moca_drivers::ros2::RosDomain;
@@ -23,7 +23,7 @@ const LAST: u16 = 232;
 pub struct RosDomain(u16);
 
 impl RosDomain {
-    /// That of `ROS_DOMAIN_ID`; 0 without it.
+    /// Returns the domain in `ROS_DOMAIN_ID`, or 0 if the variable is not set.
     ///
     /// # Errors
     /// [`Ros2Error::Domain`]
@@ -31,7 +31,7 @@ impl RosDomain {
         env::var_os(VARIABLE).map_or(Ok(Self(0)), |value| Self::parse(&value.to_string_lossy()))
     }
 
-    /// The domain of this number; 0 for an empty text, as ROS has it.
+    /// Reads the number of a domain. An empty text is 0, as in ROS.
     ///
     /// # Errors
     /// [`Ros2Error::Domain`]
@@ -43,7 +43,7 @@ impl RosDomain {
         domain.map(Self).ok_or_else(|| Ros2Error::Domain { value: value.to_owned() })
     }
 
-    /// The number.
+    /// Returns the number.
     pub fn number(self) -> u16 {
         self.0
     }

@@ -1,38 +1,38 @@
-//! What can go wrong with a connection to ROS 2.
+//! Errors of a connection to ROS 2.
 
 use super::topic::Topic;
 
-/// Why there is no connection to ROS 2, or none any more. What is wrong with single messages is a
-/// [`Refusal`](super::Refusal).
+/// Why a connection to ROS 2 cannot be made or has ended. A [`Refusal`](super::Refusal) says what is wrong with a
+/// single message.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Ros2Error {
-    /// `ROS_DOMAIN_ID` is no domain.
+    /// `ROS_DOMAIN_ID` is no valid domain.
     #[error("ROS_DOMAIN_ID is {value:?}: give a number from 0 to 232")]
     Domain {
-        /// What it is.
+        /// Value of the variable.
         value: String,
     },
-    /// Something cannot be made.
+    /// An entity of the connection cannot be created.
     #[error("ROS 2 cannot make {what}: {reason}")]
     Create {
-        /// What it is.
+        /// Name of the entity.
         what: String,
-        /// What the library or the system says.
+        /// Reason that the library or the operating system gives.
         reason: String,
     },
-    /// A topic cannot be read any more.
+    /// Reading from a topic failed.
     #[error("ROS 2 cannot read {}: {reason}", topic.name())]
     Read {
-        /// The topic.
+        /// Topic.
         topic: Topic,
-        /// What the library says.
+        /// Reason that the library gives.
         reason: String,
     },
-    /// A thread that speaks ROS 2 has ended while the loop ran.
+    /// A thread of the connection ended while the loop ran.
     #[error("the thread that {does} ROS 2 messages has ended")]
     Ended {
-        /// What it did.
+        /// Task of the thread.
         does: &'static str,
     },
     /// The simulated robot refuses a command.

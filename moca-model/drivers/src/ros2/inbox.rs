@@ -1,4 +1,4 @@
-//! The messages of one topic.
+//! Messages of one topic.
 
 use std::collections::HashMap;
 use std::time::SystemTime;
@@ -11,11 +11,11 @@ use super::node::Peers;
 use super::refusal::Refusal;
 use super::statistics::TopicStatistics;
 
-/// A subscription, and what has come on it.
+/// Subscription with the statistics of its messages.
 pub(super) struct Inbox<M: 'static> {
     pub(super) subscription: Subscription<M>,
     pub(super) statistics: TopicStatistics,
-    /// The number of the newest message of each publisher.
+    /// Number of the newest message of each publisher.
     newest: HashMap<Gid, i64>,
 }
 
@@ -24,7 +24,7 @@ impl<M: DeserializeOwned> Inbox<M> {
         Self { subscription, statistics, newest: HashMap::new() }
     }
 
-    /// Takes all messages that have come; never waits. `take` returns the age of a message, where it has one.
+    /// Takes all waiting messages without blocking. `take` returns the age of a message, where it has one.
     ///
     /// # Errors
     /// [`Ros2Error::Read`]
@@ -64,7 +64,7 @@ impl<M: DeserializeOwned> Inbox<M> {
         }
     }
 
-    /// Counts messages that are missing between the newest of this publisher and this one.
+    /// Counts the messages that are missing between the newest one of this publisher and this one.
     fn count(&mut self, publisher: Gid, number: i64) {
         let newest = self.newest.entry(publisher).or_insert(number);
         let missing = number.saturating_sub(*newest).saturating_sub(1);

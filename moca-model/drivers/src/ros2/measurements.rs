@@ -1,4 +1,4 @@
-//! From joint states and odometry to measurements.
+//! Conversion of joint states and odometry to measurements.
 
 use std::f64::consts::{PI, TAU};
 use std::time::SystemTime;
@@ -12,69 +12,69 @@ use super::refusal::Refusal;
 use super::stamps::Stamps;
 use super::{BASE_FRAME, WORLD_FRAME};
 
-/// How old the odometry of a measurement may be \[s\]: bases publish slower than arms.
+/// Largest age of the odometry in a measurement \[s\]. Bases publish more slowly than arms.
 const OLDEST_ODOMETRY: f64 = 0.1;
-/// For how long what the robot says of itself holds after it came \[s\].
+/// Time for which a mode that the robot reports stays valid \[s\].
 const MODE_HOLDS: f64 = 1.0;
-/// The modes by their names.
+/// Modes by their names.
 const MODES: [(&str, RobotMode); 4] = [
     ("running", RobotMode::Running),
     ("stopped", RobotMode::Stopped),
     ("reflex", RobotMode::Reflex),
     ("user_stop", RobotMode::UserStop),
 ];
-/// How far from 1 the norm of an orientation may be.
+/// Largest deviation of an orientation's norm from 1.
 const NORM: f64 = 1e-3;
-/// The frame of the base on its axles: on its motion in the plane it agrees with [`BASE_FRAME`].
+/// Frame of the base on its axles. In the plane it moves like [`BASE_FRAME`].
 const AXLES_FRAME: &str = "base_link";
 
-/// The joints of a robot: x, y and yaw of a base, then those of an arm by their names.
+/// Joints of a robot: x, y and yaw of a base, then the joints of an arm by their names.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RobotJoints {
     arm: Vec<String>,
 }
 
 impl RobotJoints {
-    /// MOCA's.
+    /// Returns the joints of MOCA.
     pub fn moca() -> Self {
         Self { arm: MOCA_JOINTS.iter().skip(MOCA_BASE_JOINTS).map(ToString::to_string).collect() }
     }
 
-    /// The names of the arm's joints, in the order of q.
+    /// Returns the names of the arm's joints, in the order of q.
     pub fn arm(&self) -> &[String] {
         &self.arm
     }
 
-    /// How many there are, with the base's three.
+    /// Returns the number of joints, with the three of the base.
     pub fn count(&self) -> usize {
         MOCA_BASE_JOINTS + self.arm.len()
     }
 }
 
-/// Joins the joint states of the arm and the odometry of the base.
+/// Combines joint states of the arm with odometry of the base.
 ///
-/// A joint state makes a measurement of both, if odometry has come within 0.1 s before it. Joints that are
-/// not the robot's are left out: grippers and wheels are published with the arm.
+/// A joint state gives a measurement of both if the last odometry is at most 0.1 s older. Other joints in the message
+/// are ignored: grippers and wheels are published together with the arm.
 #[derive(Clone, Debug)]
 pub struct Measurements {
     joints: RobotJoints,
     measured: JointMeasurement,
-    /// Where each joint of the arm is in a message.
+    /// Place of each joint of the arm in a message.
     places: Vec<usize>,
     joint_stamps: Stamps,
     odometry_stamps: Stamps,
-    /// Of the newest odometry.
+    /// Time of the newest odometry.
     odometry: Option<Time>,
     mode: Option<(RobotMode, SystemTime)>,
 }
 
-/// The name of a mode, as `/robot_mode` has it.
+/// Returns the name of a mode on `/robot_mode`.
 pub(super) fn mode_name(mode: RobotMode) -> &'static str {
     MODES.iter().find(|(_, known)| *known == mode).map_or("stopped", |(name, _)| name)
 }
 
 impl Measurements {
-    /// Of such a robot, before the first.
+    /// Creates the combination for a robot with these joints, before the first message.
     pub fn new(joints: RobotJoints) -> Self {
         let count = joints.count();
         Self {
@@ -88,16 +88,19 @@ impl Measurements {
         }
     }
 
-    /// The newest of base and arm: q in the world, q̇ along the world's axes; the base measures no torques.
+    /// Returns the newest measurement of base and arm: q in the world, q̇ along the world's axes. The base measures no
+    /// torques.
     pub fn newest(&self) -> &JointMeasurement {
         &self.measured
     }
 
-    /// Takes a joint state that has come `now`, and has made a measurement; its age \[s\]. Velocities must be in it.
-    /// Efforts may be left out, by an empty list or by a NaN for a joint: such a torque is not measured.
+    /// Takes a joint state that came at time `now` and that completes a measurement. Returns its age \[s\].
+    ///
+    /// The velocities are required. An empty list of efforts, or a NaN for a joint, means that the torque is not
+    /// measured.
     ///
     /// # Errors
-    /// Why it makes none. The numbers are then as they were, but for [`Refusal::NoOdometry`].
+    /// Why there is no measurement. The numbers are then unchanged, except with [`Refusal::NoOdometry`].
     pub fn take_joint_state(
         &mut self,
         state: &JointState,
@@ -144,11 +147,11 @@ impl Measurements {
         }
     }
 
-    /// Takes odometry that has come `now`; its age \[s\]. Of a tilted base only the yaw counts, which goes on from turn
-    /// to turn as the robot's does.
+    /// Takes odometry that came at time `now`. Returns its age \[s\]. Only the yaw of the orientation counts; it
+    /// continues over full turns, as the robot's yaw does.
     ///
     /// # Errors
-    /// Why it is refused; the numbers are then as they were.
+    /// Why the odometry is refused; the numbers are then unchanged.
     pub fn take_odometry(&mut self, odometry: &Odometry, now: SystemTime) -> Result<f64, Refusal> {
         check_frame(&odometry.header.frame_id, WORLD_FRAME)?;
         if odometry.child_frame_id != AXLES_FRAME {
@@ -181,10 +184,10 @@ impl Measurements {
         Ok(age)
     }
 
-    /// Takes the robot's mode by its name that has come `now`: `running`, `stopped`, `reflex` or `user_stop`.
+    /// Takes the name of the robot's mode that came at time `now`: `running`, `stopped`, `reflex` or `user_stop`.
     ///
     /// # Errors
-    /// A name of none.
+    /// [`Refusal::Mode`] for another name.
     pub fn take_mode(&mut self, text: &Text, now: SystemTime) -> Result<(), Refusal> {
         let known = MODES.iter().find(|(name, _)| *name == text.data);
         let (_, mode) = known.ok_or_else(|| Refusal::Mode { found: text.data.clone() })?;
@@ -192,7 +195,8 @@ impl Measurements {
         Ok(())
     }
 
-    /// What the robot has said of itself within the last second. Whether it took a command ROS does not say.
+    /// Returns the mode that the robot reported within the last second. ROS does not say whether the robot took a
+    /// command.
     fn status(&self, now: SystemTime) -> RobotStatus {
         let holds = |at: SystemTime| {
             now.duration_since(at).map_or(true, |since| since.as_secs_f64() <= MODE_HOLDS)
@@ -201,7 +205,7 @@ impl Measurements {
         RobotStatus { mode, took_command: None }
     }
 
-    /// Finds the arm's joints.
+    /// Finds the places of the arm's joints.
     fn find(&mut self, names: &[String]) -> Result<(), Refusal> {
         self.places.clear();
         for joint in &self.joints.arm {

@@ -1,4 +1,4 @@
-//! The ROS messages in use, field by field as their definitions have them: CDR is without names. Positions in m,
+//! ROS messages in use. The fields have the order of the definitions, because CDR stores no names. Positions are in m,
 //! angles in rad, forces in N, torques in Nm.
 
 use serde::{Deserialize, Serialize};
@@ -6,25 +6,25 @@ use serde::{Deserialize, Serialize};
 /// `builtin_interfaces/Time`, since 1970.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Time {
-    /// \[s\]
+    /// Seconds \[s\].
     pub sec: i32,
-    /// \[ns\], below 10⁹.
+    /// Nanoseconds \[ns\], below 10⁹.
     pub nanosec: u32,
 }
 
 /// `std_msgs/Header`
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Header {
-    /// When the numbers were true.
+    /// Time of the numbers.
     pub stamp: Time,
-    /// The frame that they are in.
+    /// Frame of the numbers.
     pub frame_id: String,
 }
 
 /// `std_msgs/String`
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Text {
-    /// The text.
+    /// Text.
     pub data: String,
 }
 
@@ -47,7 +47,7 @@ pub struct Quaternion {
     pub w: f64,
 }
 
-/// No rotation.
+/// The identity.
 impl Default for Quaternion {
     fn default() -> Self {
         Self { x: 0.0, y: 0.0, z: 0.0, w: 1.0 }
@@ -57,9 +57,9 @@ impl Default for Quaternion {
 /// `geometry_msgs/Pose`
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Pose {
-    /// \[m\]
+    /// Position \[m\].
     pub position: Vector3,
-    /// Of norm 1.
+    /// Orientation, of norm 1.
     pub orientation: Quaternion,
 }
 
@@ -68,16 +68,16 @@ pub struct Pose {
 pub struct PoseArray {
     /// Time and frame of all poses.
     pub header: Header,
-    /// The poses.
+    /// Poses.
     pub poses: Vec<Pose>,
 }
 
 /// `geometry_msgs/Twist`
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Twist {
-    /// \[m/s\]
+    /// Linear velocity \[m/s\].
     pub linear: Vector3,
-    /// \[rad/s\]
+    /// Angular velocity \[rad/s\].
     pub angular: Vector3,
 }
 
@@ -86,84 +86,84 @@ pub struct Twist {
 pub struct TwistStamped {
     /// Time and frame.
     pub header: Header,
-    /// The twist.
+    /// Twist.
     pub twist: Twist,
 }
 
-/// The 36 numbers of a covariance, row by row.
+/// 36 numbers of a covariance, row by row.
 pub type Covariance = [[f64; 6]; 6];
 
 /// `geometry_msgs/PoseWithCovariance`
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PoseWithCovariance {
-    /// The pose.
+    /// Pose.
     pub pose: Pose,
-    /// Of x, y, z and the rotations about them.
+    /// Covariance of x, y, z and the rotations about them.
     pub covariance: Covariance,
 }
 
 /// `geometry_msgs/TwistWithCovariance`
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TwistWithCovariance {
-    /// The twist.
+    /// Twist.
     pub twist: Twist,
-    /// Linear, then angular.
+    /// Covariance of the linear, then of the angular velocity.
     pub covariance: Covariance,
 }
 
 /// `nav_msgs/Odometry`
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Odometry {
-    /// Time, and the frame of the pose.
+    /// Time, and frame of the pose.
     pub header: Header,
-    /// The frame of the twist.
+    /// Frame of the twist.
     pub child_frame_id: String,
-    /// Of the child frame.
+    /// Pose of the child frame.
     pub pose: PoseWithCovariance,
-    /// Of the child frame, in its own axes.
+    /// Twist of the child frame, in its own axes.
     pub twist: TwistWithCovariance,
 }
 
-/// `sensor_msgs/JointState`: numbers of the joints in the order of their names; a list may be empty.
+/// `sensor_msgs/JointState`: numbers of the joints in the order of their names. A list may be empty.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct JointState {
-    /// When they were measured; the frame means nothing.
+    /// Time of the measurement; the frame has no meaning.
     pub header: Header,
-    /// The joints.
+    /// Names of the joints.
     pub name: Vec<String>,
-    /// \[m or rad\]
+    /// Positions \[m or rad\].
     pub position: Vec<f64>,
-    /// \[m/s or rad/s\]
+    /// Velocities \[m/s or rad/s\].
     pub velocity: Vec<f64>,
-    /// \[N or Nm\]
+    /// Efforts \[N or Nm\].
     pub effort: Vec<f64>,
 }
 
 /// `std_msgs/MultiArrayDimension`
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MultiArrayDimension {
-    /// Its name.
+    /// Name of the dimension.
     pub label: String,
-    /// How many elements it has.
+    /// Number of elements.
     pub size: u32,
-    /// From one element to the next.
+    /// Distance from one element to the next.
     pub stride: u32,
 }
 
 /// `std_msgs/MultiArrayLayout`
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MultiArrayLayout {
-    /// The dimensions; none for a plain list.
+    /// Dimensions; empty for a plain list.
     pub dim: Vec<MultiArrayDimension>,
-    /// Numbers before the first element.
+    /// Number of values before the first element.
     pub data_offset: u32,
 }
 
 /// `std_msgs/Float64MultiArray`
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Float64MultiArray {
-    /// How the numbers lie.
+    /// Layout of the numbers.
     pub layout: MultiArrayLayout,
-    /// The numbers.
+    /// Numbers.
     pub data: Vec<f64>,
 }

@@ -1,4 +1,4 @@
-//! A node of the ROS graph.
+//! Node of the ROS graph.
 
 use std::collections::HashMap;
 
@@ -18,17 +18,17 @@ use super::refusal::Refusal;
 use super::statistics::TopicStatistics;
 use super::topic::Topic;
 
-/// Messages that may wait to be taken, of those that come while a thread does not run.
+/// Number of messages that may wait while a thread does not run.
 const DEPTH: usize = 64;
 
-/// A node with its connection.
+/// Node with its connection.
 pub(super) struct RosNode {
     context: Context,
     node: Node,
 }
 
 impl RosNode {
-    /// Joins a domain.
+    /// Joins a domain as a node of this name.
     ///
     /// # Errors
     /// [`Ros2Error::Create`]
@@ -44,7 +44,7 @@ impl RosNode {
         Ok(Self { context, node })
     }
 
-    /// A publisher whom every subscriber may take: reliable, and volatile. It never waits for one.
+    /// Creates a publisher that suits every subscriber: reliable and volatile. It never waits for a subscriber.
     pub(super) fn publisher<M: Serialize>(
         &mut self,
         topic: Topic,
@@ -57,8 +57,8 @@ impl RosNode {
         self.node.create_publisher(&handle, None).map_err(failed)
     }
 
-    /// A subscription that takes every publisher: best effort, for what is repeated anew is better than what is sent
-    /// again.
+    /// Creates a subscription that suits every publisher. It uses best effort, because a newer message is better than a
+    /// repeated old one.
     pub(super) fn inbox<M: DeserializeOwned>(
         &mut self,
         topic: Topic,
@@ -72,7 +72,7 @@ impl RosNode {
         Ok(Inbox::new(subscription, TopicStatistics::new(topic)))
     }
 
-    /// Whoever else uses these topics.
+    /// Returns the other users of these topics.
     pub(super) fn peers(&self, topics: Vec<Topic>) -> Peers {
         let events = self.context.domain_participant().status_listener();
         Peers { events, topics, strangers: HashMap::new() }
@@ -92,7 +92,7 @@ impl RosNode {
     }
 }
 
-/// Publishers and subscribers of other types on topics in use.
+/// Publishers and subscribers with other message types on topics in use.
 pub(super) struct Peers {
     events: DomainParticipantStatusListener,
     topics: Vec<Topic>,
@@ -100,7 +100,7 @@ pub(super) struct Peers {
 }
 
 impl Peers {
-    /// Takes what discovery has found since.
+    /// Takes the results of discovery since the last call.
     pub(super) fn update(&mut self) {
         while let Some(event) = self.events.try_recv_status() {
             let peer = match event {
@@ -117,17 +117,17 @@ impl Peers {
         }
     }
 
-    /// The topics.
+    /// Returns the topics.
     pub(super) fn topics(&self) -> impl Iterator<Item = Topic> + '_ {
         self.topics.iter().copied()
     }
 
-    /// Why messages of this publisher are refused, if they are.
+    /// Returns why messages of this publisher are refused; `None` if they are not.
     pub(super) fn refusal(&self, publisher: Gid) -> Option<Refusal> {
         self.strangers.get(&publisher).map(|(_, refusal)| refusal.clone())
     }
 
-    /// Counts the strangers on a topic.
+    /// Adds the number of peers with other types on a topic to its statistics.
     pub(super) fn count(&self, statistics: &mut TopicStatistics) {
         let topic = statistics.topic;
         for (_, refusal) in self.strangers.values().filter(|(on, _)| *on == topic) {

@@ -1,4 +1,4 @@
-//! The thread that publishes.
+//! Thread that publishes.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
@@ -15,10 +15,10 @@ use super::node::RosNode;
 use super::side::WAKES;
 use super::topic::{JointInterface, Topic};
 
-/// What is published last must leave before the connection closes.
+/// Time that the last message has to leave before the connection closes.
 const LEAVES: Duration = Duration::from_millis(50);
 
-/// What the publishing thread has done.
+/// Results of the publishing thread.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Publishing {
     pub(super) taken: u64,
@@ -26,7 +26,7 @@ pub(super) struct Publishing {
     pub(super) superseded: u64,
 }
 
-/// The thread that publishes.
+/// Handle of the publishing thread.
 pub(super) struct Outbox {
     twist: Publisher<TwistStamped>,
     joints: Publisher<Float64MultiArray>,
@@ -35,12 +35,12 @@ pub(super) struct Outbox {
     interface: JointInterface,
     arm_joints: usize,
     done: Publishing,
-    /// The connection lives as long as this.
+    /// Keeps the connection open.
     _node: RosNode,
 }
 
 impl Outbox {
-    /// Of commands to an arm of so many joints, with their times since `epoch`.
+    /// Creates the thread for commands to an arm with this number of joints, with their times since `epoch`.
     pub(super) fn new(
         mut node: RosNode,
         interface: JointInterface,
@@ -62,7 +62,7 @@ impl Outbox {
 
     pub(super) fn run(mut self, ending: &AtomicBool) -> Publishing {
         loop {
-            // Whoever wakes it has given a command before, or has asked it to end.
+            // Whoever wakes this thread has sent a command before or has asked it to end.
             thread::park_timeout(WAKES);
             let ends = ending.load(Ordering::Acquire);
             self.publish_newest();

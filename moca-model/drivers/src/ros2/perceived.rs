@@ -1,4 +1,4 @@
-//! From body joints and actions to percepts.
+//! Conversion of body joints and actions to percepts.
 
 use std::time::SystemTime;
 
@@ -11,27 +11,27 @@ use super::messages::{Float64MultiArray, Pose, PoseArray, Text, Time};
 use super::refusal::Refusal;
 use super::stamps::Stamps;
 
-/// For how long an action holds after it was published \[s\].
+/// Time for which a published action stays valid \[s\].
 const ACTION_HOLDS: f64 = 1.0;
 
-/// People as somebody else's camera has seen them.
+/// People that another program's camera has seen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SeenPeople {
-    /// When the camera took the frame.
+    /// Time at which the camera took the frame.
     pub taken: SystemTime,
-    /// The person who works with the robot, if they are in view, in the frame of the odometry.
+    /// Person who works with the robot, in the frame of the odometry; `None` if they are not in view.
     pub body: Option<Body>,
-    /// The other people in view, likewise.
+    /// Other people in view, in the frame of the odometry.
     pub others: Vec<Body>,
-    /// What the person does, if that was published within the last second, and confidences of their joints came.
+    /// Action of the person, if it was published within the last second and confidences of their joints came.
     pub action: Option<RecognisedAction>,
 }
 
-/// Joins body joints, confidences and actions.
+/// Combines body joints, confidences and actions.
 #[derive(Clone, Debug)]
 pub struct Perceived {
     stamps: Stamps,
-    /// Of the joints of the body with this stamp.
+    /// Confidences of the joints of the body with this stamp.
     confidences: Option<(Time, Vec<Confidence>)>,
     action: Option<(RecognisedAction, SystemTime)>,
 }
@@ -43,16 +43,16 @@ impl Default for Perceived {
 }
 
 impl Perceived {
-    /// Takes body joints that have come `now`: a pose for each of [`Body25::ALL`], in this order, in the frame of the
-    /// odometry. A joint that was not seen has three NaN. Orientations mean nothing. Behind those of the person who
-    /// works with the robot there may be those of others, as many each.
+    /// Takes body joints that came at time `now`: a pose for each of [`Body25::ALL`], in this order, in the frame of
+    /// the odometry. A joint that was not seen has three NaN. Orientations have no meaning. Further groups of the same
+    /// length belong to other people.
     ///
-    /// Confidences of the joints are those that came before with the same stamp. Without them nobody knows which joint
-    /// is where it seems to be: the people are kept away from, and no action of theirs counts, so that the robot works
+    /// The confidences of the joints are those that came before with the same stamp. If they are missing, the positions
+    /// of the joints are uncertain. The robot then keeps away from these people and ignores their actions, so it works
     /// with nobody and touches nobody.
     ///
     /// # Errors
-    /// Why they are refused.
+    /// Why the joints are refused.
     pub fn take_body(&mut self, poses: &PoseArray, now: SystemTime) -> Result<SeenPeople, Refusal> {
         check_frame(&poses.header.frame_id, WORLD_FRAME)?;
         let (found, expected) = (poses.poses.len(), Body25::COUNT);
@@ -82,11 +82,11 @@ impl Perceived {
         Ok(SeenPeople { taken, body, others, action })
     }
 
-    /// Takes the confidences of body joints: the stamp of these \[s, ns\], then a number from 0 to 1 for each pose.
-    /// They must come before the body joints.
+    /// Takes the confidences of body joints: their stamp \[s, ns\], then a number from 0 to 1 for each pose. They must
+    /// come before the body joints.
     ///
     /// # Errors
-    /// Why they are refused; those before then stay.
+    /// Why the confidences are refused; those before are then kept.
     pub fn take_confidences(&mut self, message: &Float64MultiArray) -> Result<(), Refusal> {
         let (what, found, expected) = ("body confidences", message.data.len(), 2 + Body25::COUNT);
         let size = Refusal::Size { what, found, expected };
@@ -98,17 +98,17 @@ impl Perceived {
             Confidence::new(*value).map_err(|_| Refusal::Confidence { value: *value })
         };
         let values = values.iter().map(confidence).collect::<Result<_, _>>()?;
-        // Saturates: what is no stamp goes with no body.
+        // The conversion saturates: an invalid stamp matches no body.
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "as above")]
         let stamp = Time { sec: *sec as i32, nanosec: *nanosec as u32 };
         self.confidences = Some((stamp, values));
         Ok(())
     }
 
-    /// Takes an action by its name that has come `now`.
+    /// Takes the name of an action that came at time `now`.
     ///
     /// # Errors
-    /// A name of none.
+    /// [`Refusal::Action`] for the name of no action.
     pub fn take_action(&mut self, text: &Text, now: SystemTime) -> Result<(), Refusal> {
         let action =
             Action::from_name(&text.data).map_err(|error| Refusal::Action(error.to_string()))?;
@@ -117,7 +117,7 @@ impl Perceived {
     }
 }
 
-/// The body with these joints; none of nobody. Joints of unknown confidence are there.
+/// Returns the body with these joints; `None` if no joint was seen. Joints of unknown confidence count as seen.
 fn body(poses: &[Pose], confidences: &[Confidence]) -> Result<Option<Body>, Refusal> {
     let mut body = Body::default();
     let confidences = confidences.iter().copied().chain(std::iter::repeat(Confidence::ONE));

@@ -1,4 +1,4 @@
-//! The thread that takes messages.
+//! Thread that takes messages.
 
 use std::io::ErrorKind;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -18,7 +18,7 @@ use super::side::WAKES;
 use super::statistics::TopicStatistics;
 use super::topic::{JointInterface, Topic};
 
-/// The thread that takes messages.
+/// Handle of the thread that takes messages.
 pub(super) struct Reader {
     poll: Poll,
     peers: Peers,
@@ -34,7 +34,7 @@ pub(super) struct Reader {
     persons: SyncSender<SeenPeople>,
 }
 
-/// Where measurements are given: positions, velocities and torques of all joints; and what the robot says of itself.
+/// Queues for measurements (positions, velocities and torques of all joints) and for the status of the robot.
 pub(super) struct Measured {
     pub(super) numbers: Giver<Option<f64>>,
     pub(super) status: Giver<RobotStatus>,
@@ -74,7 +74,7 @@ impl Reader {
             persons,
         };
         let registry = reader.poll.registry();
-        // Whatever wakes it, all topics are drained.
+        // All topics are drained whenever the thread wakes.
         registry
             .register(&mut reader.joint_states.subscription, Token(0), Interest::READABLE)
             .and_then(|()| {
@@ -133,7 +133,7 @@ impl Reader {
             perceived.take_confidences(confidences).map(|()| None)
         })?;
         self.bodies.drain(peers, |poses, now| {
-            // A loop that takes none for a while misses these, as it would miss a camera's.
+            // A loop that reads no people for a while misses these, as with a real camera.
             let _ = persons.try_send(perceived.take_body(poses, now)?);
             Ok(None)
         })

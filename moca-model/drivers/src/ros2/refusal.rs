@@ -2,122 +2,122 @@
 
 use crate::CommandRefusal;
 
-/// Why a message is refused. The newest one before it stays in force, until it is too old.
+/// Why a message is refused. The last accepted message stays valid until it is too old.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Refusal {
-    /// Somebody else has another type of message on the topic.
+    /// Another node uses another message type on the topic.
     #[error("somebody has the type {found} there, expected {expected}")]
     Type {
-        /// Their type.
+        /// Type of the other node.
         found: String,
-        /// That of the topic.
+        /// Type of the topic.
         expected: String,
     },
-    /// Its bytes are no such message.
+    /// The bytes are no message of this type.
     #[error("bytes that are no such message: {reason}")]
     Bytes {
-        /// What the decoder says.
+        /// Reason that the decoder gives.
         reason: String,
     },
-    /// A list has another length than it should.
+    /// A list has the wrong length.
     #[error("{found} numbers of {what}, expected {expected}")]
     Size {
-        /// What the list is of.
+        /// Contents of the list.
         what: &'static str,
-        /// Its length.
+        /// Length of the list.
         found: usize,
-        /// What it should be.
+        /// Expected length.
         expected: usize,
     },
-    /// A joint of the robot is not in it.
+    /// A joint of the robot is missing.
     #[error("no joint {joint:?} among {found:?}")]
     MissingJoint {
-        /// The joint.
+        /// Joint.
         joint: String,
-        /// The joints that are.
+        /// Joints in the message.
         found: Vec<String>,
     },
-    /// A joint of the robot is in it more than once.
+    /// A joint of the robot is in the message more than once.
     #[error("joint {joint:?} more than once")]
     RepeatedJoint {
-        /// The joint.
+        /// Joint.
         joint: String,
     },
     /// A number is NaN or infinite.
     #[error("{what}: a number that is not finite")]
     NotFinite {
-        /// What the number is of.
+        /// Name of the quantity.
         what: &'static str,
     },
-    /// A quaternion that is no rotation.
+    /// The quaternion is no rotation.
     #[error("an orientation of norm {norm}, expected 1")]
     Orientation {
-        /// Its norm.
+        /// Norm of the quaternion.
         norm: f64,
     },
-    /// It is in another frame.
+    /// The message has another frame.
     #[error("in the frame {found:?}, expected {expected:?}")]
     Frame {
-        /// Its frame.
+        /// Frame of the message.
         found: String,
-        /// What it should be.
+        /// Expected frame.
         expected: &'static str,
     },
-    /// Its stamp is zero, which publishers leave that do not stamp.
+    /// The stamp is zero: the publisher does not stamp its messages.
     #[error("no stamp; give it the time of the system clock")]
     NoStamp,
-    /// Its stamp is no time.
+    /// The stamp is no valid time.
     #[error("a stamp with {nanosec} ns, expected less than a second")]
     Stamp {
-        /// Its nanoseconds.
+        /// Nanoseconds of the stamp.
         nanosec: u32,
     },
-    /// It is too old, or stamped by another clock.
+    /// The message is too old, or another clock stamped it.
     #[error(
         "stamped {age:.3} s ago, expected at most {oldest} s: late, or by a clock that is behind this machine's"
     )]
     Old {
-        /// By this machine's clock \[s\].
+        /// Age by this machine's clock \[s\].
         age: f64,
-        /// What it may be \[s\].
+        /// Largest allowed age \[s\].
         oldest: f64,
     },
-    /// It is from the future: stamped by another clock.
+    /// The stamp lies in the future: another clock stamped it.
     #[error(
         "stamped {ahead:.3} s in the future, expected at most {most} s: by a clock that is ahead of this machine's"
     )]
     Future {
-        /// By this machine's clock \[s\].
+        /// Time until the stamp by this machine's clock \[s\].
         ahead: f64,
-        /// What it may be \[s\].
+        /// Largest allowed value \[s\].
         most: f64,
     },
-    /// A newer one has come before it.
+    /// A newer message came before this one.
     #[error("stamped no later than the message before")]
     Overtaken,
-    /// There is no odometry to go with joint states.
+    /// No odometry is recent enough for the joint states.
     #[error("no odometry in the last {oldest} s; base and arm are measured together")]
     NoOdometry {
-        /// How old it may be \[s\].
+        /// Largest allowed age of odometry \[s\].
         oldest: f64,
     },
-    /// A mode that is none.
+    /// The name of the mode is unknown.
     #[error("the mode {found:?}, expected one of running, stopped, reflex, user_stop")]
     Mode {
-        /// What it is.
+        /// Name that was found.
         found: String,
     },
-    /// A confidence that is none.
+    /// The confidence is not between 0 and 1.
     #[error("a confidence of {value}, expected 0 to 1")]
     Confidence {
-        /// Its value.
+        /// Value of the confidence.
         value: f64,
     },
-    /// A command that the robot does not take.
+    /// The robot refuses the command.
     #[error(transparent)]
     Command(#[from] CommandRefusal),
-    /// An action that is none of the thirty.
+    /// The name is none of the thirty actions.
     #[error("{0}")]
     Action(String),
 }

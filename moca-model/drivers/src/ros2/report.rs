@@ -1,4 +1,4 @@
-//! What went over a connection, for people and for programs.
+//! Messages of a connection, for people and for programs.
 
 use std::fmt;
 
@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::side::Ros2Statistics;
 use super::statistics::{RefusalCount, TopicStatistics};
 
-/// What went over a connection. Times in µs.
+/// Messages of a connection. Times in µs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Ros2Report {
     published: u64,
@@ -17,13 +17,13 @@ pub struct Ros2Report {
     topics: Vec<TopicReport>,
 }
 
-/// What came on a topic. Times in µs.
+/// Messages of a topic. Times in µs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TopicReport {
     topic: &'static str,
     taken: u64,
     lost: u64,
-    /// None where no message has an age.
+    /// `None` where no message has an age.
     #[serde(skip_serializing_if = "Option::is_none")]
     age_us: Option<Ages>,
     refused: Vec<RefusalReport>,
@@ -39,7 +39,7 @@ struct Ages {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 struct RefusalReport {
     count: u64,
-    /// Of the last.
+    /// Reason of the last refusal.
     because: String,
 }
 

@@ -1,4 +1,4 @@
-//! The simulated robot behind ROS 2, with a recorded person before its camera.
+//! Simulated robot behind ROS 2, with a recorded person in front of its camera.
 
 use std::fmt;
 use std::time::SystemTime;
@@ -25,15 +25,15 @@ use super::topic::{JointInterface, Topic};
 use super::{BASE_FRAME, WORLD_FRAME};
 use crate::SimulatedSide;
 
-/// The newest commands hold for so many periods; then each period counts as one whose command was lost.
+/// Number of periods for which the newest commands are used. Afterwards each period counts as one with a lost command.
 const SILENCE: u64 = 20;
-/// After so many the robot, which stands, is ready for another controller.
+/// Number of periods without commands after which a robot at rest is ready for another controller.
 const ENDS: u64 = 1000;
-/// What the robot says of itself is published once in so many periods.
+/// Number of periods between two messages about the robot's mode.
 const SAYS: u64 = 50;
 
-/// A robot on the ROS graph. It measures and publishes once a period, and moves as the newest commands of base and arm
-/// say; without one of them it stands. Its camera sees a recorded person.
+/// A robot on the ROS graph. It measures and publishes once a period and follows the newest commands of base and arm.
+/// It stands still until both have come. Its camera sees a recorded person.
 pub struct Ros2Server {
     _node: RosNode,
     peers: Peers,
@@ -50,7 +50,7 @@ pub struct Ros2Server {
     measured: JointMeasurement,
     commands: Commands,
     command: JointCommand,
-    /// Periods since the newest twist and the newest torques.
+    /// Number of periods since the newest twist and since the newest torques.
     silent: [u64; 2],
     /// Whether the robot has been told to move since it was ready.
     moved: bool,
@@ -93,10 +93,10 @@ impl Ros2Server {
         })
     }
 
-    /// Runs until `stop` returns true, and shows these camera frames again and again.
+    /// Runs until `stop` returns true, and plays these camera frames in a loop.
     ///
     /// # Errors
-    /// A topic that cannot be read, and commands that the simulation refuses.
+    /// Errors of reading a topic, and commands that the simulation refuses.
     pub fn serve(
         &mut self,
         period: f64,
@@ -132,7 +132,7 @@ impl Ros2Server {
         Ok(())
     }
 
-    /// Moves for a period.
+    /// Moves for one period.
     fn act(&mut self) -> Result<(), Ros2Error> {
         let obeys = self.silent.iter().all(|silent| *silent < SILENCE);
         self.commands.write(self.yaw(), &mut self.command);
@@ -154,7 +154,7 @@ impl Ros2Server {
         Ok(())
     }
 
-    /// What has come so far.
+    /// Returns the statistics of the two topics of commands.
     pub fn statistics(&self) -> [TopicStatistics; 2] {
         [&self.twists.statistics, &self.efforts.statistics].map(|topic| {
             let mut topic = topic.clone();
@@ -167,7 +167,7 @@ impl Ros2Server {
         self.measured.position.get(MOCA_BASE_JOINTS - 1).copied().unwrap_or_default()
     }
 
-    /// Takes what has come.
+    /// Takes all waiting messages.
     fn listen(&mut self) -> Result<(), Ros2Error> {
         self.peers.update();
         let Self { peers, commands, silent: [twist, effort], .. } = self;
@@ -183,10 +183,10 @@ impl Ros2Server {
         })
     }
 
-    /// Publishes what the robot measures. A subscriber that is too slow is its own fault.
+    /// Publishes the measurement. It does not wait for slow subscribers.
     fn publish_measured(&self) {
         let JointMeasurement { position, velocity, torque, .. } = &self.measured;
-        // A joint that measures none has a NaN, as ROS has it.
+        // A joint without a measured torque has a NaN, as ROS defines it.
         let torque: Vec<_> = torque.iter().map(|torque| torque.unwrap_or(f64::NAN)).collect();
         let stamp = SystemTime::now().into();
         let arm = |numbers: &[f64]| numbers.get(MOCA_BASE_JOINTS..).unwrap_or_default().to_vec();
@@ -210,7 +210,7 @@ impl Ros2Server {
         });
     }
 
-    /// Publishes what the camera sees.
+    /// Publishes a camera frame.
     fn publish_seen(&self, frame: &CameraFrame) {
         let (percept, others) = (&frame.percept, frame.others());
         if let Some(seen) = &percept.action {

@@ -23,22 +23,22 @@ use super::reader::{Measured, Reader};
 use super::statistics::TopicStatistics;
 use super::topic::JointInterface;
 
-/// After so long at most the threads notice that they should end.
+/// Longest time after which the threads notice that they should end.
 pub(super) const WAKES: Duration = Duration::from_millis(50);
-/// Persons that may wait for whoever looks at them.
+/// Number of people that may wait in the queue.
 const WAITING: usize = 8;
 
 /// The loop's end of the connection.
 ///
-/// It publishes the commands of the base, in the axes of the base as measured last, and those of the arm to the
-/// controller of one [`JointInterface`]. To halt, it publishes a twist of zero, velocities of zero where the arm
-/// follows velocities, and then nothing more.
+/// It publishes the commands of the base in the axes of the base as last measured. The commands of the arm go to the
+/// controller of one [`JointInterface`]. To halt, it publishes a twist of zero, and velocities of zero if the arm
+/// follows velocities. Then it publishes nothing more.
 #[derive(Debug)]
 pub struct Ros2Side {
     measured: Taker<Option<f64>>,
     status: Taker<RobotStatus>,
     commands: Giver<f64>,
-    /// A command on its way: the time since `epoch` \[s\], the base's twist, the arm's part.
+    /// Command that is sent: time since `epoch` \[s\], the base's twist, the arm's part.
     outgoing: Vec<f64>,
     epoch: SystemTime,
     interface: JointInterface,
@@ -48,7 +48,7 @@ pub struct Ros2Side {
     publisher: JoinHandle<Publishing>,
 }
 
-/// Tells the threads to end, at the latest when nobody holds it any more.
+/// Tells the threads to end, at the latest when the last copy is dropped.
 #[derive(Debug)]
 struct Ending(Arc<AtomicBool>);
 
@@ -64,21 +64,21 @@ impl Drop for Ending {
     }
 }
 
-/// What went over a connection that is closed.
+/// Counts of a connection that is closed.
 #[derive(Clone, Debug)]
 pub struct Ros2Statistics {
-    /// What came on each topic; on all, those of commands too, whoever has another type there.
+    /// Statistics of each topic. They also count the peers with another type, on the topics of commands too.
     pub topics: Vec<TopicStatistics>,
-    /// Commands that were published.
+    /// Number of commands that were published.
     pub published: u64,
-    /// Commands that the library did not take.
+    /// Number of commands that the library refused.
     pub failed: u64,
-    /// Commands that a newer one replaced before they were published.
+    /// Number of commands that a newer one replaced before they were published.
     pub superseded: u64,
 }
 
 impl Ros2Side {
-    /// Joins a domain as the node `moca_control`; and where persons come that others see.
+    /// Joins a domain as the node `moca_control`. Also returns the queue of the people whom others see.
     ///
     /// # Errors
     /// [`Ros2Error::Create`]
@@ -115,10 +115,10 @@ impl Ros2Side {
         Ok((side, seen))
     }
 
-    /// Closes the connection; what went over it.
+    /// Closes the connection and returns its counts.
     ///
     /// # Errors
-    /// What ended one of its threads.
+    /// The error that ended one of its threads.
     pub fn close(self) -> Result<Ros2Statistics, Ros2Error> {
         self.end();
         let Publishing { taken: published, failed, superseded } =

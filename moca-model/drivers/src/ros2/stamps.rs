@@ -5,16 +5,17 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use super::messages::Time;
 use super::refusal::Refusal;
 
-/// How far stamps may be from this machine's clock.
+/// Allowed distance of stamps from this machine's clock.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StampWindow {
-    /// How old a message may be \[s\].
+    /// Largest age of a message \[s\].
     pub oldest: f64,
-    /// How far in the future it may be \[s\]: what clocks of two machines that are kept the same differ by.
+    /// Largest time by which a stamp may lie in the future \[s\]. It covers the remaining difference between
+    /// synchronised clocks of two machines.
     pub ahead: f64,
 }
 
-/// The stamps of one topic.
+/// Checks the stamps of one topic.
 ///
 /// ```
 /// use std::time::{Duration, UNIX_EPOCH};
@@ -36,25 +37,26 @@ pub struct Stamps {
 }
 
 impl Stamps {
-    /// At most this old and this far ahead.
+    /// Creates a check with this window.
     pub fn new(window: StampWindow) -> Self {
         Self { window, newest: None }
     }
 
-    /// What robots measure and are told: 100 ms old, 10 ms ahead.
+    /// Creates a check for measurements and commands of robots: at most 100 ms old, at most 10 ms ahead.
     pub fn of_robot() -> Self {
         Self::new(StampWindow { oldest: 0.1, ahead: 0.01 })
     }
 
-    /// What cameras see, and networks have looked at: 1 s old, 10 ms ahead.
+    /// Creates a check for camera frames and the results of networks: at most 1 s old, at most 10 ms ahead.
     pub fn of_camera() -> Self {
         Self::new(StampWindow { oldest: 1.0, ahead: 0.01 })
     }
 
-    /// Takes the stamp of a message that has come `now`; its age \[s\], negative if it is ahead.
+    /// Accepts the stamp of a message that came at time `now`. Returns its age \[s\], which is negative if the stamp is
+    /// ahead.
     ///
     /// # Errors
-    /// The refusals that are about stamps.
+    /// The refusals that concern stamps.
     pub fn admit(&mut self, stamp: Time, now: SystemTime) -> Result<f64, Refusal> {
         let StampWindow { oldest, ahead: most } = self.window;
         if stamp == Time::default() {
@@ -79,7 +81,7 @@ impl Stamps {
 }
 
 impl Time {
-    /// From another time to this one \[s\].
+    /// Returns the time from `other` to this time \[s\].
     pub fn seconds_since(self, other: Self) -> f64 {
         let whole = i64::from(self.sec) - i64::from(other.sec);
         let nanoseconds = i64::from(self.nanosec) - i64::from(other.nanosec);
@@ -87,7 +89,7 @@ impl Time {
     }
 }
 
-/// Times that ROS cannot write, before 1970 and after 2038, are zero, which no receiver admits.
+/// Converts a time. Times that ROS cannot write, before 1970 and after 2038, become zero, which no receiver accepts.
 impl From<SystemTime> for Time {
     fn from(time: SystemTime) -> Self {
         let since = time.duration_since(UNIX_EPOCH).unwrap_or(Duration::ZERO);

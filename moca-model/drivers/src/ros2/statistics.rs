@@ -1,4 +1,4 @@
-//! What has come on a topic.
+//! Statistics of a topic.
 
 use std::mem::discriminant;
 
@@ -7,32 +7,32 @@ use moca_model::whole_body::control_loop::TimeHistogram;
 use super::refusal::Refusal;
 use super::topic::Topic;
 
-/// How many messages were refused for one reason.
+/// Number of messages that were refused for one reason.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RefusalCount {
-    /// The newest of them.
+    /// Newest of these refusals.
     pub refusal: Refusal,
-    /// How many.
+    /// Number of messages.
     pub count: u64,
 }
 
-/// What has come on a topic.
+/// Statistics of the messages of a topic.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TopicStatistics {
-    /// The topic.
+    /// Topic.
     pub topic: Topic,
-    /// Messages that were taken.
+    /// Number of messages that were accepted.
     pub taken: u64,
-    /// Messages that never came, by the numbers that their publishers give them; and those refused for their bytes,
-    /// whose numbers are not known.
+    /// Number of messages that never came, by the numbers that their publishers give them. Messages whose bytes were
+    /// refused count too, since their numbers are unknown.
     pub lost: u64,
-    /// From the stamp of a message to when it was taken \[s\].
+    /// Time from the stamp of a message until it was taken \[s\].
     pub age: TimeHistogram,
     refused: Vec<RefusalCount>,
 }
 
 impl TopicStatistics {
-    /// Nothing yet.
+    /// Creates statistics without messages.
     pub fn new(topic: Topic) -> Self {
         Self { topic, taken: 0, lost: 0, age: TimeHistogram::default(), refused: Vec::new() }
     }
@@ -47,7 +47,7 @@ impl TopicStatistics {
         }
     }
 
-    /// The messages that were refused, by reason.
+    /// Returns the number of refused messages for each reason.
     pub fn refused(&self) -> &[RefusalCount] {
         &self.refused
     }

@@ -1,8 +1,8 @@
-//! The topics.
+//! Topics between loop and robot.
 
 use super::refusal::Refusal;
 
-/// What the joints of the arm follow: which controller of `ros2_controllers` their commands go to.
+/// Quantity that the joints of the arm follow. It decides which controller of `ros2_controllers` receives the commands.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum JointInterface {
     /// Torques \[Nm\]. The simulated robot follows these.
@@ -14,29 +14,29 @@ pub enum JointInterface {
     Position,
 }
 
-/// A topic between a loop and its robot.
+/// Topic between a loop and its robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Topic {
-    /// Of the arm.
+    /// Joint states of the arm.
     JointStates,
-    /// Of the base.
+    /// Odometry of the base.
     Odometry,
-    /// Of the robot: whether it takes commands.
+    /// Mode of the robot: whether it takes commands.
     RobotMode,
-    /// Of the person.
+    /// Joints of the people's bodies.
     BodyJoints,
-    /// Of the person's joints.
+    /// Confidences of the body joints.
     BodyConfidences,
-    /// Of the person.
+    /// Action of the person.
     Action,
-    /// To the base.
+    /// Twist of the base.
     BaseTwist,
-    /// To the arm.
+    /// Commands of the arm.
     JointCommands(JointInterface),
 }
 
 impl Topic {
-    /// Its name.
+    /// Returns the name of the topic.
     pub fn name(self) -> &'static str {
         match self {
             Self::JointStates => "/joint_states",
@@ -56,7 +56,7 @@ impl Topic {
         }
     }
 
-    /// The package and the name of its message.
+    /// Returns the package and the name of the message type.
     pub fn message(self) -> (&'static str, &'static str) {
         match self {
             Self::JointStates => ("sensor_msgs", "JointState"),
@@ -68,7 +68,8 @@ impl Topic {
         }
     }
 
-    /// Checks the type that somebody gives to this topic, as DDS writes it. DDS compares names of topics only.
+    /// Checks the message type that a peer uses on this topic, as DDS writes it. DDS itself compares only the names of
+    /// topics.
     ///
     /// ```
     /// use moca_drivers::ros2::Topic;

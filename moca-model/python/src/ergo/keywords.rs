@@ -4,7 +4,7 @@ use ergo_map::{Mode, Side};
 
 use crate::failure::{Failure, Result};
 
-/// A class of fields with defaults, which its constructor takes as keywords.
+/// Defines a class of fields with defaults, which its constructor takes as keywords.
 macro_rules! keyword_class {
     ($(#[$doc:meta])* $name:ident { $($(#[$field_doc:meta])* $field:ident: $type:ty = $default:tt,)* }) => {
         $(#[$doc])*
@@ -33,7 +33,7 @@ macro_rules! keyword_class {
 
 pub(super) use keyword_class;
 
-/// One of a few words.
+/// Reads one of the given words.
 pub(super) fn word<T: Copy>(name: &str, value: &str, words: &[(&str, T)]) -> Result<T> {
     words.iter().find(|(word, _)| *word == value).map(|(_, found)| *found).ok_or_else(|| {
         let words: Vec<_> = words.iter().map(|(word, _)| format!("\"{word}\"")).collect();

@@ -28,7 +28,7 @@ type Vector<'py> = Bound<'py, PyArray1<f64>>;
 /// spacing : float
 ///     Distance between nodes, in statures.
 /// region : pair of array_like, (3,), optional
-///     The two corners of where to look, in the person's frame [m]; all within reach if not given.
+///     The two corners of the region, in the person's frame [m]; everything within reach if not given.
 /// mode : str
 ///     "graded" or "faithful"; see `ergonomics_score`.
 ///
@@ -123,7 +123,7 @@ impl ErgonomicsMap {
         Ok(to_vector(py, &(0..view.nrows()).map(score).collect::<Vec<_>>()))
     }
 
-    /// The posture taken to put the hand there, (3,), between those of the nodes.
+    /// The posture for a hand position, (3,), interpolated between the postures of the nodes.
     fn posture(&self, hand: &Bound<'_, PyAny>) -> Result<Posture> {
         Ok(self.0.posture(&point("hand", hand)?)?.posture().into())
     }
@@ -135,7 +135,7 @@ impl ErgonomicsMap {
     /// region : pair of array_like, (3,), optional
     ///     The two corners of the points that count [m]; the work zone if not given.
     /// temperature : float
-    ///     T in the weight exp(-(e - min e)/T): the smaller, the more good postures count.
+    ///     T in the weight exp(-(e - min e)/T). A smaller T gives good postures more weight.
     /// min_curvature : float
     ///     Smallest eigenvalue of H [1/m²], positive.
     #[pyo3(signature = (*, region=None, temperature=0.5, min_curvature=1e-3))]
@@ -201,25 +201,25 @@ impl Quadratic {
     }
 }
 
-/// How well a quadratic stands for the score.
+/// How well a quadratic approximates the score.
 #[pyclass(frozen, module = "ahqp.ergo")]
 pub(crate) struct FitReport(ergo_map::FitReport);
 
 #[pymethods]
 impl FitReport {
-    /// Points that entered.
+    /// Number of points in the fit.
     #[getter]
     fn samples(&self) -> usize {
         self.0.samples
     }
 
-    /// Coefficient of determination, all points alike.
+    /// Coefficient of determination, with equal weights of all points.
     #[getter]
     fn r_squared(&self) -> f64 {
         self.0.r_squared
     }
 
-    /// Root mean square error, all points alike.
+    /// Root mean square error, with equal weights of all points.
     #[getter]
     fn rmse(&self) -> f64 {
         self.0.rmse

@@ -45,13 +45,13 @@ impl Person {
         Ok(Self(person))
     }
 
-    /// [m]
+    /// Stature [m].
     #[getter]
     fn stature(&self) -> f64 {
         self.0.stature()
     }
 
-    /// [kg]
+    /// Mass [kg].
     #[getter]
     fn mass(&self) -> f64 {
         self.0.mass()
@@ -63,7 +63,7 @@ impl Person {
         self.0.elbow_height()
     }
 
-    /// Lengths of the body [m], every one filled in.
+    /// Lengths of the body [m], with all values filled in.
     #[getter]
     fn segments(&self) -> BTreeMap<&'static str, f64> {
         let mut segments = self.0.segments();
@@ -75,13 +75,13 @@ impl Person {
     /// The posture of least effort that puts a hand at a point, (3,), in the person's frame [m]: origin
     /// on the floor below the pelvis, x forward, y left, z up. `side` is "left" or "right".
     ///
-    /// Raises `Error` with the reason where the hand cannot be there.
+    /// Raises `Error` with the reason if the hand cannot reach the point.
     #[pyo3(signature = (hand, *, side="right"))]
     fn posture_at(&self, hand: &Bound<'_, PyAny>, side: &str) -> Result<Posture> {
         Ok(self.predict(hand, side)?.angles.posture().into())
     }
 
-    /// Where the joints are in that posture, by name, (3,) each, in the person's frame [m].
+    /// The positions of the joints in that posture, by name, (3,) each, in the person's frame [m].
     #[pyo3(signature = (hand, *, side="right"))]
     fn landmarks_at<'py>(
         &self,
@@ -121,7 +121,7 @@ impl Person {
     }
 }
 
-/// The lengths by their names.
+/// Returns the lengths by their names.
 fn fields(segments: &mut Segments) -> [(&'static str, &mut Option<f64>); 10] {
     [
         ("ankle_height", &mut segments.ankle_height),

@@ -7,8 +7,8 @@ use super::keywords::{keyword_class, mode};
 use crate::failure::Result;
 
 keyword_class!(
-    /// The angles that REBA and RULA ask for [rad]: keywords, 0.0 where not given, which is upright
-    /// standing with hanging arms. Flexion is positive; side bends and twists count by magnitude.
+    /// The angles that REBA and RULA use [rad], as keywords. The default 0.0 is upright standing with hanging arms.
+    /// Flexion is positive; side bends and twists count by magnitude.
     Posture {
         /// Inclination of the trunk from the vertical, forward positive.
         trunk_flexion: f64 = 0.0,
@@ -79,7 +79,7 @@ impl From<ergo_map::Posture> for Posture {
 }
 
 impl Posture {
-    /// Checked.
+    /// Checks the angles and returns the posture.
     pub(crate) fn inner(&self) -> Result<ergo_map::Posture> {
         let posture = ergo_map::Posture {
             trunk_flexion: self.trunk_flexion,
@@ -102,8 +102,8 @@ impl Posture {
     }
 }
 
-/// The paper's score e_s of a posture, from 0 (good) to 4.25: the mean of what arms, trunk, legs and
-/// neck contribute. `mode` is "graded", piecewise linear, or "faithful", close to the printed classes.
+/// The paper's score e_s of a posture, from 0 (good) to 4.25: the mean of the contributions of arms, trunk, legs and
+/// neck. `mode` is "graded", piecewise linear, or "faithful", close to the printed classes.
 #[pyfunction]
 #[pyo3(signature = (posture, *, mode="graded"))]
 pub(crate) fn ergonomics_score(posture: &Posture, mode: &str) -> Result<f64> {

@@ -10,9 +10,8 @@ use super::posture::Posture;
 use crate::failure::Result;
 
 keyword_class!(
-    /// A filled-in REBA sheet (Hignett and McAtamney, Applied Ergonomics 31, 2000): the angles that are
-    /// measured [rad, flexion positive] and the boxes that are ticked. Keywords; what is not given is
-    /// that of an easy task.
+    /// A filled-in REBA sheet (Hignett and McAtamney, Applied Ergonomics 31, 2000): the measured angles [rad, flexion
+    /// positive] and the ticked boxes. All are keywords; the defaults are those of an easy task.
     Worksheet {
         /// Inclination of the trunk from the vertical.
         trunk_flexion: f64 = 0.0,
@@ -57,7 +56,7 @@ keyword_class!(
 
 #[pymethods]
 impl Worksheet {
-    /// The integer score with every sub-score. Raises `Error` for an angle or a load that is none.
+    /// The integer score with every sub-score. Raises `Error` for an invalid angle or load.
     fn score(&self) -> Result<Reba> {
         Ok(Reba(self.inner()?.score()?))
     }
@@ -105,7 +104,7 @@ const SUPPORTS: [(&str, LegSupport); 4] = [
     ("sitting", LegSupport::Sitting),
 ];
 
-/// A REBA score with everything that led to it.
+/// A REBA score with all its sub-scores and table values.
 #[pyclass(frozen, module = "ahqp.ergo")]
 pub(crate) struct Reba(ergo_map::Reba);
 
@@ -124,7 +123,7 @@ impl Reba {
         self.0.reba
     }
 
-    /// What it asks for: 0 (nothing) to 4 (action now).
+    /// The action level: 0 (nothing) to 4 (action now).
     #[getter]
     fn action_level(&self) -> u8 {
         self.0.action_level.number()

@@ -10,9 +10,8 @@ use super::posture::Posture;
 use crate::failure::Result;
 
 keyword_class!(
-    /// A filled-in RULA sheet (McAtamney and Corlett, Applied Ergonomics 24, 1993): the angles that are
-    /// measured [rad, flexion positive] and the boxes that are ticked. Keywords; what is not given is
-    /// that of an easy task.
+    /// A filled-in RULA sheet (McAtamney and Corlett, Applied Ergonomics 24, 1993): the measured angles [rad, flexion
+    /// positive] and the ticked boxes. All are keywords; the defaults are those of an easy task.
     RulaWorksheet {
         /// Flexion of the upper arm.
         upper_arm_flexion: f64 = 0.0,
@@ -57,7 +56,7 @@ keyword_class!(
 
 #[pymethods]
 impl RulaWorksheet {
-    /// The score with every sub-score. Raises `Error` for an angle or a load that is none.
+    /// The score with every sub-score. Raises `Error` for an invalid angle or load.
     fn score(&self) -> Result<Rula> {
         let sheet = ergo_map::RulaWorksheet {
             upper_arm_flexion: self.upper_arm_flexion,
@@ -90,7 +89,7 @@ const PATTERNS: [(&str, LoadPattern); 3] = [
     ("shock", LoadPattern::Shock),
 ];
 
-/// A RULA score with everything that led to it.
+/// A RULA score with all its sub-scores and table values.
 #[pyclass(frozen, module = "ahqp.ergo")]
 pub(crate) struct Rula(ergo_map::Rula);
 
@@ -108,7 +107,7 @@ impl Rula {
         self.0.rula
     }
 
-    /// What it asks for: 1 (acceptable) to 4 (change at once).
+    /// The action level: 1 (acceptable) to 4 (change at once).
     #[getter]
     fn action_level(&self) -> u8 {
         self.0.action_level.number()

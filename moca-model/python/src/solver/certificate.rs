@@ -11,12 +11,12 @@ use crate::failure::Result;
 #[pyclass(frozen, module = "ahqp")]
 pub(crate) struct Certificate {
     pub(crate) inner: ahqp_core::Certificate,
-    /// For the names of rows.
+    /// Problem with the names of rows.
     pub(crate) problem: ahqp_core::Hierarchy,
 }
 
 impl Certificate {
-    /// The multipliers of all levels, and of the choice of least norm.
+    /// Returns the multipliers of all levels, and of the choice of least norm.
     pub(crate) fn all(&self) -> Vec<Vec<(Row, f64)>> {
         (0..=self.problem.levels().len()).map(|level| self.multipliers(level)).collect()
     }
@@ -24,8 +24,8 @@ impl Certificate {
 
 #[pymethods]
 impl Certificate {
-    /// The multipliers that are not zero of a level, from 0; the number of levels stands for the choice
-    /// of least norm. Positive at an upper bound. Rows of a quadratic objective are those of its Hessian.
+    /// The nonzero multipliers of a level, counted from 0. The number of levels stands for the choice of least norm.
+    /// Multipliers are positive at an upper bound. Rows of a quadratic objective are those of its Hessian.
     fn multipliers(&self, level: usize) -> Vec<(Row, f64)> {
         let found = self.inner.multipliers(level).iter();
         found.map(|&(source, multiplier)| (Row::new(&self.problem, source), multiplier)).collect()
@@ -44,14 +44,14 @@ impl Certificate {
     }
 }
 
-/// How far a point and its multipliers are from proving optimality, each the worst of all levels and
-/// relative to the numbers at hand.
+/// Residuals of the optimality conditions at a point with its multipliers. Each is the worst of all levels, relative to
+/// the numbers in the problem.
 #[pyclass(frozen, module = "ahqp")]
 pub(crate) struct Residuals(ahqp_core::CertificateResiduals);
 
 #[pymethods]
 impl Residuals {
-    /// What the multipliers leave of a level's gradient.
+    /// Part of a level's gradient that the multipliers do not cancel.
     #[getter]
     fn stationarity(&self) -> f64 {
         self.0.stationarity
@@ -69,19 +69,19 @@ impl Residuals {
         self.0.complementarity
     }
 
-    /// Size of a multiplier that pushes the wrong way.
+    /// Size of a multiplier with the wrong sign.
     #[getter]
     fn sign(&self) -> f64 {
         self.0.sign
     }
 
-    /// Distance from x to the optimum, where multipliers do not prove enough; else None.
+    /// Distance from x to the optimum, if the multipliers alone do not prove it; else None.
     #[getter]
     fn distance(&self) -> Option<f64> {
         self.0.distance
     }
 
-    /// How far from proved x is.
+    /// The violation, or the distance to the optimum if that is larger. If there is no distance, the largest residual.
     #[getter]
     fn worst(&self) -> f64 {
         self.0.worst()

@@ -8,14 +8,14 @@ use crate::arrays::{Matrix, to_vector, vector, vector_of};
 use crate::failure::{Failure, Result};
 use crate::shared::Shared;
 
-/// Dense factors of more variables would not fit into memory.
+/// Largest number of variables. Dense factors of more would not fit into memory.
 const MOST_VARIABLES: usize = 4096;
 
 /// A hierarchical quadratic programme over n variables: levels of objectives and constraints, highest
 /// priority first.
 ///
-/// Lexicographically minimise the levels' objectives, subject to the bounds of the variables and the
-/// hard constraints of a level and of those above it. What no level determines takes the least norm.
+/// It lexicographically minimises the levels' objectives, subject to the bounds of the variables and the hard
+/// constraints of a level and of those above it. Directions that no level determines take the least norm.
 ///
 /// >>> import ahqp
 /// >>> hierarchy = ahqp.Hierarchy(2)
@@ -27,7 +27,7 @@ const MOST_VARIABLES: usize = 4096;
 #[pyclass(frozen, module = "ahqp")]
 pub(crate) struct Hierarchy(pub(crate) Shared<Problem>);
 
-/// A problem, and how often it was changed.
+/// A problem, and the number of its changes.
 #[derive(Debug, Clone)]
 pub(crate) struct Problem {
     pub(crate) hierarchy: ahqp_core::Hierarchy,
@@ -35,7 +35,7 @@ pub(crate) struct Problem {
 }
 
 impl Problem {
-    /// The problem, to be changed.
+    /// Returns the problem for changes.
     fn change(&mut self) -> &mut ahqp_core::Hierarchy {
         self.changes += 1;
         &mut self.hierarchy
@@ -48,7 +48,7 @@ impl Hierarchy {
     }
 }
 
-/// A hierarchy without levels.
+/// Creates a hierarchy without levels.
 pub(crate) fn new(variables: usize) -> Result<ahqp_core::Hierarchy> {
     if variables > MOST_VARIABLES {
         return Err(Failure::value(format!(
@@ -71,7 +71,7 @@ impl Hierarchy {
         Ok(self.0.lock()?.hierarchy.variables())
     }
 
-    /// The names of the levels, highest priority first; None for those without.
+    /// The names of the levels, highest priority first; None for levels without a name.
     #[getter]
     fn names(&self) -> Result<Vec<Option<String>>> {
         let problem = self.0.lock()?;
@@ -84,13 +84,13 @@ impl Hierarchy {
         Ok(self.0.lock()?.hierarchy.levels().len())
     }
 
-    /// The lower bounds of the variables, shape (n,); -inf where there is none.
+    /// The lower bounds of the variables, shape (n,); -inf where there is no bound.
     #[getter]
     fn lower<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray1<f64>>> {
         Ok(to_vector(py, self.0.lock()?.hierarchy.lower()))
     }
 
-    /// The upper bounds of the variables, shape (n,); inf where there is none.
+    /// The upper bounds of the variables, shape (n,); inf where there is no bound.
     #[getter]
     fn upper<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray1<f64>>> {
         Ok(to_vector(py, self.0.lock()?.hierarchy.upper()))
@@ -101,7 +101,7 @@ impl Hierarchy {
         Ok(self.0.lock()?.change().name_variables(names)?)
     }
 
-    /// Sets the bounds of the variables, shape (n,) each; they hold at every level. None for none.
+    /// Sets the bounds of the variables, shape (n,) each; they hold at every level. None means no bounds.
     #[pyo3(signature = (lower=None, upper=None))]
     fn set_bounds(
         &self,
@@ -119,11 +119,11 @@ impl Hierarchy {
     /// lower, upper : array_like, shape (m,), optional
     ///     Equal for equalities; ±inf, or None for all rows, where there is no bound.
     /// hard : bool
-    ///     Whether the rows must hold, from this level down; else their violation is minimised.
+    ///     Whether the rows must hold on this level and all below; else their violation is minimised.
     /// weights : array_like, shape (m,), optional
-    ///     What rows weigh against each other: ½ Σ wᵢ dᵢ² is minimised. Without effect on hard rows.
+    ///     Relative weights of the rows: ½ Σ wᵢ dᵢ² is minimised. They have no effect on hard rows.
     /// name : str, optional
-    ///     For errors and conflicts.
+    ///     Name of the level in errors and conflicts.
     ///
     /// Returns
     /// -------
@@ -165,7 +165,7 @@ impl Hierarchy {
         push(hierarchy, Level::quadratic(&hessian.view(), gradient.as_array().iter())?, name)
     }
 
-    /// Rewrites data of a level that `push` returned, in the same shapes; what is None stays.
+    /// Replaces data of a level that `push` returned, in equal shapes. None leaves data unchanged.
     #[pyo3(signature = (level, *, A=None, lower=None, upper=None, weights=None))]
     #[allow(non_snake_case)]
     fn update(
@@ -188,7 +188,7 @@ impl Hierarchy {
         update_rows(rows, A, lower, upper, weights)
     }
 
-    /// Rewrites data of a level that `push_quadratic` returned, in the same shapes; what is None stays.
+    /// Replaces data of a level that `push_quadratic` returned, in equal shapes. None leaves data unchanged.
     #[pyo3(signature = (level, *, H=None, g=None))]
     #[allow(non_snake_case)]
     fn update_quadratic(
@@ -229,7 +229,7 @@ impl Hierarchy {
     }
 }
 
-/// Sets bounds of the variables, called by these names; none where there is None.
+/// Sets bounds of the variables, which errors call by these names. `None` means no bounds.
 pub(crate) fn set_bounds(
     hierarchy: &mut ahqp_core::Hierarchy,
     names: [&str; 2],
@@ -267,7 +267,7 @@ fn id(hierarchy: &ahqp_core::Hierarchy, level: usize) -> Result<LevelId> {
     })
 }
 
-/// Writes what is given.
+/// Writes the given data.
 fn update_rows(
     rows: &mut Rows,
     matrix: Option<&Bound<'_, PyAny>>,
@@ -275,7 +275,7 @@ fn update_rows(
     upper: Option<&Bound<'_, PyAny>>,
     weights: Option<&Bound<'_, PyAny>>,
 ) -> Result<()> {
-    // All is read before anything changes.
+    // All data are read before anything changes.
     let count = rows.len();
     let matrix = matrix.map(|matrix| Matrix::read("A", matrix)).transpose()?;
     let lower = lower.map(|bound| vector_of("lower", bound, count)).transpose()?;

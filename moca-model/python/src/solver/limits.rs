@@ -10,8 +10,8 @@ use crate::failure::{Failure, Result};
 /// Lower and upper ends.
 type Interval<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
 
-/// Position, velocity, acceleration and jerk limits of n joints, as one interval of velocities that is
-/// never empty, and from which the limits can be kept for ever.
+/// Position, velocity, acceleration and jerk limits of n joints, as one interval of velocities. The interval is never
+/// empty, and any velocity in it allows the limits to hold for ever.
 ///
 /// `Limits(lower, upper, velocity, acceleration, jerk=None)`: arrays of shape (n,) in rad or m and their
 /// rates; without `jerk` it is not limited.
@@ -58,11 +58,11 @@ impl Limits {
     /// ----------
     /// position : array_like, shape (n,)
     /// velocity : array_like, shape (n,)
-    ///     Commanded last.
+    ///     The last commanded velocity.
     /// period : float
     ///     [s]
     /// acceleration : array_like, shape (n,), optional
-    ///     By how much `velocity` differed from the one before, over the period; zero if not given.
+    ///     The change of `velocity` over the last period, divided by the period; zero if not given.
     ///     It counts where the jerk is limited.
     ///
     /// Returns
@@ -95,7 +95,7 @@ impl Limits {
         Ok((to_vector(py, &lower), to_vector(py, &upper)))
     }
 
-    /// For each joint, whether a state obeys the limits, up to rounding, and can go on obeying them.
+    /// Whether a state obeys the limits, up to rounding, and can go on obeying them; one value for each joint.
     #[pyo3(signature = (position, velocity, acceleration=None))]
     fn admits(
         &self,

@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 
 /// A row of a problem: the bounds of a variable, a hard constraint, or a row of an objective.
 ///
-/// `str(row)` names it, with the names that levels and variables were given.
+/// `str(row)` describes it, with the given names of levels and variables.
 #[pyclass(frozen, eq, hash, module = "ahqp")]
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub(crate) struct Row {

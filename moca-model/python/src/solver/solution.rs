@@ -1,4 +1,4 @@
-//! What a solve gives.
+//! Result of a solve.
 
 use std::time::Duration;
 
@@ -12,16 +12,16 @@ use super::row::Row;
 use crate::arrays::to_vector;
 use crate::failure::{Failure, Result};
 
-/// What a solve gave.
+/// Result of a solve.
 #[pyclass(frozen, module = "ahqp")]
 pub(crate) struct Solution {
     pub(crate) found: ahqp_core::Solution,
     pub(crate) time: Duration,
     pub(crate) hierarchy: Py<Hierarchy>,
-    /// The hierarchy's count of changes.
+    /// Number of changes of the hierarchy.
     pub(crate) changes: u64,
     pub(crate) solver: Py<Solver>,
-    /// The solver's count of solves.
+    /// Number of solves of the solver.
     pub(crate) solve: u64,
 }
 
@@ -33,7 +33,7 @@ impl Solution {
         Ok(to_vector(py, self.found.optimum()?))
     }
 
-    /// The variables as far as the solve came, shape (n,).
+    /// The best variables that the solve found, shape (n,).
     #[getter]
     fn best<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         to_vector(py, self.found.best())
@@ -51,9 +51,9 @@ impl Solution {
         self.found.iterations()
     }
 
-    /// How far each level is from what it asks for, shape (levels,): √(Σ wᵢ dᵢ²), dᵢ being the distance
-    /// of row i to its range; zero for levels that only constrain or minimise a quadratic. Found when
-    /// asked for; raises `ValueError` if the hierarchy has changed since.
+    /// The violation √(Σ wᵢ dᵢ²) of each level, shape (levels,), where dᵢ is the distance of row i to its range. It is
+    /// zero for levels that only constrain or minimise a quadratic. It is computed on request. Raises `ValueError` if
+    /// the hierarchy has changed since.
     #[getter]
     fn violations<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray1<f64>>> {
         let problem = self.hierarchy.get().0.lock()?;
@@ -66,14 +66,14 @@ impl Solution {
         Ok(to_vector(py, &violations.collect::<Result<Vec<_>>>()?))
     }
 
-    /// What the solve itself took, without the way from Python and back [s].
+    /// The time of the solve itself [s], without the way from Python and back.
     #[getter]
     fn time(&self) -> f64 {
         self.time.as_secs_f64()
     }
 
-    /// The multipliers that are not zero, a list for each level and one more for the choice of least
-    /// norm: pairs of a `Row` and a number, positive at an upper bound. Found when asked for.
+    /// The nonzero multipliers: a list for each level, and one for the choice of least norm. Each entry is a pair of a
+    /// `Row` and a number, which is positive at an upper bound. They are computed on request.
     ///
     /// Raises `Error` if the solver has solved again, or the hierarchy has changed.
     #[getter]
@@ -93,7 +93,7 @@ impl Solution {
     }
 }
 
-/// An ending in a word.
+/// Returns the name of a status.
 pub(crate) fn name(status: Status) -> &'static str {
     match status {
         Status::Solved => "solved",

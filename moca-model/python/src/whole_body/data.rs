@@ -1,4 +1,4 @@
-//! What is computed of a robot's state.
+//! Quantities that are computed from a robot's state.
 
 use nalgebra::{DMatrix, Matrix3xX, Matrix6xX};
 use numpy::{PyArray1, PyArray2};
@@ -15,9 +15,9 @@ type Matrix<'py> = Bound<'py, PyArray2<f64>>;
 
 /// Kinematics and dynamics of a robot at a configuration q and a velocity q̇.
 ///
-/// `Data(model)`; `update(q, v)` says where the robot is. n is the size of q̇. Poses are homogeneous
-/// matrices, (4, 4), in the world; twists and Jacobians are linear then angular, of a frame's origin in
-/// axes parallel to the world's, or the frame's own with `local=True`. Forces are in Nm and N.
+/// `Data(model)`; `update(q, v)` sets the state. n is the size of q̇. Poses are homogeneous matrices, (4, 4), in the
+/// world. Twists and Jacobians are linear then angular, at a frame's origin. Their axes are parallel to the world's, or
+/// the frame's own with `local=True`. Forces are in Nm and N.
 #[pyclass(frozen, module = "ahqp.whole_body")]
 pub(crate) struct Data(Shared<State>);
 
@@ -52,7 +52,7 @@ impl Data {
         Self(Shared::new("data", State { model, data, velocity: None }))
     }
 
-    /// Says where the robot is and how it moves: q, shape (position_count,), and v, shape (n,).
+    /// Sets the configuration q, shape (position_count,), and the velocity v, shape (n,).
     #[pyo3(signature = (q, v=None))]
     fn update(&self, q: &Bound<'_, PyAny>, v: Option<&Bound<'_, PyAny>>) -> Result<()> {
         let mut state = self.0.lock()?;
@@ -121,7 +121,7 @@ impl Data {
         Ok(to_array(py, &jacobian))
     }
 
-    /// The forces that carry the robot at rest, (n,).
+    /// The forces that hold the robot at rest against gravity, (n,).
     fn gravity<'py>(&self, py: Python<'py>) -> Result<Vector<'py>> {
         let mut state = self.0.lock()?;
         let mut out = vec![0.0; state.model.velocity_count()];

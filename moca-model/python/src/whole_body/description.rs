@@ -1,4 +1,4 @@
-//! Which part of a URDF is the robot, from keyword arguments.
+//! Keyword arguments that select the robot's part of a URDF.
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -8,7 +8,7 @@ use whole_body::{Base, Description};
 use crate::arrays::{numbers, pose};
 use crate::failure::{Failure, Result};
 
-/// The keyword arguments of `Model`; what is None is the default.
+/// Keyword arguments of `Model`; None selects the default.
 #[derive(Debug)]
 pub(crate) struct Keywords<'py> {
     pub(crate) base: String,
@@ -71,7 +71,7 @@ impl Keywords<'_> {
     }
 }
 
-/// The items of a dict in their order.
+/// Returns the items of a dict in their order.
 fn entries<'py, T>(
     dict: Option<Bound<'py, PyDict>>,
     read: impl Fn(&str, &Bound<'py, PyAny>) -> Result<T>,
@@ -85,7 +85,7 @@ fn entries<'py, T>(
     items.map(read).collect()
 }
 
-/// A limit as a dict of position, velocity, acceleration, jerk and effort.
+/// Reads a limit from a dict of position, velocity, acceleration, jerk and effort.
 fn limit(value: &Bound<'_, PyAny>) -> Result<LimitOverride> {
     let mut limit = LimitOverride::default();
     for (key, value) in value.cast::<PyDict>().map_err(PyErr::from)? {

@@ -21,8 +21,8 @@ use crate::arrays::{pose_to_array, to_vector, vector_of, with_slice};
 use crate::failure::{Failure, Result};
 use crate::shared::Shared;
 
-/// Differential inverse kinematics: velocities that do what levels of tasks ask, each level as well as
-/// those above it allow, within the limits of all joints.
+/// Differential inverse kinematics: velocities for levels of tasks within the limits of all joints. Each level is
+/// fulfilled as well as the levels above it allow.
 ///
 /// `Ik(model, tasks, hold=None, *, limits=None, singularity_threshold=0.1, iterations=None)`
 ///
@@ -30,15 +30,15 @@ use crate::shared::Shared;
 /// ----------
 /// model : Model
 /// tasks : dict
-///     Names to tasks, highest priority first. A dict of tasks in place of a task is a level of several.
+///     Tasks by their names, highest priority first. A dict in place of a task is a level of several tasks.
 /// hold : array_like, shape (position_count,), optional
-///     The configuration of the robot at rest: tasks without a target keep what they find there.
+///     The configuration of the robot at rest: tasks without a target hold the state there.
 /// limits : dict of str to WheelLimit or FrameVelocityLimit, optional
-///     Hard limits beside those of the joints.
+///     Hard limits in addition to those of the joints.
 /// singularity_threshold : float
 ///     Singular value below which directions are damped, from 0 (never) to 1.
 /// iterations : int, optional
-///     Most iterations of one step.
+///     Largest number of iterations of one step.
 ///
 /// Limits never contradict each other, and hold in every step. Steps release the interpreter's lock.
 #[pyclass(frozen, module = "ahqp.whole_body")]
@@ -97,8 +97,8 @@ impl Ik {
         Ok(Self(Shared::new("Ik", State { ik, targets })))
     }
 
-    /// Sets the target of a task, and how fast it moves: (3,) of a point or of an orientation in the
-    /// world's axes, (6,) of a pose. See the tasks for what their targets are.
+    /// Sets the target of a task and its velocity: (3,) for a point or an orientation in the world's axes, (6,) for a
+    /// pose. Each task documents its own target.
     #[pyo3(signature = (task, target, velocity=None))]
     fn set_target(
         &self,
@@ -114,7 +114,7 @@ impl Ik {
     /// The velocities for the next `period` [s], with the robot at the configuration `q`, shape
     /// (position_count,), and the velocity of the last step.
     ///
-    /// Raises `Error` for a target that was never set, or a q that is none; `brake` stops the robot.
+    /// Raises `Error` for a target that was never set, or an invalid q; `brake` stops the robot.
     fn step(slf: &Bound<'_, Self>, q: &Bound<'_, PyAny>, period: f64) -> Result<Step> {
         let py = slf.py();
         let mut state = slf.get().0.lock()?;
@@ -141,20 +141,20 @@ impl Ik {
         })
     }
 
-    /// Brakes every joint for a period [s], at the limits of acceleration and jerk: where `step` fails.
-    /// Returns the velocities, (n,).
+    /// Brakes every joint for a period [s], at the limits of acceleration and jerk, for use when `step` fails. Returns
+    /// the velocities, (n,).
     fn brake<'py>(&self, py: Python<'py>, period: f64) -> Result<Bound<'py, PyArray1<f64>>> {
         Ok(to_vector(py, self.0.lock()?.ik.brake(period)?))
     }
 
-    /// Says that the robot moves at `velocity`, (n,), now, not accelerating.
+    /// Sets the current velocity of the robot, (n,), without acceleration.
     fn reset(&self, velocity: &Bound<'_, PyAny>) -> Result<()> {
         let mut state = self.0.lock()?;
         let velocity = vector_of("velocity", velocity, state.ik.model().velocity_count())?;
         Ok(with_slice(&velocity, |velocity| state.ik.reset(velocity))?)
     }
 
-    /// Lets tasks whose targets were never set keep what they find at q, (position_count,).
+    /// Sets the targets that were never set to the state at q, (position_count,).
     fn hold(&self, q: &Bound<'_, PyAny>) -> Result<()> {
         let mut state = self.0.lock()?;
         let q = vector_of("q", q, state.ik.model().position_count())?;
@@ -175,7 +175,7 @@ impl Ik {
     }
 }
 
-/// Adds any kind of task to a level.
+/// Adds a task of any kind to a level.
 fn push(
     model: &whole_body::Model,
     level: &mut TaskLevel,
@@ -268,15 +268,15 @@ impl Step {
         to_vector(py, &self.end)
     }
 
-    /// How far each task is from the velocities that it asks for, by its name.
+    /// The violation of each task, by its name: the distance from the velocities that it asks for.
     #[getter]
     fn slack(&self) -> HashMap<String, f64> {
         self.slack.clone()
     }
 
-    /// The joints that a limit stops from moving otherwise: (joint, limit, "lower" or "upper"), the
-    /// limit being "position", "velocity", "acceleration" or "jerk". The joint is the one whose limit it is, which
-    /// may be one that mimics the joint of q̇.
+    /// The joints that a limit keeps from another motion: (joint, limit, "lower" or "upper"). The limit is "position",
+    /// "velocity", "acceleration" or "jerk". The joint is the one that has the limit, which may be one that mimics the
+    /// joint of q̇.
     #[getter]
     fn active_limits(&self) -> Vec<(String, &'static str, &'static str)> {
         self.active_limits.clone()

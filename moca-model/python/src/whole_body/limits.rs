@@ -1,4 +1,4 @@
-//! Hard limits beside those of the joints.
+//! Hard limits in addition to those of the joints.
 
 use nalgebra::Vector3;
 use pyo3::prelude::*;
@@ -13,8 +13,8 @@ pub(crate) struct WheelLimit(whole_body::limits::WheelLimit);
 
 #[pymethods]
 impl WheelLimit {
-    /// Four mecanum wheels whose rims reach `speed` [m/s]: |v_x| + |v_y| + lever |ω| ≤ speed, `lever`
-    /// [m] being half the wheelbase and half the track together.
+    /// Four mecanum wheels whose rims reach `speed` [m/s]: |v_x| + |v_y| + lever |ω| ≤ speed. `lever` [m] is half the
+    /// sum of wheelbase and track.
     #[staticmethod]
     fn mecanum(speed: f64, lever: f64) -> Self {
         Self(whole_body::limits::WheelLimit::mecanum(speed, lever))

@@ -9,7 +9,7 @@ use super::description::Keywords;
 use crate::arrays::{to_vector, vector_of, with_slice};
 use crate::failure::Result;
 
-/// A number of a joint's limits.
+/// Reads one of a joint's limits.
 type Part = fn(&JointLimits) -> f64;
 
 /// A robot: a tree of joints, the bodies that they move, and frames on these. It does not change.
@@ -27,23 +27,23 @@ type Part = fn(&JointLimits) -> f64;
 /// root : str
 ///     The link to start from; None for the URDF's.
 /// tips : sequence of str
-///     The links that are to move; empty for all.
+///     The links that should move; empty for all.
 /// joints : sequence of str
-///     The joints that make q, to be sure of their order; empty for those that move.
+///     The joints of q, to fix their order; empty for all joints that move.
 /// held : dict of str to float
 ///     Joints that stay at a position [rad or m].
 /// origins : dict of str to array, (4, 4)
 ///     Joint origins that replace the URDF's.
 /// limits : dict of str to dict
-///     Of a joint: position (a pair), velocity, acceleration, jerk, effort.
+///     Limits of a joint: position (a pair), velocity, acceleration, jerk, effort.
 /// frames : dict of str to (str, array)
-///     Frames beside the links: the link or frame that carries it, and its pose there, (4, 4).
+///     Additional frames: the link or frame that carries it, and its pose there, (4, 4).
 /// gravity : array, (3,)
 ///     Acceleration of free fall in the world [m/s²]; None for (0, 0, -9.81).
 /// time_to_full_speed : float
-///     In which joints that state no acceleration limit reach their speed limit [s]; inf for no limit.
+///     Time in which joints without an acceleration limit reach their speed limit [s]; inf for no limit.
 /// ignore_unusable_limits : bool
-///     Whether limits that cannot be meant count as none, with a warning, and are no error.
+///     Whether unusable limits are ignored with a warning instead of raising an error.
 ///
 /// SI units, radians. Twists are linear then angular.
 #[pyclass(frozen, module = "ahqp.whole_body")]
@@ -84,7 +84,7 @@ impl Model {
         Ok(Self(whole_body::Model::from_urdf(urdf, &keywords.description()?)?))
     }
 
-    /// The same from a file.
+    /// Reads a robot from a file.
     #[staticmethod]
     #[pyo3(signature = (path, *, base="fixed", root=None, tips=Vec::new(), joints=Vec::new(), held=None, origins=None, limits=None, frames=None, gravity=None, time_to_full_speed=None, ignore_unusable_limits=false))]
     #[allow(clippy::too_many_arguments)] // keywords of Python
@@ -174,7 +174,7 @@ impl Model {
         self.0.mass()
     }
 
-    /// What is odd in the URDF without making it unusable.
+    /// Oddities of the URDF that do not make it unusable.
     #[getter]
     fn warnings(&self) -> Vec<String> {
         self.0.warnings().iter().map(ToString::to_string).collect()

@@ -13,7 +13,7 @@ use whole_body::tasks::{
 use crate::arrays::{direction, numbers, orientation, pose, vector_of, with_slice};
 use crate::failure::{Failure, Result};
 
-/// A task of an `Ik`, to set its target.
+/// Task of an `Ik`, whose target can be set.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Target {
     Position(TaskId<PositionTask>),
@@ -28,7 +28,7 @@ pub(crate) enum Target {
 }
 
 impl Target {
-    /// Sets a target, and how fast it moves.
+    /// Sets a target and its velocity.
     pub(crate) fn set(
         self,
         ik: &mut Ik,
@@ -73,7 +73,7 @@ impl Target {
         }
     }
 
-    /// √(Σ wᵢ dᵢ²) of the task.
+    /// Returns √(Σ wᵢ dᵢ²) of the task.
     pub(crate) fn slack(self, step: Step<'_>) -> Result<f64> {
         Ok(match self {
             Self::Position(id) => step.slack(id),

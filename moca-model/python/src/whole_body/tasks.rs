@@ -1,4 +1,4 @@
-//! Tasks: what a robot is asked to do.
+//! Tasks of a robot.
 
 use nalgebra::{Unit, Vector3, Vector6};
 use pyo3::prelude::*;
@@ -10,13 +10,13 @@ use super::targets::Target;
 use crate::arrays::{direction, numbers};
 use crate::failure::{Failure, Result};
 
-/// A task of Python's, to be made for a robot.
+/// Task of Python that can be made for a robot.
 pub(crate) trait PythonTask: Send + Sync {
-    /// Adds the robot's task to a level; what it returns sets targets.
+    /// Adds the robot's task to a level. The result sets its target.
     fn push(&self, model: &Model, level: &mut TaskLevel, name: &str) -> Result<Target>;
 }
 
-/// How fast errors vanish, where it is not the default.
+/// Rates at which errors decay, where they differ from the defaults.
 #[derive(Debug, Clone, Copy)]
 struct Gains {
     gain: Option<f64>,
@@ -32,12 +32,12 @@ impl Gains {
     }
 }
 
-/// Numbers that were given, or ones.
+/// Returns the given numbers, or ones.
 fn weights<const N: usize>(weights: Option<&Bound<'_, PyAny>>) -> Result<[f64; N]> {
     weights.map_or(Ok([1.0; N]), |weights| numbers("weights", weights))
 }
 
-/// Axes by their letters.
+/// Reads axes from their letters.
 fn axes(letters: &str) -> Result<Vec<Axis>> {
     let axis = |letter| match letter {
         'x' => Ok(Axis::X),
@@ -48,7 +48,7 @@ fn axes(letters: &str) -> Result<Vec<Axis>> {
     letters.chars().map(axis).collect()
 }
 
-/// A task of three coordinates.
+/// Defines a task of three coordinates.
 macro_rules! vector_task {
     ($(#[$doc:meta])* $name:ident, $rust:ident, $target:ident, $feedback:ident) => {
         $(#[$doc])*
@@ -96,7 +96,7 @@ vector_task!(
     PositionTask, PositionTask, Position, LINEAR
 );
 vector_task!(
-    /// Turns a frame into an orientation in the world, about some of its axes.
+    /// Turns a frame to an orientation in the world, about some of its axes.
     ///
     /// `OrientationTask(frame, *, gain=None, deceleration=None, axes="xyz", weights=None)`: gain in 1/s,
     /// deceleration in rad/s², weights (3,). Target: a rotation matrix, (3, 3), or a unit quaternion
@@ -208,7 +208,7 @@ impl PythonTask for RelativeFrameTask {
     }
 }
 
-/// Turns an axis of a frame into a direction of the world.
+/// Turns an axis of a frame to a direction of the world.
 ///
 /// `AxisTask(frame, axis, *, gain=None, deceleration=None, weight=1.0)`: axis (3,), in the frame.
 /// Target: (3,), a direction in the world.
@@ -245,7 +245,7 @@ impl PythonTask for AxisTask {
     }
 }
 
-/// Brings joints to a configuration. As the last task it decides what no other does.
+/// Brings joints to a configuration. As the last task it decides the motions that no other task decides.
 ///
 /// `PostureTask(joints=None, *, gain=None, deceleration=None, weights=None)`: names of joints, None for
 /// all; gain in 1/s, weights (joints,). Target: a whole q, (position_count,).
@@ -271,7 +271,7 @@ impl PostureTask {
     }
 }
 
-/// Weights of any number; empty where there are none.
+/// Returns weights of any number; empty if there are none.
 fn list(weights: Option<&Bound<'_, PyAny>>) -> Result<Vec<f64>> {
     weights.map_or(Ok(Vec::new()), |weights| {
         Ok(crate::arrays::vector("weights", weights)?.as_array().to_vec())

@@ -1,4 +1,4 @@
-//! What a run adds to a recording in MCAP, as messages.
+//! Messages that a run adds to a recording in MCAP.
 
 use std::collections::BTreeMap;
 
@@ -7,7 +7,7 @@ use percept_recording::mcap::{Message, Rotation, Time, Xyz};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// Where frames are.
+/// Poses of frames.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 pub(super) struct FrameTransforms {
     pub(super) transforms: Vec<FrameTransform>,
@@ -22,31 +22,31 @@ pub(super) struct FrameTransform {
     pub(super) rotation: Rotation,
 }
 
-/// The joints of the robot as numbers, by their names.
+/// Joints of the robot as numbers, by their names.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 pub(super) struct JointStates {
-    /// \[m or rad\]
+    /// Positions \[m or rad\].
     pub(super) position: BTreeMap<String, f64>,
-    /// \[m/s or rad/s\]
+    /// Velocities \[m/s or rad/s\].
     pub(super) velocity: BTreeMap<String, f64>,
 }
 
-/// How good the posture is, and how the controller fares.
+/// Scores of the posture and quality of the control.
 #[derive(Clone, Copy, Debug, Serialize, JsonSchema)]
 pub(super) struct Scores {
-    /// e_s of the predicted posture, 0 to 4.25.
+    /// Score e_s of the predicted posture, 0 to 4.25.
     pub(super) ergonomics: f64,
     /// REBA of the predicted posture, 1 to 15.
     pub(super) reba: u8,
-    /// REBA of the measured one.
+    /// REBA of the measured posture.
     pub(super) reba_measured: Option<u8>,
     /// Whether person and robot work together.
     pub(super) together: bool,
-    /// How far the tool is from x_d \[m\].
+    /// Distance of the tool from x_d \[m\].
     pub(super) tracking_error: f64,
-    /// How far the workspace gives way \[m\].
+    /// Violation of the workspace's bounds \[m\].
     pub(super) slack: f64,
-    /// A step of the controller \[µs\].
+    /// Time of a step of the controller \[µs\].
     pub(super) step_us: f64,
 }
 
@@ -63,7 +63,7 @@ impl Message for Scores {
 }
 
 impl FrameTransform {
-    /// A frame in the world.
+    /// Creates the pose of a frame in the world.
     pub(super) fn new(time: Time, name: &str, pose: &IsometryMatrix3<f64>) -> Self {
         Self {
             timestamp: time,

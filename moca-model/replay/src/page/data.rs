@@ -1,4 +1,4 @@
-//! The data of a page: one JSON object, numbers of samples as base64 of little-endian f32 or u16.
+//! Data of a page: one JSON object. Numbers of samples are base64 of little-endian f32 or u16.
 
 use base64::{Engine, engine::general_purpose::STANDARD};
 use ergo_map::Side;
@@ -11,9 +11,9 @@ use crate::recorded::{
     Solid, Table,
 };
 
-/// What stands for a number that is not known, among steps.
+/// Step that stands for an unknown number.
 const UNKNOWN: u16 = u16::MAX;
-/// The last step.
+/// Highest step.
 const LAST: f64 = 65534.0;
 
 #[derive(Serialize)]
@@ -33,7 +33,7 @@ struct LimbData {
     radii: [f64; 2],
     /// Index among the columns of "parts".
     part: usize,
-    /// Of an arm: 1 left, -1 right; else 0.
+    /// Side of an arm: 1 left, -1 right; 0 for other parts.
     side: i8,
 }
 
@@ -80,13 +80,13 @@ struct GroupData<'a> {
     name: &'a str,
     columns: &'a [String],
     size: usize,
-    /// Of steps: the least value and the step of each number of a row; empty where they are exact.
+    /// Least value and step of each number of a row, if the group is stored in steps; empty if it is exact.
     low: Vec<f64>,
     step: Vec<f64>,
     data: String,
 }
 
-/// The data as JSON that may stand in a script element.
+/// Returns the data as JSON that may stand in a script element.
 pub(super) fn json(runs: &[&Replay], results: &Results) -> Result<String, ReplayError> {
     let first = runs.first().ok_or(ReplayError::Nothing)?;
     let data = Data {
@@ -98,7 +98,7 @@ pub(super) fn json(runs: &[&Replay], results: &Results) -> Result<String, Replay
         runs: runs.iter().map(|run| run_data(run)).collect(),
         results,
     };
-    // Only in texts: a script element ends at the first "</script".
+    // "<" occurs only in texts. A script element ends at the first "</script".
     Ok(serde_json::to_string(&data)?.replace('<', "\\u003c"))
 }
 

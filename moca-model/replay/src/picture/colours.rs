@@ -1,9 +1,9 @@
-//! The colours of the pictures: those of the page in the light.
+//! Colours of the pictures: those of the page in its light theme.
 
 /// Red, green and blue, each from 0 to 1.
 pub(super) type Colour = [f64; 3];
 
-/// From good to bad; colour-blind people can tell the ends apart.
+/// Ramp from good to bad. Colour-blind people can tell the ends apart.
 const RAMP: [Colour; 6] = [
     [0.290, 0.624, 0.831],
     [0.659, 0.827, 0.878],
@@ -13,18 +13,18 @@ const RAMP: [Colour; 6] = [
     [0.651, 0.169, 0.227],
 ];
 
-/// The highest sub-score of each part, in the order of the columns.
+/// Highest sub-score of each part, in the order of the columns.
 const WORST: [f64; 6] = [3.0, 5.0, 4.0, 6.0, 2.0, 3.0];
 
-/// What is not scored.
+/// Colour of parts without a score.
 pub(super) const GREY: Colour = [0.72, 0.74, 0.77];
 
-/// Of the runs, in their order, as SVG has them.
+/// Colours of the runs, in their order, in the notation of SVG.
 pub(super) const RUNS: [&str; 4] = ["#0065b3", "#cc5a00", "#6a51a3", "#4d4d4d"];
-/// Their dashes.
+/// Dashes of the runs.
 pub(super) const DASHES: [&str; 4] = ["none", "6 3", "2 2", "8 3 2 3"];
 
-/// The colour of a part of the body with a sub-score.
+/// Returns the colour of a part of the body with a sub-score.
 pub(super) fn part(part: usize, score: f32) -> Colour {
     let worst = WORST.get(part).copied().unwrap_or(6.0);
     if score.is_nan() { GREY } else { ramp((f64::from(score) - 1.0) / (worst - 1.0)) }
@@ -39,7 +39,7 @@ fn ramp(share: f64) -> Colour {
     [0, 1, 2].map(|k: usize| low[k] + (high[k] - low[k]) * part)
 }
 
-/// As SVG has it, `light` times as bright.
+/// Returns a colour in the notation of SVG, `light` times as bright.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
 pub(super) fn css(colour: Colour, light: f64) -> String {
     let [red, green, blue] =

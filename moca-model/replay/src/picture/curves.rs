@@ -3,14 +3,14 @@
 use super::colours::{DASHES, RUNS};
 use crate::recorded::Replay;
 
-/// Where a plot stands in a picture, and what it shows.
+/// Position and contents of a plot.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Plot<'a> {
     pub(super) title: &'a str,
     pub(super) column: &'a str,
-    /// Left, top, width and height (pixels).
+    /// Left, top, width and height \[pixels\].
     pub(super) place: [f64; 4],
-    /// Begin and end (s).
+    /// Begin and end \[s\].
     pub(super) time: [f64; 2],
 }
 
@@ -21,7 +21,7 @@ impl Plot<'_> {
         left + width * ((time - begin) / (end - begin).max(1e-9)).clamp(0.0, 1.0)
     }
 
-    /// The elements of SVG.
+    /// Returns the SVG elements of the plot.
     pub(super) fn draw(&self, replays: &[&Replay]) -> String {
         let [left, top, width, height] = self.place;
         let most = replays
@@ -73,7 +73,7 @@ impl Plot<'_> {
         svg.concat()
     }
 
-    /// Times and values, no more than a point a pixel: of several the greatest.
+    /// Returns times and values with at most one point per pixel: the greatest of those at a pixel.
     fn values(&self, replay: &Replay) -> Vec<(f64, f64)> {
         let [begin, end] = self.time;
         let place = replay.samples.place("series", self.column);

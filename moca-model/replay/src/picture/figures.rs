@@ -1,4 +1,4 @@
-//! The scene as lines and polygons.
+//! Scene as lines and polygons.
 
 use nalgebra::{Isometry3, Vector2, Vector3};
 
@@ -8,21 +8,21 @@ use super::view::View;
 use crate::recorded::{BodyPart, LIMBS, Role, Shape, Solid};
 use ergo_map::Side;
 
-/// What is in a box is drawn as if so far behind its middle \[m\].
+/// Distance behind the middle of a box at which the things in it are drawn \[m\].
 const BEHIND: f64 = 2.0;
-/// Ends of a cylinder have so many corners.
+/// Number of corners that the ends of a cylinder are drawn with.
 const CORNERS: u32 = 16;
 
-/// What is drawn of a solid or a limb.
+/// Outline of a solid or a limb.
 #[derive(Clone, Debug)]
 pub(super) enum Outline {
-    /// A thick line; its ends are round or cut off.
+    /// Thick line; its ends are round or cut off.
     Line { ends: [Vector2<f64>; 2], width: f64, round: bool },
-    /// A polygon.
+    /// Polygon.
     Polygon(Vec<Vector2<f64>>),
 }
 
-/// An outline with its colour, and how near it is to the eye.
+/// Outline with its colour, and its nearness to the eye.
 #[derive(Clone, Debug)]
 pub(super) struct Figure {
     pub(super) outline: Outline,
@@ -30,7 +30,7 @@ pub(super) struct Figure {
     pub(super) nearness: f64,
 }
 
-/// All figures of robot, person and what stands around, in an order that is the same at every time.
+/// Returns all figures of robot, person and surroundings, in an order that is equal at every time.
 pub(super) fn figures(moment: &Moment<'_>, view: &View) -> Vec<Figure> {
     let mut figures = Vec::new();
     let solids = moment.replay.stage.solids();
@@ -40,7 +40,7 @@ pub(super) fn figures(moment: &Moment<'_>, view: &View) -> Vec<Figure> {
         let pose = frame * solid.frame_from_shape;
         let begin = figures.len();
         add_shape(&mut figures, view, &pose, solid.shape, solid.colour);
-        // What is fixed to a box is taken to be in it: a wheel reaches out only below its chassis.
+        // Solids that are fixed to a box are treated as inside it: a wheel protrudes only below its chassis.
         let fixed = |other: &&Solid| other.frame == solid.frame && is_box(other);
         let chassis = solids.iter().take(index).find(fixed);
         if let Some(chassis) = chassis.filter(|_| !is_box(solid)) {
@@ -59,7 +59,7 @@ fn is_box(solid: &Solid) -> bool {
     matches!(solid.shape, Shape::Box { .. })
 }
 
-/// The edges of the shared workspace.
+/// Returns the edges of the shared workspace.
 pub(super) fn workspace(moment: &Moment<'_>, view: &View) -> Vec<[Vector2<f64>; 2]> {
     let (Some([low, high]), Some(pose)) = (moment.workspace(), moment.named("workspace")) else {
         return Vec::new();
@@ -165,8 +165,7 @@ fn add_shape(
     }
 }
 
-/// A flat face; one that looks away shrinks to its middle, so that the count of figures is always the
-/// same.
+/// Returns a flat face. A face that is turned away shrinks to its middle, so that the number of figures stays constant.
 fn face(view: &View, corners: &[Vector3<f64>], normal: &Vector3<f64>, colour: Colour) -> Figure {
     let middle = corners.iter().sum::<Vector3<f64>>() / corners.len().max(1) as f64;
     let seen = view.facing(normal) > 0.0;
@@ -180,11 +179,11 @@ fn face(view: &View, corners: &[Vector3<f64>], normal: &Vector3<f64>, colour: Co
 }
 
 impl Outline {
-    /// As the data of a path.
+    /// Returns the outline as the data of an SVG path.
     pub(super) fn path(&self) -> String {
         match self {
             Self::Line { ends: [from, to], .. } => {
-                // A line without length has no round ends everywhere.
+                // Some viewers draw no round ends for a line without length.
                 format!("M{:.1} {:.1}L{:.2} {:.1}", from.x, from.y, to.x + 0.01, to.y)
             }
             Self::Polygon(points) => {

@@ -1,10 +1,10 @@
-//! What a replay shows at a time.
+//! State of a replay at a given time.
 
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
 use crate::recorded::{POINT_COUNT, Replay};
 
-/// A replay at one of its samples.
+/// Replay at one of its samples.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Moment<'a> {
     pub(super) replay: &'a Replay,
@@ -12,7 +12,7 @@ pub(super) struct Moment<'a> {
 }
 
 impl<'a> Moment<'a> {
-    /// The sample at a time \[s\], or the last before it.
+    /// Returns the sample at a time \[s\], or the last one before it.
     pub(super) fn at(replay: &'a Replay, time: f64) -> Self {
         let after = replay.samples.times().partition_point(|&other| other <= time + 1e-9);
         Self { replay, row: replay.samples.row(after.saturating_sub(1)) }
@@ -25,42 +25,42 @@ impl<'a> Moment<'a> {
         numbers.iter().all(|number| number.is_finite()).then_some(numbers)
     }
 
-    /// The pose of a frame of the stage.
+    /// Returns the pose of a frame of the stage.
     pub(super) fn pose(&self, frame: usize) -> Option<Isometry3<f64>> {
         let [x, y, z, i, j, k, w] = self.numbers::<7>("frames", frame)?;
         let rotation = UnitQuaternion::from_quaternion(Quaternion::new(w, i, j, k));
         Some(Isometry3::from_parts(Translation3::new(x, y, z), rotation))
     }
 
-    /// That of the frame of this name.
+    /// Returns the pose of the frame with this name.
     pub(super) fn named(&self, frame: &str) -> Option<Isometry3<f64>> {
         self.pose(self.replay.stage.frames().iter().position(|name| name == frame)?)
     }
 
-    /// The corners of the shared workspace in its frame: the lowest and the highest.
+    /// Returns the lowest and the highest corner of the shared workspace in its frame.
     pub(super) fn workspace(&self) -> Option<[Vector3<f64>; 2]> {
         let corner = |index| self.numbers::<3>("workspace", index).map(Vector3::from);
         Some([corner(0)?, corner(1)?])
     }
 
-    /// The points of the body with its hand at the tool.
+    /// Returns the points of the body with its hand at the tool.
     pub(super) fn body(&self) -> [Option<Vector3<f64>>; POINT_COUNT] {
         std::array::from_fn(|point| self.numbers::<3>("body", point).map(Vector3::from))
     }
 
-    /// The sub-score of a part in that posture; NaN where it is not known.
+    /// Returns the sub-score of a part in that posture; NaN if it is unknown.
     pub(super) fn part(&self, part: usize) -> f32 {
         #[expect(clippy::cast_possible_truncation, reason = "it was f32")]
         self.numbers::<1>("parts", part).map_or(f32::NAN, |[score]| score as f32)
     }
 
-    /// A number of the series; NaN where it is not known.
+    /// Returns a number of the series; NaN if it is unknown.
     pub(super) fn series(&self, column: &str) -> f64 {
         let place = self.replay.samples.place("series", column);
         place.and_then(|place| self.row.get(place)).map_or(f64::NAN, |value| f64::from(*value))
     }
 
-    /// Halfway between the person and the tool, at the height of the hips.
+    /// Returns the point halfway between the person and the tool, at hip height.
     pub(super) fn middle(&self) -> Option<Vector3<f64>> {
         let (person, tool) = (self.named("person")?, self.named("tool")?);
         let middle = (person.translation.vector + tool.translation.vector) * 0.5;
@@ -68,8 +68,8 @@ impl<'a> Moment<'a> {
     }
 }
 
-/// The longest time in which person and robot work together without a break in all of the replays
-/// \[s\]; the whole of the first if they never do.
+/// Returns the longest interval in which person and robot work together without a break in all replays \[s\]. If there
+/// is none, returns the whole interval of the first replay.
 pub(super) fn together(replays: &[&Replay]) -> (f64, f64) {
     let Some(first) = replays.first() else { return (0.0, 0.0) };
     let times = first.samples.times();

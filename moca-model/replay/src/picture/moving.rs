@@ -1,4 +1,4 @@
-//! An animation of SVG, by its own means (SMIL): pages that show pictures show it, and no script runs.
+//! SVG animation by SMIL, SVG's own means. It runs wherever pictures are shown, and needs no script.
 
 use nalgebra::{Vector2, Vector3};
 
@@ -8,16 +8,16 @@ use super::sheet::{EYE, PLOTS, SCALE, SCENE, TOP, axis, begin, plots, scene_begi
 use super::view::View;
 use crate::recorded::{Replay, ReplayError};
 
-/// How much of the run is shown, beginning before person and robot work together \[s\].
+/// Longest part of the run that is shown, from the time at which person and robot begin to work together \[s\].
 const SHOWN: f64 = 12.0;
-/// Between two pictures \[s\]; what is between them moves evenly.
+/// Time between two pictures \[s\]. Positions between them are interpolated linearly.
 const STEP: f64 = 0.3;
 
-/// The longest time of working together as it begins, with the posture that the score is of, over and
-/// over: all runs side by side, and the score of all of them under a cursor. Gives the picture as SVG.
+/// Draws the beginning of the longest interval of working together as an endless loop, with the posture that is scored.
+/// All runs are side by side, with their scores under one cursor. Returns the picture as SVG.
 ///
 /// # Errors
-/// [`ReplayError::Nothing`] without a run or with a run without samples.
+/// [`ReplayError::Nothing`] without runs or with a run without samples.
 pub fn animation(replays: &[&Replay]) -> Result<String, ReplayError> {
     if replays.is_empty() || replays.iter().any(|replay| replay.samples.is_empty()) {
         return Err(ReplayError::Nothing);
@@ -53,7 +53,7 @@ pub fn animation(replays: &[&Replay]) -> Result<String, ReplayError> {
     Ok(svg.concat())
 }
 
-/// A run's scene; the eye goes along with person and tool.
+/// Draws the scene of a run. The eye follows person and tool.
 fn scene(replay: &Replay, times: &[f64], left: f64, seconds: f64) -> String {
     let middle = Vector2::from(SCENE) * 0.5;
     let moments: Vec<Moment<'_>> = times.iter().map(|time| Moment::at(replay, *time)).collect();
@@ -62,7 +62,7 @@ fn scene(replay: &Replay, times: &[f64], left: f64, seconds: f64) -> String {
         targets.iter().map(|target| View::new(*target, EYE, SCALE, middle)).collect();
     let pictures: Vec<Vec<Figure>> =
         moments.iter().zip(&views).map(|(moment, view)| figures(moment, view)).collect();
-    // Figures come and go with a body that is not known: those are shown that are always there.
+    // Figures appear and vanish with a body that is not always known. Only the figures that are always there are drawn.
     let count = pictures.iter().map(Vec::len).min().unwrap_or(0);
     let nearness = |index: usize| -> f64 {
         pictures.iter().filter_map(|figures| figures.get(index)).map(|figure| figure.nearness).sum()
@@ -91,7 +91,7 @@ fn scene(replay: &Replay, times: &[f64], left: f64, seconds: f64) -> String {
     svg.concat()
 }
 
-/// Where the eye looks: averaged over neighbours, so that it does not tremble.
+/// Returns the points that the eye looks at, averaged over neighbours so that the view does not shake.
 fn smooth(moments: &[Moment<'_>]) -> Vec<Vector3<f64>> {
     let targets: Vec<Option<Vector3<f64>>> = moments.iter().map(Moment::middle).collect();
     let smooth = (0..targets.len()).map(|index| {
@@ -102,7 +102,7 @@ fn smooth(moments: &[Moment<'_>]) -> Vec<Vector3<f64>> {
     smooth.collect()
 }
 
-/// The floor goes by below an eye that goes along.
+/// Draws the floor, which moves relative to the eye.
 fn floor(views: &[View], targets: &[Vector3<f64>], seconds: f64) -> String {
     let (Some(first), Some(target)) = (views.first(), targets.first()) else {
         return String::new();
@@ -122,7 +122,7 @@ fn floor(views: &[View], targets: &[Vector3<f64>], seconds: f64) -> String {
     )
 }
 
-/// A figure with an outline: its path is defined once, and drawn dark and then in its colour.
+/// Draws a figure with an outline. Its path is defined once, and drawn dark and then in its colour.
 fn element(name: &str, frames: &[&Figure], seconds: f64) -> String {
     let Some(figure) = frames.first() else { return String::new() };
     let paths: Vec<String> = frames.iter().map(|frame| frame.outline.path()).collect();
@@ -147,7 +147,8 @@ fn element(name: &str, frames: &[&Figure], seconds: f64) -> String {
     }
 }
 
-/// How an attribute changes; nothing if it does not. In jumps, or evenly in between.
+/// Returns the animation of an attribute, in jumps or linear in between. The text is empty if the attribute does not
+/// change.
 fn animate(attribute: &str, values: &[String], seconds: f64, jumps: bool) -> String {
     if values.windows(2).all(|pair| pair[0] == pair[1]) {
         return String::new();

@@ -1,4 +1,4 @@
-//! A still: the scene of each run at one time, and the plots beside.
+//! Still: the scene of each run at one time, with the plots beside it.
 
 use nalgebra::{Vector2, Vector3};
 
@@ -9,18 +9,18 @@ use super::moments::{Moment, together};
 use super::view::View;
 use crate::recorded::{Replay, ReplayError};
 
-/// Of a scene (pixels).
+/// Size of a scene \[pixels\].
 pub(super) const SCENE: [f64; 2] = [330.0, 400.0];
-/// The height that is left for the titles.
+/// Height of the titles \[pixels\].
 pub(super) const TOP: f64 = 40.0;
-/// Of the plots.
+/// Width of the plots \[pixels\].
 pub(super) const PLOTS: f64 = 380.0;
-/// Where the eye stands.
+/// Direction of the eye from the target: turn and rise \[rad\].
 pub(super) const EYE: [f64; 2] = [-0.95, 0.36];
-/// Pixels to a metre.
+/// Pixels per metre.
 pub(super) const SCALE: f64 = 162.0;
 
-/// How an SVG begins: its size, background and fonts.
+/// Returns the beginning of an SVG: its size, background and fonts.
 pub(super) fn begin(width: f64, height: f64) -> String {
     format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" \
@@ -32,11 +32,11 @@ pub(super) fn begin(width: f64, height: f64) -> String {
     )
 }
 
-/// The scene of each run a fifth into the longest time of working together, with the posture that the
-/// score is of, and the score and REBA of all runs beside. Gives the picture as SVG.
+/// Draws the scene of each run after a fifth of the longest interval of working together, with the posture that is
+/// scored. The score and REBA of all runs are plotted beside it. Returns the picture as SVG.
 ///
 /// # Errors
-/// [`ReplayError::Nothing`] without a run or with a run without samples.
+/// [`ReplayError::Nothing`] without runs or with a run without samples.
 pub fn still(replays: &[&Replay]) -> Result<String, ReplayError> {
     let Some(first) = replays.first() else { return Err(ReplayError::Nothing) };
     if replays.iter().any(|replay| replay.samples.is_empty()) {
@@ -80,7 +80,7 @@ pub fn still(replays: &[&Replay]) -> Result<String, ReplayError> {
     Ok(svg.concat())
 }
 
-/// The name of a run above its scene, with the line that it has in the plots.
+/// Draws the name of a run above its scene, with its line style in the plots.
 pub(super) fn title(left: f64, index: usize, title: &str) -> String {
     let (colour, dashes) = (RUNS[index % RUNS.len()], DASHES[index % DASHES.len()]);
     let title = title.replace('&', "&amp;").replace('<', "&lt;");
@@ -92,7 +92,7 @@ pub(super) fn title(left: f64, index: usize, title: &str) -> String {
     )
 }
 
-/// The two plots beside scenes of this width.
+/// Returns the two plots beside scenes of this width.
 pub(super) fn plots(scenes: f64, time: [f64; 2]) -> [Plot<'static>; 2] {
     let place = |top: f64| [scenes + 44.0, top, PLOTS - 70.0, 140.0];
     [
@@ -101,7 +101,7 @@ pub(super) fn plots(scenes: f64, time: [f64; 2]) -> [Plot<'static>; 2] {
     ]
 }
 
-/// The time below the last plot.
+/// Draws the time axis below the last plot.
 pub(super) fn axis(plots: &[Plot<'_>]) -> String {
     let Some(plot) = plots.last() else { return String::new() };
     let ([_, top, _, height], [begin, end]) = (plot.place, plot.time);
@@ -122,13 +122,13 @@ pub(super) fn axis(plots: &[Plot<'_>]) -> String {
     svg.concat()
 }
 
-/// A picture in the picture, which cuts off what reaches beyond it.
+/// Begins a nested picture, which cuts off everything outside it.
 pub(super) fn scene_begin(left: f64) -> String {
     let [width, height] = SCENE;
     format!("<svg x=\"{left}\" y=\"{TOP}\" width=\"{width}\" height=\"{height}\">\n")
 }
 
-/// Lines half a metre apart, as far as `reach` from a place \[m\].
+/// Draws lines half a metre apart, up to `reach` from a place \[m\].
 #[expect(clippy::cast_possible_truncation, reason = "some metres")]
 pub(super) fn floor(view: &View, around: &Vector3<f64>, reach: f64) -> String {
     let middle = [around.x, around.y].map(|value| (2.0 * value).round() * 0.5);
@@ -146,7 +146,7 @@ pub(super) fn floor(view: &View, around: &Vector3<f64>, reach: f64) -> String {
     format!("<path d=\"{}\" stroke=\"#dbe1e7\" fill=\"none\"/>\n", path.concat())
 }
 
-/// Robot, person and workspace at a moment.
+/// Draws robot, person and workspace at a moment.
 fn drawn(moment: &Moment<'_>, view: &View) -> String {
     let mut figures = figures(moment, view);
     figures.sort_by(|a, b| a.nearness.total_cmp(&b.nearness));
@@ -165,7 +165,7 @@ fn drawn(moment: &Moment<'_>, view: &View) -> String {
     svg.concat()
 }
 
-/// A figure with an outline, which keeps it apart from others.
+/// Draws a figure with an outline, which separates it from others.
 fn element(Figure { outline, colour, .. }: &Figure) -> String {
     let path = outline.path();
     match outline {

@@ -1,21 +1,21 @@
-//! An orthographic view: a capsule is then a thick line with round ends.
+//! Orthographic view: a capsule is a thick line with round ends.
 
 use nalgebra::{Vector2, Vector3};
 
-/// Looks at a target from above and aside.
+/// View of a target from above and from the side.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct View {
     target: Vector3<f64>,
-    /// To the right, upwards and to the eye.
+    /// Directions to the right, upwards and to the eye.
     axes: [Vector3<f64>; 3],
-    /// Pixels to a metre.
+    /// Pixels per metre.
     pub(super) scale: f64,
-    /// Where the target is in the picture.
+    /// Position of the target in the picture.
     middle: Vector2<f64>,
 }
 
 impl View {
-    /// The eye stands in the direction `turn` from the target \[rad\], raised by `rise` \[rad\].
+    /// Creates a view. The eye is in the direction `turn` from the target \[rad\], raised by `rise` \[rad\].
     pub(super) fn new(
         target: Vector3<f64>,
         [turn, rise]: [f64; 2],
@@ -28,19 +28,19 @@ impl View {
         Self { target, axes: [right, eye.cross(&right), eye], scale, middle }
     }
 
-    /// In pixels, x to the right and y down.
+    /// Returns a point in pixels, x to the right and y down.
     pub(super) fn at(&self, point: &Vector3<f64>) -> Vector2<f64> {
         let [right, up, _] = &self.axes;
         let from = point - self.target;
         self.middle + Vector2::new(right.dot(&from), -up.dot(&from)) * self.scale
     }
 
-    /// How near a point is to the eye \[m\].
+    /// Returns the nearness of a point to the eye, relative to the target \[m\].
     pub(super) fn nearness(&self, point: &Vector3<f64>) -> f64 {
         self.axes[2].dot(&(point - self.target))
     }
 
-    /// The share of a direction that points to the eye.
+    /// Returns the component of a direction towards the eye.
     pub(super) fn facing(&self, direction: &Vector3<f64>) -> f64 {
         self.axes[2].dot(direction)
     }

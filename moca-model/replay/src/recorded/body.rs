@@ -1,15 +1,15 @@
 //! The person as capsules between points of the body.
 //!
-//! Thicknesses are fractions of stature, chosen for a clear picture; they enter no score.
+//! Thicknesses are fractions of stature, chosen for a clear picture. No score depends on them.
 
 use ergo_map::{JointAngles, Landmarks, Person, Side, Skeleton};
 use nalgebra::Vector3;
 use vision_models::{Body, Body25};
 
-/// How many points a body has.
+/// Number of points of a body.
 pub(crate) const POINT_COUNT: usize = BODY_POINTS.len();
 
-/// The points; left before right.
+/// Names of the points; left before right.
 pub(crate) const BODY_POINTS: [&str; 21] = [
     "neck",
     "pelvis",
@@ -34,34 +34,34 @@ pub(crate) const BODY_POINTS: [&str; 21] = [
     "right toe",
 ];
 
-/// Places of [`BODY_POINTS`] (m); none where a point is not known.
+/// Positions of [`BODY_POINTS`] \[m\]; `None` where a point is unknown.
 pub(super) type Points = [Option<Vector3<f64>>; POINT_COUNT];
 
-/// A part of the body that has a sub-score of REBA.
+/// Part of the body that has a sub-score of REBA.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum BodyPart {
-    /// With the head.
+    /// Neck and head.
     Neck,
-    /// With pelvis and shoulders.
+    /// Trunk, pelvis and shoulders.
     Trunk,
-    /// Both.
+    /// Both legs.
     Legs,
-    /// Of a side.
+    /// Upper arm of a side.
     UpperArm(Side),
-    /// Of a side.
+    /// Lower arm of a side.
     LowerArm(Side),
-    /// With the hand, of a side.
+    /// Wrist and hand of a side.
     Wrist(Side),
 }
 
-/// A capsule between two points, whose radius changes evenly.
+/// Capsule between two points whose radius changes linearly.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Limb {
     /// Indices of two points.
     pub(crate) ends: [usize; 2],
-    /// At the two, as fractions of stature.
+    /// Radii at the two points, as fractions of stature.
     pub(crate) radii: [f64; 2],
-    /// What it is of.
+    /// Part of the body.
     pub(crate) part: BodyPart,
 }
 
@@ -99,12 +99,12 @@ pub(crate) const LIMBS: [Limb; 22] = {
     ]
 };
 
-/// From hips to neck, where the shoulders' line begins to be all of the trunk.
+/// Position of the chest between hips (0) and neck (1): there the trunk becomes as wide as the shoulders.
 const CHEST: f64 = 0.72;
-/// From the wrist to the grip, as a fraction of stature.
+/// Distance from the wrist to the grip, as a fraction of stature.
 const GRIP: f64 = 0.055;
 
-/// The points of a person whose joints were seen; `stature` in m.
+/// Returns the points of a person whose joints were seen; `stature` in m.
 pub(super) fn seen(body: &Body, stature: f64) -> Points {
     use Body25::{
         LeftAnkle, LeftBigToe, LeftEar, LeftElbow, LeftHip, LeftKnee, LeftShoulder, LeftWrist,
@@ -144,8 +144,8 @@ pub(super) fn seen(body: &Body, stature: f64) -> Points {
     ]
 }
 
-/// The points of a person in a posture, in their own frame. The other arm, which the model does not have,
-/// hangs.
+/// Returns the points of a person in a posture, in their own frame. The other arm, which the model does not have, hangs
+/// down.
 ///
 /// # Errors
 /// Angles that are not finite.
@@ -159,7 +159,7 @@ pub(super) fn posed(
     let beside = |point: Vector3<f64>, by: f64| Some(point + Vector3::y() * (by * stature));
     let both = |point: Vector3<f64>, by: f64| [beside(point, by), beside(point, -by)];
     let spine = (at.neck - at.lumbar).normalize();
-    // Forwards, across the trunk in the middle plane.
+    // Forwards, perpendicular to the trunk in the sagittal plane.
     let ahead = Vector3::new(spine.z, 0.0, -spine.x).normalize() * stature;
     let head = at.eyes - ahead * 0.05;
     let [left_hip, right_hip] = both(at.hip, 0.055);
@@ -215,7 +215,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_hand_of_a_posture_is_where_the_skeleton_has_it() {
+    fn hand_of_posture_matches_the_skeleton() {
         let (person, angles) = (Person::average(), JointAngles::default());
         for (side, index) in [(Side::Left, 11), (Side::Right, 12)] {
             let points = posed(&person, side, &angles).unwrap();

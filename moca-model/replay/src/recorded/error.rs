@@ -1,4 +1,4 @@
-//! What can go wrong with a recorded run.
+//! Errors of a recorded run.
 
 /// Why a run cannot be recorded or shown.
 #[derive(Debug, thiserror::Error)]
@@ -13,15 +13,15 @@ pub enum ReplayError {
     /// A frame was added after the first sample.
     #[error("frame {name:?} comes too late: add all frames before the first sample")]
     LateFrame {
-        /// Of the frame.
+        /// Name of the frame.
         name: String,
     },
-    /// A pose was given to a frame that is not this recorder's.
+    /// The frame belongs to another recorder.
     #[error("there is no frame {slot}: the recorder has {count} that can be placed")]
     UnknownFrame {
-        /// What was given.
+        /// Index of the given frame.
         slot: usize,
-        /// How many there are.
+        /// Number of frames.
         count: usize,
     },
     /// There is nothing to draw.

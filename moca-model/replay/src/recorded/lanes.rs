@@ -7,12 +7,12 @@ use moca_model::{BaseMotion, BoxSide, DriveReason, Intention, Outcome, Phase, Re
 use serde::Serialize;
 use vision_models::{Surface, WalkingDirection};
 
-/// No more spans than this are kept of a lane; what comes later has no label of its own.
+/// Largest number of spans of a lane. Later states have no label of their own.
 const MOST: usize = 2000;
-/// The label of what comes later.
+/// Label of later states.
 const FULL: &str = "(more changes than are kept)";
 
-/// How a state is to be seen.
+/// Appearance of a state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Tone {
@@ -28,20 +28,20 @@ pub enum Tone {
     Stop,
 }
 
-/// A state from when it was taken up to when it was left \[s\].
+/// State from its begin to its end \[s\].
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Span {
     /// First time.
     pub begin: f64,
-    /// When the next state was taken up, or the last time.
+    /// Time at which the next state began, or the last time.
     pub end: f64,
-    /// Its name, with the cause where there is one.
+    /// Name of the state, with the cause where there is one.
     pub label: Cow<'static, str>,
-    /// How it is to be seen.
+    /// Appearance.
     pub tone: Tone,
 }
 
-/// The states of one thing.
+/// States of one thing.
 ///
 /// ```
 /// use moca_replay::recorded::{Lane, Tone};
@@ -55,19 +55,19 @@ pub struct Span {
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Lane {
-    /// What it is of.
+    /// Name of the thing.
     pub name: &'static str,
-    /// In the order of time, without gaps.
+    /// Spans in the order of time, without gaps.
     pub spans: Vec<Span>,
 }
 
 impl Lane {
-    /// A lane of which nothing is known yet.
+    /// Creates a lane without states.
     pub fn new(name: &'static str) -> Self {
         Self { name, spans: Vec::new() }
     }
 
-    /// Says what the state is at a time \[s\], no earlier than the one before.
+    /// Sets the state at a time \[s\], which must not be earlier than the time before.
     pub fn set(&mut self, time: f64, label: impl Into<Cow<'static, str>>, tone: Tone) {
         let label = label.into();
         let full = self.spans.len() >= MOST;
@@ -84,7 +84,7 @@ impl Lane {
         self.spans.push(Span { begin: time, end: time, label, tone });
     }
 
-    /// Says that the state is still the same at a time \[s\].
+    /// Extends the current state to a time \[s\].
     pub fn lasts(&mut self, time: f64) {
         if let Some(last) = self.spans.last_mut() {
             last.end = time;
@@ -92,7 +92,7 @@ impl Lane {
     }
 }
 
-/// The label of an intention.
+/// Returns the label of an intention.
 pub(super) fn intention(intention: Intention) -> (&'static str, Tone) {
     let Intention::Together { walking, .. } = intention else { return ("apart", Tone::Quiet) };
     let Some(direction) = walking else { return ("together", Tone::Work) };
@@ -116,7 +116,7 @@ fn walks(direction: WalkingDirection) -> &'static str {
     }
 }
 
-/// The label of a phase, with why the one before ended.
+/// Returns the label of a phase, with the reason why the phase before ended.
 pub(super) fn phase(phase: Phase, reason: Option<Reason>) -> (Cow<'static, str>, Tone) {
     let (name, tone) = match phase {
         Phase::Apart => ("apart", Tone::Quiet),
@@ -151,7 +151,7 @@ pub(super) fn phase(phase: Phase, reason: Option<Reason>) -> (Cow<'static, str>,
     (format!("{name}: {why}").into(), tone)
 }
 
-/// The name of a surface.
+/// Returns the name of a surface.
 pub(super) fn surface(surface: Surface) -> &'static str {
     match surface {
         Surface::Smooth => "smooth",
@@ -159,7 +159,7 @@ pub(super) fn surface(surface: Surface) -> &'static str {
     }
 }
 
-/// The label of a safety state.
+/// Returns the label of a safety state.
 pub(super) fn safety(state: SafetyState, cause: Option<&Cause>) -> (Cow<'static, str>, Tone) {
     let why: Cow<'static, str> = match cause {
         None => "".into(),
@@ -176,7 +176,7 @@ pub(super) fn safety(state: SafetyState, cause: Option<&Cause>) -> (Cow<'static,
     }
 }
 
-/// The label of what the base does, with why it drives.
+/// Returns the label of the base's motion, with the reason of a drive.
 pub(super) fn base(motion: BaseMotion) -> (&'static str, Tone) {
     match motion {
         BaseMotion::Stands => ("stands", Tone::Quiet),
@@ -188,7 +188,7 @@ pub(super) fn base(motion: BaseMotion) -> (&'static str, Tone) {
     }
 }
 
-/// The label of how a tick went.
+/// Returns the label of the result of a tick.
 pub(super) fn solver(outcome: Outcome) -> (&'static str, Tone) {
     match outcome {
         outcome if outcome.is_optimal() => ("optimal", Tone::Quiet),

@@ -1,10 +1,10 @@
-//! How much of each limit is used.
+//! Use of each limit.
 
 use moca_model::whole_body::Model;
 use moca_model::whole_body::robot::JointLimits;
 use moca_model::{Command, ControllerSettings, DesiredMotion, MecanumBase};
 
-/// Shares of limits, the greatest since they were last taken: 1 is at the limit.
+/// Greatest shares of limits since the last call of `take`; 1 is at the limit.
 #[derive(Clone, Debug)]
 pub(super) struct LimitUse {
     joints: Vec<JointLimits>,
@@ -30,7 +30,7 @@ impl LimitUse {
         }
     }
 
-    /// Takes the command of a tick and the configuration that it was given at.
+    /// Adds the command of a tick and the configuration at which it was given.
     #[expect(clippy::cast_possible_truncation, reason = "f32 is what is kept")]
     pub(super) fn update(&mut self, command: &Command, configuration: &[f64]) {
         let Self { joints, desired, base, period, velocity, shares } = self;
@@ -63,19 +63,19 @@ impl LimitUse {
         raise(twist.fixed_rows::<3>(3).amax() / desired.angular_velocity);
     }
 
-    /// Whether the robot has wheels.
+    /// Returns true if the robot has wheels.
     pub(super) fn is_of_wheels(&self) -> bool {
         self.base.is_some()
     }
 
-    /// The greatest since the last time; what follows begins anew.
+    /// Appends the greatest shares since the last call to `row`, and starts anew.
     pub(super) fn take(&mut self, row: &mut Vec<f32>) {
         row.append(&mut self.shares.clone());
         self.shares.fill(0.0);
     }
 }
 
-/// Names of the shares, in their order, for a robot on wheels or without them.
+/// Returns the names of the shares in their order, for a robot with or without wheels.
 pub(super) fn columns(model: &Model, on_wheels: bool) -> Vec<String> {
     let (names, limits) = (model.velocity_names(), model.limits());
     let of = |what: &'static str| names.iter().map(move |name| format!("{name} {what}"));

@@ -1,11 +1,11 @@
-//! The person's ergonomics map on a grid, to be looked at.
+//! The person's ergonomics map on a grid, for display.
 
 use ergo_map::{ErgonomicsMap, Region};
 use nalgebra::Vector3;
 
 /// Distance of neighbours \[m\].
 const SPACING: f64 = 0.05;
-/// Stands for a score that the map does not know.
+/// Value for a score that the map does not know.
 const UNKNOWN: u8 = 255;
 
 /// Scores `e_s` on a grid in the person's frame: x fastest, then y, then z.
@@ -22,20 +22,20 @@ const UNKNOWN: u8 = 255;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct MapGrid {
-    /// The first node \[m\].
+    /// First node \[m\].
     pub origin: Vector3<f64>,
     /// Distance of neighbours \[m\].
     pub spacing: f64,
-    /// Along x, y and z.
+    /// Number of nodes along x, y and z.
     pub counts: [usize; 3],
-    /// 0 for the score 0 to 254 for `greatest`; 255 where the hand cannot be.
+    /// Scores as bytes: 0 is the score 0, 254 is `greatest`, 255 marks nodes that the hand cannot reach.
     pub scores: Vec<u8>,
-    /// The score that 254 stands for.
+    /// Score of the value 254.
     pub greatest: f64,
 }
 
 impl MapGrid {
-    /// Everything within reach.
+    /// Samples everything within reach.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bounded")]
     pub fn of(map: &ErgonomicsMap) -> Self {
         let region = Region::surroundings(map.stature(), map.side());

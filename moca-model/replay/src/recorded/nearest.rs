@@ -1,4 +1,4 @@
-//! Where robot and person are nearest, of the shapes that are drawn.
+//! Nearest points of robot and person, by the shapes that are drawn.
 
 use hrsw_safety::{Capsule, proximity};
 use nalgebra::{Isometry3, Vector3};
@@ -13,8 +13,8 @@ pub(super) struct Near {
     pub(super) on_person: Vector3<f64>,
 }
 
-/// The nearest pair of the robot's capsules, each in a frame of these poses, and those of the person's
-/// for whose part `counts` returns true; none where one of the two is not there.
+/// Returns the nearest pair of the robot's capsules, each in a frame of these poses, and the person's capsules. Only
+/// parts of the person for which `counts` returns true are used. Returns `None` if one of the two is not there.
 pub(super) fn nearest(
     capsules: &[(usize, Capsule)],
     pose: impl Fn(usize) -> Option<Isometry3<f64>>,

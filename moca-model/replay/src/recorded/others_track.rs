@@ -1,4 +1,4 @@
-//! The people beside the one who works with the robot, as the camera saw them.
+//! People other than the person who works with the robot, as the camera saw them.
 
 use vision_models::Body;
 
@@ -6,10 +6,10 @@ use super::body::{self, BODY_POINTS, POINT_COUNT, Points};
 use super::person_track::write_points;
 use super::table::{Encoding, Group, Table};
 
-/// One more than the robot can keep away from.
+/// Names: one more than the number of people that the robot can keep away from.
 const NAMES: [&str; 5] = ["other 1", "other 2", "other 3", "other 4", "other 5"];
 
-/// Frame by frame, from the first that shows anybody.
+/// Bodies of each frame, from the first frame that shows anybody.
 #[derive(Clone, Debug)]
 pub(super) struct OthersTrack {
     table: Table,
@@ -17,13 +17,13 @@ pub(super) struct OthersTrack {
 }
 
 impl OthersTrack {
-    /// Of people of whom no more is known than that they are about as tall as the person \[m\].
+    /// Creates a track. The stature of these people is unknown; `stature` is that of the person \[m\].
     pub(super) fn new(stature: f64) -> Self {
         let group = |name| Group::new(name, &BODY_POINTS, 3, Encoding::Steps);
         Self { table: Table::new(NAMES.map(group).into()), stature }
     }
 
-    /// Takes a camera frame.
+    /// Adds a camera frame.
     pub(super) fn observe(&mut self, time: f64, bodies: &[Body]) {
         if self.table.is_empty() && bodies.is_empty() {
             return;
@@ -37,7 +37,7 @@ impl OthersTrack {
         self.table.push(time, &row);
     }
 
-    /// All frames; none if there was never anybody.
+    /// Returns all frames; `None` if there was never anybody.
     pub(super) fn finish(self) -> Option<Table> {
         (!self.table.is_empty()).then_some(self.table)
     }

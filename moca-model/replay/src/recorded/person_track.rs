@@ -7,15 +7,15 @@ use vision_models::Percept;
 use super::body::{self, BODY_POINTS, POINT_COUNT, Points};
 use super::table::{Encoding, Group, Table};
 
-/// The parts that have a sub-score, in the order of the columns.
+/// Parts that have a sub-score, in the order of the columns.
 pub(super) const PARTS: [&str; 6] = ["neck", "trunk", "legs", "upper arm", "lower arm", "wrist"];
 
-/// Frames on each side over which a point is averaged.
+/// Number of frames on each side over which a point is averaged.
 const REACH: usize = 3;
-/// Frames farther apart than this do not belong together (s).
+/// Largest time between frames that belong together \[s\].
 const GAP: f64 = 0.5;
 
-/// Frame by frame.
+/// Points and scores of each frame.
 #[derive(Clone, Debug)]
 pub(super) struct PersonTrack {
     table: Table,
@@ -27,13 +27,13 @@ impl PersonTrack {
         let groups = vec![
             Group::new("body", &BODY_POINTS, 3, Encoding::Steps),
             Group::new("parts", &PARTS, 1, Encoding::Exact),
-            // The side of the arm that is scored: 1 left, -1 right.
+            // Side of the arm that is scored: 1 left, -1 right.
             Group::new("side", &["side"], 1, Encoding::Exact),
         ];
         Self { table: Table::new(groups), stature }
     }
 
-    /// Takes a camera frame, and the scores of the posture in it.
+    /// Adds a camera frame and the scores of its posture.
     pub(super) fn observe(&mut self, percept: &Percept, measured: Option<(Side, RebaSubScores)>) {
         let unseen: Points = [None; POINT_COUNT];
         let points = percept.body.as_ref().map_or(unseen, |body| body::seen(body, self.stature));
@@ -47,8 +47,8 @@ impl PersonTrack {
         self.table.push(percept.time, &row);
     }
 
-    /// With each point averaged over neighbouring frames, which also fills in where it was not seen: what
-    /// a picture needs, which nothing is computed from.
+    /// Returns the track with each point averaged over neighbouring frames, which also fills short gaps. It is for
+    /// pictures only; nothing is computed from it.
     pub(super) fn smoothed(&self) -> Table {
         let mut smooth = Table::new(self.table.groups().to_vec());
         let times = self.table.times();
@@ -74,7 +74,7 @@ impl PersonTrack {
     }
 }
 
-/// The points of a track at a time, between two frames; none where they are not known.
+/// Returns the points of a track at a time, interpolated between two frames; `None` where they are unknown.
 pub(super) fn points_at(track: &Table, time: f64) -> Points {
     let after = track.times().partition_point(|&other| other <= time);
     let Some(before) = after.checked_sub(1) else { return [None; POINT_COUNT] };
@@ -97,7 +97,7 @@ pub(super) fn points_at(track: &Table, time: f64) -> Points {
     })
 }
 
-/// Three numbers a point.
+/// Appends three numbers for each point.
 #[expect(clippy::cast_possible_truncation, reason = "f32 is what is kept")]
 pub(super) fn write_points(points: &Points, row: &mut Vec<f32>) {
     for point in points {
@@ -107,7 +107,7 @@ pub(super) fn write_points(points: &Points, row: &mut Vec<f32>) {
     }
 }
 
-/// A number a part.
+/// Appends a number for each part.
 pub(super) fn write_parts(scores: Option<RebaSubScores>, row: &mut Vec<f32>) {
     row.extend(scores.map_or([f32::NAN; PARTS.len()], |scores| {
         let RebaSubScores { neck, trunk, legs, upper_arm, lower_arm, wrist } = scores;
@@ -132,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn a_missing_frame_is_filled_in_and_a_long_gap_is_not() {
+    fn short_gaps_are_filled_long_gaps_are_not() {
         let mut track = PersonTrack::new(1.75);
         for frame in 0..40_u32 {
             let seen = frame != 10 && frame < 20;
@@ -143,7 +143,7 @@ mod tests {
         }
         let smooth = track.smoothed();
         let neck = |time: f64| points_at(&smooth, time)[0].map(|neck| neck.x);
-        // A straight walk stays what it is, but for the gap's neighbours.
+        // A straight walk is not changed, except near the gap.
         assert!((neck(0.25).unwrap() - 0.5).abs() < 1e-6);
         assert!((neck(0.5).unwrap() - 1.0).abs() < 1e-6);
         assert!((neck(0.275).unwrap() - 0.55).abs() < 1e-6);

@@ -1,4 +1,4 @@
-//! Collects what a picture of a run needs, while the run goes on.
+//! Records a run for pictures while it goes on.
 
 use ergo_map::{Conditions, ErgonomicsMap, PersonFrame, RebaSubScores, Side};
 use hrsw_safety::Capsule;
@@ -18,13 +18,13 @@ use super::table::{Encoding, Group, Table};
 use super::{MapGrid, ReplayError};
 use crate::report::TickRow;
 
-/// Between two samples (s): 50 a second.
+/// Time between two samples \[s\]: 50 samples a second.
 const INTERVAL: f64 = 0.02;
 
-/// Frames that every run has, beside those of the robot.
+/// Frames of every run, in addition to those of the robot.
 const OWN_FRAMES: [&str; 4] = ["tool", "desired", "workspace", "person"];
 
-/// What is one number a sample.
+/// Series: one number for each sample.
 const SERIES: [&str; 25] = [
     "e_s",
     "REBA predicted",
@@ -53,7 +53,7 @@ const SERIES: [&str; 25] = [
     "protective distance",
 ];
 
-/// Where robot and person are nearest, their forearms left aside, which work on what the robot holds.
+/// Nearest points of robot and person. The forearms are left out, because they work on the object that the robot holds.
 const NEAREST: [&str; 8] = [
     "robot x",
     "robot y",
@@ -65,38 +65,37 @@ const NEAREST: [&str; 8] = [
     "of the forearms",
 ];
 
-/// A run, recorded.
+/// Record of a run.
 #[derive(Clone, Debug)]
 pub struct Replay {
-    /// Of the run.
+    /// Title of the run.
     pub title: String,
-    /// What is there, and in which frames.
+    /// Solids and their frames.
     pub stage: Stage,
-    /// Sample by sample: poses of the frames, the predicted body, series, limits, and where robot and
-    /// person are nearest.
+    /// Samples: poses of the frames, the predicted body, series, limits, and the nearest points of robot and person.
     pub samples: Table,
-    /// Camera frame by camera frame: the body that was seen and its scores.
+    /// Camera frames: the body that was seen and its scores.
     pub person: Table,
-    /// The bodies of other people, frame by frame; none if there was never anybody.
+    /// Bodies of other people, frame by frame; `None` if there was never anybody.
     pub others: Option<Table>,
     /// States.
     pub lanes: Vec<Lane>,
-    /// Of the person \[m\].
+    /// Stature of the person \[m\].
     pub stature: f64,
-    /// The working hand.
+    /// Working hand.
     pub side: Side,
-    /// The person's map.
+    /// Map of the person.
     pub map: MapGrid,
 }
 
-/// A frame that the caller moves.
+/// Frame that the caller moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FrameSlot(usize);
 
 /// Samples a run 50 times a second.
 ///
-/// Memory: at most [`Table::MOST`] samples of some 800 bytes, as many camera frames of 300 bytes, and
-/// 2000 states of each lane; a run that is longer is sampled less often.
+/// Memory: at most [`Table::MOST`] samples of some 800 bytes, as many camera frames of 300 bytes, and 2000 states of
+/// each lane. A longer run is sampled less often.
 #[derive(Debug)]
 pub struct Recorder {
     title: String,
@@ -107,18 +106,18 @@ pub struct Recorder {
     robot: Vec<FrameId>,
     tool: FrameId,
     capsules: Vec<(usize, Capsule)>,
-    /// Of frames that the caller moves.
+    /// Poses of the frames that the caller moves.
     placed: Vec<Option<Isometry3<f64>>>,
-    /// What the robot holds.
+    /// Frame of the object that the robot holds.
     object: Option<FrameSlot>,
     samples: Option<Table>,
     person: PersonTrack,
     others: OthersTrack,
     limits: LimitUse,
-    /// Ticks between two samples, and up to the next.
+    /// Ticks between two samples, and ticks until the next one.
     stride: u32,
     left: u32,
-    /// Where the tool was at the last sample, and when \[m, s\].
+    /// Position of the tool at the last sample, and its time \[m, s\].
     actual: Option<(Vector3<f64>, f64)>,
     phase: Lane,
     intention: Lane,
@@ -129,11 +128,11 @@ pub struct Recorder {
     surface: Lane,
 }
 
-/// Wood.
+/// Colour of wood.
 const OBJECT_COLOUR: [f64; 3] = [0.76, 0.6, 0.42];
 
 impl Recorder {
-    /// For a robot with the text of its URDF, which says what it looks like, and a person's map.
+    /// Creates a recorder for a robot and a person's map. The text of the URDF gives the robot's shapes.
     ///
     /// # Errors
     /// [`ReplayError::Urdf`], or a tool or link that the robot does not have.
@@ -146,7 +145,7 @@ impl Recorder {
     ) -> Result<Self, ReplayError> {
         let mut stage = Stage::of_robot(model, urdf)?;
         let bodies = match &settings.safety.bodies {
-            // Nothing is monitored; the distance is of interest all the same.
+            // No body is monitored, but the distance is still recorded.
             none if none.is_empty() => moca_safety().bodies,
             bodies => bodies.clone(),
         };
@@ -187,8 +186,7 @@ impl Recorder {
         })
     }
 
-    /// Adds something that stands or moves on its own, such as the object; its place is told by
-    /// [`place`](Self::place).
+    /// Adds a solid that stands or moves on its own, such as the object. [`place`](Self::place) sets its pose.
     ///
     /// # Errors
     /// [`ReplayError::LateFrame`] after the first sample.
@@ -211,7 +209,7 @@ impl Recorder {
         Ok(FrameSlot(frame.saturating_sub(first)))
     }
 
-    /// Shows the object that the robot holds, as soon as the controller says so.
+    /// Shows the object that the robot holds from the time at which the controller reports it.
     ///
     /// # Errors
     /// [`ReplayError::LateFrame`] after the first sample.
@@ -221,7 +219,7 @@ impl Recorder {
         Ok(())
     }
 
-    /// From now on a frame is here, in the world; none while it is nowhere.
+    /// Sets the pose of a frame in the world from this time on; `None` hides it.
     ///
     /// # Errors
     /// [`ReplayError::UnknownFrame`] for a frame of another recorder.
@@ -236,8 +234,8 @@ impl Recorder {
         Ok(())
     }
 
-    /// Takes a camera frame with the other people in it, and the scores of the person's posture with the side of the
-    /// arm that is scored.
+    /// Adds a camera frame with the other people in it. `measured` has the scores of the person's posture and the side
+    /// of the scored arm.
     pub fn observe(
         &mut self,
         percept: &Percept,
@@ -258,8 +256,8 @@ impl Recorder {
         }
     }
 
-    /// Takes a tick: the controller after its step, the configuration of the robot \[m or rad\], and
-    /// what was made of it.
+    /// Adds a tick: the controller after its step, the configuration of the robot \[m or rad\], and the row of the
+    /// tick's results.
     ///
     /// # Errors
     /// A configuration that does not fit the robot.
@@ -313,7 +311,7 @@ impl Recorder {
         Ok(())
     }
 
-    /// The poses of all frames.
+    /// Returns the poses of all frames.
     fn poses(
         &mut self,
         controller: &Controller,
@@ -324,7 +322,7 @@ impl Recorder {
         for frame in &self.robot {
             write_pose(Some(&posed.world_from(*frame)?), &mut values);
         }
-        // Where the person's hand is who works on what the tool holds.
+        // Position of the person's hand at the tool.
         let hand = Translation3::from(*controller.robot().tool_from_hand());
         write_pose(Some(&(posed.world_from(self.tool)? * hand)), &mut values);
         let space = controller.space();
@@ -338,7 +336,7 @@ impl Recorder {
         Ok(values)
     }
 
-    /// The body with its hand at the tool, and the sub-scores of that posture.
+    /// Appends the body with its hand at the tool, and the sub-scores of that posture.
     fn write_predicted(&self, controller: &Controller, row: &TickRow, values: &mut Vec<f32>) {
         let predicted = self.predict(controller, row);
         let unknown: Points = [None; POINT_COUNT];
@@ -361,7 +359,7 @@ impl Recorder {
         Some((points.map(|point| point.map(|point| frame.to_world(&point))), scores))
     }
 
-    /// The run up to here.
+    /// Returns the record of the run so far.
     #[expect(clippy::cast_possible_truncation, reason = "f32 is what is kept")]
     pub fn finish(self) -> Replay {
         let Self { title, stage, map, model, capsules, person, others, samples, limits, .. } = self;
@@ -407,7 +405,7 @@ impl Recorder {
     }
 }
 
-/// Returns true for what works on the object.
+/// Returns true for parts that work on the object.
 fn works(part: BodyPart) -> bool {
     matches!(part, BodyPart::LowerArm(_) | BodyPart::Wrist(_))
 }
@@ -426,12 +424,12 @@ fn groups(stage: &Stage, model: &Model, on_wheels: bool) -> Vec<Group> {
     ]
 }
 
-/// Position, then quaternion x, y, z, w.
+/// Appends the position, then the quaternion x, y, z, w.
 #[expect(clippy::cast_possible_truncation, reason = "f32 is what is kept")]
 fn write_pose(pose: Option<&Isometry3<f64>>, row: &mut Vec<f32>) {
     row.extend(pose.map_or([f32::NAN; 7], |pose| {
         let (p, r) = (pose.translation, pose.rotation);
-        // Of the two quaternions of a rotation always the same.
+        // A rotation has two quaternions; the sign always selects the one with w ≥ 0.
         let sign = if r.w < 0.0 { -1.0 } else { 1.0 };
         [p.x, p.y, p.z, sign * r.i, sign * r.j, sign * r.k, sign * r.w].map(|value| value as f32)
     }));
@@ -455,7 +453,7 @@ fn write_optional(vector: Option<Vector3<f64>>, row: &mut Vec<f32>) {
     write_vectors(&[vector.unwrap_or(Vector3::repeat(f64::NAN))], row);
 }
 
-/// In the order of [`SERIES`].
+/// Appends the numbers in the order of [`SERIES`].
 #[expect(clippy::cast_possible_truncation, reason = "f32 is what is kept")]
 fn write_series(controller: &Controller, tick: &TickRow, speed: f64, row: &mut Vec<f32>) {
     let scored = tick.reba > 0;

@@ -1,4 +1,4 @@
-//! The robot's looks, from its description.
+//! Appearance of the robot, from its description.
 
 use moca_model::whole_body::Model;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
@@ -6,14 +6,14 @@ use urdf_rs::{Geometry, Link, Robot};
 
 use super::{ReplayError, Role, Shape, Solid, Stage};
 
-/// Of what has no colour of its own.
+/// Colour of shapes without a colour of their own.
 const GREY: [f64; 3] = [0.7, 0.7, 0.7];
-/// Ends of a cylinder and centres of balls are one within this \[m\].
+/// Largest distance at which the end of a cylinder and the centre of a ball count as equal \[m\].
 const SAME: f64 = 1e-6;
 
 impl Stage {
-    /// The visible shapes of a robot, from the text of its URDF. A cylinder with a ball of its radius at both
-    /// ends becomes a capsule; meshes are left out.
+    /// Reads the visible shapes of a robot from the text of its URDF. A cylinder with a ball of its radius at both ends
+    /// becomes a capsule; meshes are left out.
     ///
     /// # Errors
     /// [`ReplayError::Urdf`] for a text that is no URDF; [`ReplayError::Robot`] for a link that the
@@ -37,7 +37,7 @@ impl Stage {
     }
 }
 
-/// A shape in its link.
+/// Shape in its link.
 #[derive(Clone, Copy, Debug)]
 struct Look {
     pose: Isometry3<f64>,
@@ -81,7 +81,7 @@ fn shape(geometry: &Geometry) -> Option<Shape> {
     }
 }
 
-/// Cylinders with a ball at both ends as capsules, and what is left.
+/// Replaces cylinders with a ball at both ends by capsules, and keeps the other shapes.
 fn merged(mut looks: Vec<Look>) -> Vec<Look> {
     for index in 0..looks.len() {
         let Some(&Look { pose, shape: Shape::Cylinder { length, radius }, colour }) =
@@ -96,7 +96,7 @@ fn merged(mut looks: Vec<Look>) -> Vec<Look> {
         let ends = (ball_at(-0.5 * length), ball_at(0.5 * length));
         if let (Some(first), Some(second)) = ends {
             looks[index] = Look { pose, shape: Shape::Capsule { length, radius }, colour };
-            // Marked by no size, so that no index moves.
+            // Balls to remove are marked by radius zero, so that no index changes.
             for ball in [first, second] {
                 looks[ball].shape = Shape::Sphere { radius: 0.0 };
             }

@@ -1,70 +1,70 @@
-//! What stands on the stage: solids, each fixed to a frame that moves.
+//! Solids of a scene, each fixed to a frame that moves.
 
 use nalgebra::Isometry3;
 use serde::Serialize;
 
-/// A shape about the origin of its own axes.
+/// Shape about the origin of its own axes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "lowercase")]
 pub enum Shape {
-    /// A box with these edges \[m\].
+    /// Box with these edges \[m\].
     Box {
-        /// Along x, y and z.
+        /// Edges along x, y and z.
         size: [f64; 3],
     },
-    /// A cylinder along z with half balls at its ends \[m\].
+    /// Cylinder along z with half balls at its ends \[m\].
     Capsule {
-        /// Between the centres of the balls.
+        /// Distance of the balls' centres.
         length: f64,
-        /// Of balls and cylinder.
+        /// Radius of balls and cylinder.
         radius: f64,
     },
-    /// A cylinder along z \[m\].
+    /// Cylinder along z \[m\].
     Cylinder {
-        /// From end to end.
+        /// Distance of the ends.
         length: f64,
-        /// Of the ends.
+        /// Radius of the ends.
         radius: f64,
     },
-    /// A ball \[m\].
+    /// Ball \[m\].
     Sphere {
-        /// Of the ball.
+        /// Radius of the ball.
         radius: f64,
     },
 }
 
-/// What a solid is of.
+/// Role of a solid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Role {
     /// The robot.
     Robot,
-    /// What person and robot work on.
+    /// Object that person and robot work on.
     Object,
-    /// What the person works with.
+    /// Tool of the person.
     Tool,
-    /// What stands around.
+    /// Surroundings.
     Surroundings,
 }
 
-/// A named shape, fixed to a frame.
+/// Named shape, fixed to a frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Solid {
-    /// Shown to the reader.
+    /// Name that readers see.
     pub name: String,
-    /// What it is of.
+    /// Role.
     pub role: Role,
     /// Index of its frame in [`Stage::frames`].
     pub frame: usize,
-    /// Of the shape's axes in the frame.
+    /// Pose of the shape's axes in the frame.
     pub frame_from_shape: Isometry3<f64>,
-    /// What it looks like.
+    /// Shape.
     pub shape: Shape,
     /// Red, green and blue, each from 0 to 1.
     pub colour: [f64; 3],
 }
 
-/// All solids, and the frames that carry them.
+/// All solids and the frames that carry them.
 ///
 /// ```
 /// use moca_replay::recorded::{Role, Shape, Stage};
@@ -84,17 +84,17 @@ pub struct Stage {
 }
 
 impl Stage {
-    /// The frames, in the order in which their poses are recorded.
+    /// Returns the frames, in the order in which their poses are recorded.
     pub fn frames(&self) -> &[String] {
         &self.frames
     }
 
-    /// The solids.
+    /// Returns the solids.
     pub fn solids(&self) -> &[Solid] {
         &self.solids
     }
 
-    /// The frame of this name, which is added if there is none.
+    /// Returns the frame with this name. Adds it if there is none.
     pub fn add_frame(&mut self, name: &str) -> usize {
         let known = self.frames.iter().position(|frame| frame == name);
         known.unwrap_or_else(|| {

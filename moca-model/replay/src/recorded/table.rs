@@ -1,44 +1,44 @@
 //! Numbers of samples, group by group, in bounded memory.
 
-/// How a group is written into a page.
+/// Encoding of a group in a page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Encoding {
-    /// As f32.
+    /// 32-bit floats.
     Exact,
-    /// As 65535 steps between the least and the greatest value of each column: for what is only looked at.
+    /// 65535 steps between the least and the greatest value of each column, for values that are only displayed.
     Steps,
 }
 
 /// Columns that belong together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Group {
-    /// Of the group.
+    /// Name of the group.
     pub name: &'static str,
-    /// Of its columns.
+    /// Names of its columns.
     pub columns: Vec<String>,
-    /// How many numbers a column has: 1, 3 for a point, 7 for a pose.
+    /// Numbers per column: 1, 3 for a point, 7 for a pose.
     pub size: usize,
-    /// How it is written.
+    /// Encoding in a page.
     pub encoding: Encoding,
 }
 
 impl Group {
-    /// Of columns of so many numbers.
+    /// Creates a group of columns with `size` numbers each.
     pub fn new(name: &'static str, columns: &[&str], size: usize, encoding: Encoding) -> Self {
         let columns = columns.iter().map(|&column| column.to_owned()).collect();
         Self { name, columns, size, encoding }
     }
 
-    /// How many numbers of a row are its own.
+    /// Returns the number of values that the group has in a row.
     pub fn width(&self) -> usize {
         self.columns.len() * self.size
     }
 }
 
-/// A row of numbers a sample. NaN stands for what is not known.
+/// A row of numbers for each sample. NaN marks unknown values.
 ///
-/// There are never more than [`Table::MOST`] rows: when they are full every second one goes, and of
-/// what comes later as many are left out. So it holds at most `MOST` rows of 4 bytes a number.
+/// A table has at most [`Table::MOST`] rows. When it is full, every second row is removed, and later samples are
+/// thinned out equally. Memory is thus at most `MOST` rows of 4 bytes a number.
 ///
 /// ```
 /// use moca_replay::recorded::{Encoding, Group, Table};
@@ -56,24 +56,23 @@ pub struct Table {
     width: usize,
     times: Vec<f64>,
     values: Vec<f32>,
-    /// Of so many samples one is kept.
+    /// Number of samples of which one is kept.
     stride: usize,
-    /// Samples to leave out before the next that is kept.
+    /// Number of samples to leave out before the next one that is kept.
     left_out: usize,
 }
 
 impl Table {
-    /// Two minutes at 50 samples a second.
+    /// Largest number of rows: two minutes at 50 samples a second.
     pub const MOST: usize = 6000;
 
-    /// A table without rows.
+    /// Creates a table without rows.
     pub fn new(groups: Vec<Group>) -> Self {
         let width = groups.iter().map(Group::width).sum();
         Self { groups, width, times: Vec::new(), values: Vec::new(), stride: 1, left_out: 0 }
     }
 
-    /// Takes a sample of this time \[s\], the numbers of all columns; what is missing counts as not
-    /// known.
+    /// Adds a sample: its time \[s\] and the numbers of all columns. Missing numbers count as unknown.
     pub fn push(&mut self, time: f64, row: &[f32]) {
         if self.left_out > 0 {
             self.left_out -= 1;
@@ -100,7 +99,7 @@ impl Table {
         self.stride *= 2;
     }
 
-    /// Adds a group to a table that may have rows; `value` gives a row's numbers of it.
+    /// Adds a group to a table that may have rows. `value` returns the group's numbers in a row.
     pub(super) fn add_group(&mut self, group: Group, value: impl Fn(usize, &[f32]) -> Vec<f32>) {
         let added = group.width();
         let mut values = Vec::with_capacity(self.len() * (self.width + added));
@@ -115,7 +114,7 @@ impl Table {
         self.groups.push(group);
     }
 
-    /// How many rows.
+    /// Returns the number of rows.
     pub fn len(&self) -> usize {
         self.times.len()
     }
@@ -125,22 +124,22 @@ impl Table {
         self.times.is_empty()
     }
 
-    /// The time of each row \[s\].
+    /// Returns the time of each row \[s\].
     pub fn times(&self) -> &[f64] {
         &self.times
     }
 
-    /// The groups, in the order of their columns.
+    /// Returns the groups, in the order of their columns.
     pub fn groups(&self) -> &[Group] {
         &self.groups
     }
 
-    /// A row; empty beyond the last.
+    /// Returns a row; empty after the last one.
     pub fn row(&self, index: usize) -> &[f32] {
         self.values.get(index * self.width..(index + 1) * self.width).unwrap_or_default()
     }
 
-    /// Each group with the place of its first column in a row.
+    /// Returns each group with the place of its first column in a row.
     pub(crate) fn group_places(&self) -> impl Iterator<Item = (usize, &Group)> {
         self.groups.iter().scan(0, |place, group| {
             let begin = *place;
@@ -149,7 +148,7 @@ impl Table {
         })
     }
 
-    /// The place in a row of a column; none if there is no such.
+    /// Returns the place of a column in a row; `None` if there is no such column.
     pub fn place(&self, group: &str, column: &str) -> Option<usize> {
         let (begin, group) = self.group_places().find(|(_, known)| known.name == group)?;
         let index = group.columns.iter().position(|known| known == column)?;

@@ -1,18 +1,18 @@
-//! What can go wrong with a report.
+//! Errors of a report.
 
 /// Why a report cannot be written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReportError {
-    /// The table cannot be written on.
+    /// The table cannot be written.
     #[error(transparent)]
     Table(#[from] csv::Error),
-    /// A row of other joints than the table has.
+    /// A row has another number of joints than the table.
     #[error("a row has {got} joints: give the {wanted} of the table")]
     Joints {
-        /// How many the row has.
+        /// Number of joints of the row.
         got: usize,
-        /// How many the table has.
+        /// Number of joints of the table.
         wanted: usize,
     },
     /// A figure cannot be drawn.

@@ -1,5 +1,5 @@
-//! The figure of a report, like that of the paper's Experiment 4: a column for each run; x, y and z
-//! of the end effector with the shared workspace as a band, and the score below.
+//! Figure of a report, like that of the paper's Experiment 4. It has a column for each run: x, y and z of the end
+//! effector with the shared workspace as a band, and the score below.
 
 use std::{fmt::Display, ops::Range};
 
@@ -31,27 +31,28 @@ const GRID: RGBColor = RGBColor(228, 228, 228);
 const SHADE: RGBColor = RGBColor(255, 245, 217);
 const SCORE: RGBColor = RGBColor(109, 40, 217);
 
-/// The person's posture as it was measured, by what REBA's action levels ask for.
+/// Colours of the measured posture, by REBA's action levels.
 const LEVELS: [(&str, RGBColor); 3] = [
     ("1 to 3", RGBColor(120, 190, 110)),
     ("4 to 7: action necessary", RGBColor(245, 175, 60)),
     ("8 and more: soon or now", RGBColor(210, 50, 45)),
 ];
 
-/// The height of its strip, as a share of the score's panel.
+/// Height of the strip of measured scores, as a share of the score's panel.
 const STRIP: f64 = 0.045;
 
-/// The axes of the end effector's position with their colours.
+/// Axes of the end effector's position with their colours.
 const AXES: [(&str, RGBColor); 3] =
     [("x", RGBColor(200, 55, 45)), ("y", RGBColor(30, 130, 70)), ("z", RGBColor(35, 95, 215))];
 
-/// Draws the runs side by side with the same scales: position desired (dashed) and actual (solid)
-/// with the shared workspace as a band, and below the score `e_s`, shaded while the person works
-/// with the robot, over a strip in the colour of the person's measured REBA. Gives the figure as SVG.
+/// Draws the runs side by side with equal scales.
+///
+/// The upper panels show the desired (dashed) and actual (solid) position, with the shared workspace as a band. The
+/// panel below shows the score `e_s`, shaded while the person works with the robot. A strip has the colour of the
+/// person's measured REBA. Returns the figure as SVG.
 ///
 /// # Errors
-/// [`ReportError::Nothing`] without a run or with a run without ticks; [`ReportError::Figure`] if
-/// it cannot be drawn.
+/// [`ReportError::Nothing`] without runs or with a run without ticks; [`ReportError::Figure`] if it cannot be drawn.
 pub fn figure(runs: &[&RunLog]) -> Result<String, ReportError> {
     if runs.is_empty() || runs.iter().any(|run| run.intervals.is_empty()) {
         return Err(ReportError::Nothing);
@@ -78,7 +79,7 @@ fn failed(error: impl Display) -> ReportError {
     ReportError::Figure(error.to_string())
 }
 
-/// What all runs are drawn to.
+/// Scales of all runs.
 struct Scales {
     time: Range<f64>,
     axes: [Range<f64>; 3],
@@ -108,7 +109,7 @@ impl Scales {
     }
 }
 
-/// The range of the finite values and a margin, as a fraction of it; never empty.
+/// Returns the range of the finite values with a margin, as a fraction of the range; never empty.
 fn range(values: impl Iterator<Item = f64>, margin: f64) -> Range<f64> {
     let (low, high) = values
         .filter(|value| value.is_finite())
@@ -187,7 +188,7 @@ fn span(range: &Range<f64>) -> f64 {
     range.end - range.start
 }
 
-/// An empty chart with grid, labels and units.
+/// Draws an empty chart with grid, labels and units.
 fn panel<'a, 'b>(
     area: &'a Area<'b>,
     name: &str,
@@ -212,7 +213,7 @@ fn panel<'a, 'b>(
         .x_labels(9)
         .y_labels(6)
         .x_label_formatter(&|time| format!("{time:.0}"))
-        // Never "-0.0".
+        // Avoids "-0.0".
         .y_label_formatter(&|value| format!("{:.decimals$}", (value * 1e6).round() / 1e6 + 0.0))
         .label_style((FONT, 15).into_font().color(&TEXT))
         .axis_desc_style((FONT, 17).into_font().color(&TEXT))
@@ -224,7 +225,7 @@ fn panel<'a, 'b>(
     Ok(chart)
 }
 
-/// A curve through the extremes of every interval, without those that are not finite.
+/// Returns a curve through the extremes of every interval, without those that are not finite.
 fn curve(intervals: &[Interval], of: impl Fn(&Interval) -> &Span) -> Vec<(f64, f64)> {
     let points = intervals.iter().flat_map(|interval| {
         let span = of(interval);
@@ -237,8 +238,8 @@ fn curve(intervals: &[Interval], of: impl Fn(&Interval) -> &Span) -> Vec<(f64, f
     points.filter(|(_, value)| value.is_finite()).collect()
 }
 
-/// The outlines of the workspace on one axis, one for each stretch of time in which there is one,
-/// cut to the range that is drawn.
+/// Returns the outlines of the workspace on one axis, one for each stretch of time with a workspace. They are cut to
+/// the range that is drawn.
 fn bands(intervals: &[Interval], axis: usize, range: &Range<f64>) -> Vec<Vec<(f64, f64)>> {
     let there = |interval: &Interval| {
         let (low, high) = (interval.workspace_min[axis].low, interval.workspace_max[axis].high);
@@ -260,7 +261,7 @@ fn bands(intervals: &[Interval], axis: usize, range: &Range<f64>) -> Vec<Vec<(f6
         .collect()
 }
 
-/// Begin and end of each stretch in which the person works with the robot (s).
+/// Returns the begin and end of each stretch in which the person works with the robot \[s\].
 fn collaborations(intervals: &[Interval]) -> Vec<(f64, f64)> {
     intervals
         .chunk_by(|one, next| one.collaborating == next.collaborating)
@@ -270,7 +271,7 @@ fn collaborations(intervals: &[Interval]) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// The colour of a measured REBA score.
+/// Returns the colour of a measured REBA score.
 fn level(reba: u8) -> RGBColor {
     let [(_, low), (_, medium), (_, high)] = LEVELS;
     match ActionLevel::of(reba) {
@@ -280,7 +281,7 @@ fn level(reba: u8) -> RGBColor {
     }
 }
 
-/// Begin and end of each stretch of time with a measured posture of one colour (s).
+/// Returns the begin and end of each stretch with a measured posture of one colour \[s\].
 fn measured(intervals: &[Interval]) -> Vec<(f64, f64, RGBColor)> {
     let colour = |interval: &Interval| interval.reba_measured.map(level);
     intervals
@@ -375,7 +376,7 @@ mod tests {
     }
 
     #[test]
-    fn a_figure_says_what_it_shows_and_is_small() {
+    fn figure_is_labelled_and_small() {
         let (on, off) = (run("Ergonomics on", 0.25), run("Ergonomics off", 1.1));
         let svg = figure(&[&on, &off]).unwrap();
         for text in [
@@ -402,7 +403,7 @@ mod tests {
     }
 
     #[test]
-    fn a_run_without_a_workspace_or_with_a_boundless_one_is_drawn() {
+    fn run_without_or_with_boundless_workspace_is_drawn() {
         for bound in [f64::NAN, f64::INFINITY] {
             let mut log = RunLog::new("odd");
             for tick in 0..10 {

@@ -1,12 +1,12 @@
-//! What a figure needs of a run, in bounded memory however long the run is.
+//! Data of a run for figures, in bounded memory.
 
 use super::TickRow;
 
-/// No more intervals than this are kept: more than a figure has columns of pixels.
+/// Largest number of intervals: more than a figure has columns of pixels.
 const MOST: usize = 800;
 
-/// A run as a figure shows it: intervals of equally many ticks, with the extremes of every curve
-/// in each, so that no peak is lost. When there are too many, neighbours become one.
+/// Run as a figure shows it: intervals of equally many ticks with the extremes of every curve, so that no peak is lost.
+/// When there are too many, neighbours are merged.
 ///
 /// ```
 /// use moca_replay::report::{RunLog, TickRow};
@@ -21,12 +21,12 @@ const MOST: usize = 800;
 pub struct RunLog {
     title: String,
     pub(super) intervals: Vec<Interval>,
-    /// Ticks to an interval.
+    /// Ticks per interval.
     stride: usize,
     pub(super) collaboration: Collaboration,
 }
 
-/// What is said of the ticks in which the person works with the robot.
+/// Mean score of the ticks in which the person works with the robot.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Collaboration {
     ticks: u32,
@@ -34,25 +34,25 @@ pub(super) struct Collaboration {
     pub(super) reba_max: u8,
 }
 
-/// Some ticks in a row.
+/// Consecutive ticks.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Interval {
     ticks: usize,
-    /// Begin and end (s).
+    /// Begin and end \[s\].
     pub(super) begin: f64,
     pub(super) end: f64,
     pub(super) desired: [Span; 3],
     pub(super) actual: [Span; 3],
-    /// The widest that the workspace was (m).
+    /// Bounds of the workspace \[m\].
     pub(super) workspace_min: [Span; 3],
     pub(super) workspace_max: [Span; 3],
     pub(super) score: Span,
-    /// The worst that was measured.
+    /// Worst measured score.
     pub(super) reba_measured: Option<u8>,
     pub(super) collaborating: bool,
 }
 
-/// The values of a curve in an interval. NaN is left out unless there is nothing else.
+/// Values of a curve in an interval. NaN is left out unless there is nothing else.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Span {
     first: f64,
@@ -66,7 +66,7 @@ impl Span {
         Self { first: value, last: value, low: value, high: value }
     }
 
-    /// This span and a later one.
+    /// Merges this span and a later one.
     fn and(self, later: Self) -> Self {
         Self {
             first: if self.first.is_nan() { later.first } else { self.first },
@@ -76,7 +76,7 @@ impl Span {
         }
     }
 
-    /// Both extremes, in the order in which a monotone curve has them.
+    /// Returns both extremes in the order in which a monotone curve has them.
     pub(super) fn in_order(&self) -> [f64; 2] {
         if self.first <= self.last { [self.low, self.high] } else { [self.high, self.low] }
     }
@@ -98,7 +98,7 @@ impl Interval {
         }
     }
 
-    /// This interval and the next.
+    /// Merges this interval and the next.
     fn and(self, next: Self) -> Self {
         let each = |these: [Span; 3], those: [Span; 3]| {
             let [x, y, z] = these;
@@ -121,14 +121,14 @@ impl Interval {
 }
 
 impl Collaboration {
-    /// Mean of the score; `None` if there was no such tick.
+    /// Returns the mean of the score; `None` if there was no such tick.
     pub(super) fn score_mean(&self) -> Option<f64> {
         (self.ticks > 0).then(|| self.score_sum / f64::from(self.ticks))
     }
 }
 
 impl RunLog {
-    /// A run without ticks. The title stands above its column of the figure.
+    /// Creates a log without ticks. The title stands above its column of the figure.
     pub fn new(title: impl Into<String>) -> Self {
         Self {
             title: title.into(),
@@ -138,12 +138,12 @@ impl RunLog {
         }
     }
 
-    /// The title.
+    /// Returns the title.
     pub fn title(&self) -> &str {
         &self.title
     }
 
-    /// Adds a tick; ticks come in the order of time.
+    /// Adds a tick; ticks must come in the order of time.
     pub fn push(&mut self, row: &TickRow) {
         if row.collaborating && row.score.is_finite() {
             let of = &mut self.collaboration;
@@ -163,7 +163,7 @@ impl RunLog {
         }
     }
 
-    /// Makes each two neighbours one.
+    /// Merges each two neighbours.
     fn halve(&mut self) {
         self.stride *= 2;
         self.intervals = self

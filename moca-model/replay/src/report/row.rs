@@ -1,6 +1,6 @@
 //! One tick of a run.
 
-/// What is kept of one tick of the controller. Positions are the end effector's, in the world.
+/// Values of one tick of the controller. Positions are those of the end effector in the world.
 ///
 /// ```
 /// use moca_replay::report::TickRow;
@@ -10,30 +10,30 @@
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TickRow {
-    /// Since the start (s).
+    /// Time since the start \[s\].
     pub time: f64,
-    /// Desired position x, y, z (m).
+    /// Desired position x, y, z \[m\].
     pub desired: [f64; 3],
-    /// Actual position x, y, z (m).
+    /// Actual position x, y, z \[m\].
     pub actual: [f64; 3],
-    /// Lower bounds of the shared workspace, each axis (m); NaN while there is no workspace.
+    /// Lower bound of the shared workspace on each axis \[m\]; NaN while there is no workspace.
     pub workspace_min: [f64; 3],
-    /// Upper bounds of the shared workspace, each axis (m); NaN while there is no workspace.
+    /// Upper bound of the shared workspace on each axis \[m\]; NaN while there is no workspace.
     pub workspace_max: [f64; 3],
-    /// The continuous ergonomics score `e_s`, 0 (good) to 4.25.
+    /// Continuous ergonomics score `e_s`, 0 (good) to 4.25.
     pub score: f64,
-    /// The integer REBA score of the predicted posture, 1 (good) to 15.
+    /// Integer REBA score of the predicted posture, 1 (good) to 15.
     pub reba: u8,
-    /// That of the posture that was measured, where the person was seen.
+    /// REBA score of the measured posture, where the person was seen.
     pub reba_measured: Option<u8>,
     /// Whether the person works with the robot.
     pub collaborating: bool,
-    /// The configuration, joint by joint (m or rad).
+    /// Configuration, joint by joint \[m or rad\].
     pub q: Vec<f64>,
-    /// Rates of `q` (m/s or rad/s).
+    /// Rates of `q` \[m/s or rad/s\].
     pub qdot: Vec<f64>,
-    /// How far the workspace is softened, position (m) then orientation (rad).
+    /// Violation of the workspace's bounds: position \[m\], then orientation \[rad\].
     pub slack: [f64; 6],
-    /// Of the controller's whole step, kinematics and tracking included (µs).
+    /// Time of the controller's whole step, with kinematics and tracking \[µs\].
     pub solve_time_us: f64,
 }

@@ -4,7 +4,7 @@ use std::io::Write;
 
 use super::{ReportError, TickRow};
 
-/// The joints of MOCA with their units, for [`TickTable::new`].
+/// Joints of MOCA with their units, for [`TickTable::new`].
 pub const MOCA_COLUMNS: [(&str, &str); 10] = [
     ("base_x", "m"),
     ("base_y", "m"),
@@ -18,7 +18,7 @@ pub const MOCA_COLUMNS: [(&str, &str); 10] = [
     ("joint7", "rad"),
 ];
 
-/// Writes ticks as they come: a header with names and units, then a line for each.
+/// Writes a header with names and units, then a line for each tick.
 ///
 /// ```
 /// use moca_replay::report::{TickRow, TickTable};
@@ -37,21 +37,21 @@ pub struct TickTable<W: Write> {
 }
 
 impl<W: Write> TickTable<W> {
-    /// Writes the header, with these joints and their units, `m` or `rad`.
+    /// Writes the header. `joints` has names and units, `m` or `rad`.
     ///
     /// # Errors
-    /// [`ReportError::Table`].
+    /// [`ReportError::Table`]
     pub fn new(output: W, joints: &[(&str, &str)]) -> Result<Self, ReportError> {
         let mut writer = csv::Writer::from_writer(output);
         writer.write_record(header(joints))?;
         Ok(Self { writer, joints: joints.len(), cell: Vec::new() })
     }
 
-    /// Writes a tick, with six decimals: micrometres and microradians.
+    /// Writes a tick with six decimals: micrometres and microradians.
     ///
     /// # Errors
-    /// [`ReportError::Table`]; [`ReportError::Joints`] for a row of other joints than the header has, of which
-    /// nothing is written.
+    /// [`ReportError::Table`]; [`ReportError::Joints`] if the number of joints differs from the header. Nothing is
+    /// written then.
     pub fn write(&mut self, row: &TickRow) -> Result<(), ReportError> {
         let TickRow { desired, actual, workspace_min, workspace_max, q, qdot, slack, .. } = row;
         for got in [q.len(), qdot.len()] {
@@ -79,10 +79,10 @@ impl<W: Write> TickTable<W> {
         Ok(())
     }
 
-    /// Flushes and gives the output back.
+    /// Flushes the output and returns it.
     ///
     /// # Errors
-    /// [`ReportError::Table`].
+    /// [`ReportError::Table`]
     pub fn finish(self) -> Result<W, ReportError> {
         self.writer.into_inner().map_err(|error| csv::Error::from(error.into_error()).into())
     }

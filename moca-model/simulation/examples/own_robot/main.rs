@@ -1,4 +1,4 @@
-//! A person walks, a robot of one's own URDF follows, and a page of it is written.
+//! A person walks, a robot with a URDF of your own follows, and a page of the run is written.
 
 use std::{fs, ops::ControlFlow};
 
@@ -11,13 +11,13 @@ use moca_simulation::moca_model::{ControllerSettings, Goal, PostureSettings, moc
 use moca_simulation::people::{Walker, WalkerSettings};
 use moca_simulation::run::{Comparison, Run, Scenario};
 
-/// Any robot: here a lift with a wrist, on a base that moves every way.
+/// The URDF of any robot: here a lift with a wrist, on an omnidirectional base.
 const URDF: &str = include_str!("robot.urdf");
-/// Base x, y and yaw, then lift and wrist [m, rad].
+/// Start configuration: base x, y and yaw, then lift and wrist \[m, rad\].
 const START: [f64; 7] = [0.0, 0.0, 0.0, 0.6, 0.0, 0.0, 0.0];
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    // Somebody of 1.75 m, who comes with an object, works on it and walks on.
+    // A person of 1.75 m comes with an object, works on it and walks on.
     let walker = Walker::new(WalkerSettings { duration: 20.0, ..WalkerSettings::default() })?;
     let person = Person::new(walker.settings().stature)?;
     let map =

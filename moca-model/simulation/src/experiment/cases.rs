@@ -1,4 +1,4 @@
-//! Independent cases, some at a time.
+//! Parallel runs of independent cases.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -9,19 +9,19 @@ use rayon::prelude::*;
 
 use crate::Error;
 
-/// Apart from the streams of people, cameras and robots.
+/// First random stream, apart from those of people, cameras and robots.
 const STREAM: u64 = 1000;
 
-/// What the random numbers of a case come from.
+/// Creates the random generator of a case.
 pub fn generator(seed: u64, case: u64) -> ChaCha8Rng {
     random::generator(seed, STREAM + case)
 }
 
-/// Plays cases with so many threads; what they came to, in the order of the cases.
+/// Runs the cases with `threads` threads. Returns their results in the order of the cases.
 ///
-/// `each` is told now and then how many cases are done, from several threads, and may end it: with those that were
-/// played to their end. A case is given the question whether to go on, which a [`Player`](super::Player) asks in every
-/// tick.
+/// `each` gets the number of finished cases now and then, from several threads. It may end the runs; the results are
+/// then those of the finished cases. Each case gets a function that says whether to go on, which a
+/// [`Player`](super::Player) calls in every tick.
 ///
 /// # Errors
 /// The error of the first case that fails; [`Error::Threads`].
@@ -41,7 +41,7 @@ pub fn play_all<C: Sync, R: Send>(
                 return Ok(None);
             }
             let result = play(case, &go_on)?;
-            // A case that was ended early says nothing.
+            // A case that was ended early has no result.
             if go_on().is_break() {
                 return Ok(None);
             }
@@ -50,7 +50,7 @@ pub fn play_all<C: Sync, R: Send>(
         });
         played.collect()
     });
-    // The last case that was done.
+    // Report the last finished case.
     let _ = go_on();
     Ok(results?.into_iter().flatten().collect())
 }

@@ -1,4 +1,4 @@
-//! Panels of points and lines, side by side.
+//! Charts of panels with points and lines, side by side.
 
 use std::fmt::Display;
 use std::ops::Range;
@@ -13,11 +13,11 @@ const FONT: &str = "sans-serif";
 const TEXT: RGBColor = RGBColor(40, 40, 40);
 const GRID: RGBColor = RGBColor(228, 228, 228);
 
-/// Colours that colour-blind people can tell apart (Okabe & Ito 2008).
+/// Colours that colour-blind people can distinguish (Okabe & Ito 2008).
 const COLOURS: [RGBColor; 4] =
     [RGBColor(0, 114, 178), RGBColor(213, 94, 0), RGBColor(0, 158, 115), RGBColor(90, 90, 90)];
 
-/// How a series is drawn.
+/// The drawing style of a series.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Style {
     /// A dot for each point.
@@ -45,7 +45,7 @@ pub(super) struct Panel {
     pub(super) diagonal: bool,
 }
 
-/// Draws panels side by side, as SVG; values that are not finite are left out.
+/// Draws panels side by side as SVG. Values that are not finite are left out.
 pub(super) fn chart(panels: &[Panel]) -> Result<String, Error> {
     let count = u32::try_from(panels.len()).unwrap_or(u32::MAX);
     let mut svg = String::new();
@@ -66,13 +66,13 @@ fn failed(error: impl Display) -> Error {
     Error::Figure(error.to_string())
 }
 
-/// From zero to a little above the largest.
+/// The range from zero to a little above the largest value.
 fn range(values: impl Iterator<Item = f64>) -> Range<f64> {
     let largest = values.filter(|value| value.is_finite()).fold(0.0, f64::max);
     0.0..if largest > 0.0 { 1.08 * largest } else { 1.0 }
 }
 
-/// Around all of them.
+/// The range around all values.
 fn extent(values: impl Iterator<Item = f64>) -> Range<f64> {
     let values = values.filter(|value| value.is_finite());
     let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {

@@ -1,4 +1,4 @@
-//! How well the robot keeps its place beside a walking person.
+//! Measurement of how well the robot keeps its place beside a walking person.
 
 use std::collections::VecDeque;
 
@@ -9,41 +9,41 @@ use serde::{Deserialize, Serialize};
 use crate::people::Truth;
 use moca_replay::report::TickRow;
 
-/// A person counts as standing, or as walking evenly, from so long after the last change of velocity \[s\].
+/// Time after the last change of velocity from which on a person counts as standing or walking evenly \[s\].
 const SETTLE: f64 = 2.0;
-/// Changes of velocity below this are none \[m/s\].
+/// Smallest change of velocity that counts \[m/s\].
 const CHANGE: f64 = 0.03;
-/// Slower than this, people stand \[m/s\].
+/// Speed below which people stand \[m/s\].
 const STANDING: f64 = 0.02;
-/// Where the hand is when the person stands is the mean of so long before they walk \[s\]: by then the robot has
-/// come to them.
+/// Time before they walk over which the hand's place is averaged \[s\]. The robot has reached the person by then.
 const BESIDE: f64 = 1.5;
 
-/// How far the hand is from where it should be, in the person's own frame.
+/// The distance of the hand from its nominal place, in the person's own frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct DistanceError {
-    /// From its place at the person's speed, in the mean while they walk evenly \[m\]; none if they never did.
+    /// Mean distance from the nominal place at the person's speed while they walk evenly \[m\]; `None` if they never
+    /// did.
     pub steady: Option<f64>,
-    /// From where it is when they stand, likewise \[m\].
+    /// Mean distance from the place beside the standing person while they walk evenly \[m\]; `None` if they never did.
     pub behind: Option<f64>,
-    /// The largest distance from where it is when they stand while they walk at all \[m\].
+    /// Largest distance from the place beside the standing person while they walk \[m\].
     pub largest: f64,
 }
 
-/// How far the hand is to stay behind somebody who walks away from it, by S_p, and is seen T_r late.
+/// The distance by which the hand stays behind a person who walks away and is seen T_r late, by S_p.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FollowingDistance {
-    /// From the person to the workspace, in their axes, of length 1.
+    /// Unit vector from the person to the workspace, in the person's axes.
     outward: Vector2<f64>,
-    /// T_r and a of the base \[s, m/s²\].
+    /// T_r, and a of the base \[s, m/s²\].
     reaction_time: f64,
     deceleration: f64,
-    /// How much less than C + Z_d + Z_r is there when they stand, negative \[m\].
+    /// C + Z_d + Z_r minus the clearance beside a standing person \[m\].
     constant: f64,
 }
 
 impl FollowingDistance {
-    /// By these settings; none where people are not kept at a distance.
+    /// Creates the distance of these settings; `None` if no distances from people are kept.
     pub fn new(settings: &ControllerSettings) -> Option<Self> {
         let (space, terms) = (&settings.space, &settings.safety.separation);
         (settings.safety.pairs > 0).then(|| Self {
@@ -55,30 +55,30 @@ impl FollowingDistance {
         })
     }
 
-    /// Where the hand is to be, from its place beside a standing person, behind one who walks at this velocity
-    /// in their own axes \[m\].
+    /// The nominal displacement of the hand from its place beside a standing person \[m\]. The person walks at this
+    /// velocity in their own axes.
     pub fn displacement(&self, velocity: &Vector2<f64>) -> Vector2<f64> {
         let speed = (-velocity.dot(&self.outward)).max(0.0);
-        // The robot's way until it brakes, and the person's until the robot knows of it.
+        // The robot's distance until it brakes, and the person's until the robot notices.
         let reaction = 2.0 * speed * self.reaction_time;
         let needed = reaction + speed * speed / (2.0 * self.deceleration);
         self.outward * (needed + self.constant).max(0.0)
     }
 }
 
-/// Watches the true person and the true hand.
+/// Compares the true hand with the true person.
 #[derive(Clone, Debug)]
 pub struct DistanceMonitor<'a> {
     truth: &'a [Truth],
     following: Option<FollowingDistance>,
-    /// Of the velocity that is kept, and since when \[m/s, s\].
+    /// The velocity that is kept, and since when \[m/s, s\].
     kept: (Vector2<f64>, f64),
-    /// Where the hand has been since the person stands, and when \[m, s\].
+    /// Places of the hand since the person stands, and their times \[m, s\].
     standing: VecDeque<(f64, Vector2<f64>)>,
-    /// Its place beside the standing person, once they walk \[m\].
+    /// The hand's place beside the standing person, once they walk \[m\].
     usual: Option<Vector2<f64>>,
     walking: Mean,
-    /// How far from there it was to be meanwhile \[m\].
+    /// Mean nominal distance from there \[m\].
     asked: Mean,
     largest: f64,
 }
@@ -102,7 +102,7 @@ impl Mean {
 }
 
 impl<'a> DistanceMonitor<'a> {
-    /// For a person who truly moves so, and a robot that is to keep this distance.
+    /// Creates a monitor for the true motion of a person, and a robot that keeps this distance.
     pub fn new(truth: &'a [Truth], following: Option<FollowingDistance>) -> Self {
         Self {
             truth,
@@ -151,7 +151,7 @@ impl<'a> DistanceMonitor<'a> {
         }
     }
 
-    /// Where the person is at a time, which way they face, and how fast they move.
+    /// The person's place, heading and velocity at a time.
     fn person(&self, time: f64) -> Option<(Vector2<f64>, f64, Vector2<f64>)> {
         let next = self.truth.partition_point(|truth| truth.time <= time);
         let before = self.truth.get(next.checked_sub(1)?)?;
@@ -163,7 +163,7 @@ impl<'a> DistanceMonitor<'a> {
         Some((floor, heading, before.velocity.lerp(&after.velocity, share)))
     }
 
-    /// What it came to.
+    /// The result.
     pub fn error(&self) -> DistanceError {
         let displacement = self.usual.zip(self.walking.value());
         let displacement = displacement.map(|(standing, walking)| walking - standing);

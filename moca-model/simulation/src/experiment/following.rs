@@ -1,4 +1,4 @@
-//! Experiment 4: the person walks while they work, and the robot follows.
+//! Experiment 4: the person walks while working, and the robot follows.
 
 mod speeds;
 
@@ -27,9 +27,9 @@ pub use speeds::{SpeedResult, Speeds, Stroll, StrollTrial};
 
 /// Experiment 4: random people lead the robot along random paths.
 ///
-/// What comes of it is the person's ergonomics with ergonomics on the third level of the stack and with the
-/// paper's benchmark there, then how far the robot falls behind people who walk straight at up to
-/// its own speed.
+/// The results are the ergonomics of the person with ergonomics on the third level of the stack and with the paper's
+/// benchmark there. A second part measures how far the robot falls behind people who walk straight at up to its own
+/// speed.
 #[derive(Clone, Copy, Debug)]
 pub struct Following;
 
@@ -38,7 +38,7 @@ pub struct Following;
 pub struct Case {
     /// Its number, from 0.
     pub number: u64,
-    /// Who walks where.
+    /// The person and their path.
     pub person: Source,
 }
 
@@ -72,7 +72,7 @@ pub fn cases(seed: u64, count: u64, duration: f64) -> Vec<Case> {
 }
 
 impl Case {
-    /// Plays it with ergonomics and without.
+    /// Plays the case with and without ergonomics.
     ///
     /// # Errors
     /// Settings that the controller refuses.
@@ -82,7 +82,7 @@ impl Case {
         conditions: Conditions,
         player: &mut Player<'_>,
     ) -> Result<[Summary; 2], Error> {
-        // Apart from the walk's, from which the same generator drew before.
+        // The walk has already drawn from the same generator.
         let mut draw = generator(self.person.seed(), self.number);
         let map = average.for_stature(self.person.stature())?;
         let walk = self.person.walk(conditions.sight)?;
@@ -92,13 +92,13 @@ impl Case {
     }
 }
 
-/// What the experiment came to.
+/// The result of the experiment.
 #[derive(Debug, Serialize)]
 pub struct FollowingResult {
-    /// On random paths.
+    /// Result on random paths.
     #[serde(flatten)]
     pub paths: Versus,
-    /// Straight on.
+    /// Result on straight paths.
     pub speeds: Speeds,
 }
 
@@ -109,21 +109,21 @@ impl fmt::Display for FollowingResult {
     }
 }
 
-/// Somebody who leads the robot along a random path, or walks straight on.
+/// A person who leads the robot along a random path, or walks straight.
 #[derive(Clone, Debug)]
 pub enum Walking {
-    /// Along a path.
+    /// Along a random path.
     Path(Case),
-    /// Straight on.
+    /// Straight.
     Straight(Stroll),
 }
 
-/// What that came to.
+/// The result of a walk.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub enum WalkingTrial {
-    /// With ergonomics and without.
+    /// Results with and without ergonomics.
     Path(Box<[Summary; 2]>),
-    /// At a speed.
+    /// At one speed.
     Straight(Box<StrollTrial>),
 }
 

@@ -1,4 +1,4 @@
-//! An experiment as a list of independent cases, which several machines may share.
+//! Experiments as lists of independent cases, which several machines may share.
 
 use std::fmt::Display;
 use std::sync::Arc;
@@ -13,47 +13,47 @@ use super::sight::Sight;
 use crate::Error;
 use crate::plant::Drive;
 
-/// What is the same in all cases of an experiment.
+/// Conditions that all cases of an experiment share.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Conditions {
-    /// What the robot does with commands.
+    /// The robot's dynamics.
     pub drive: Drive,
-    /// How the robot sees the person.
+    /// How the robot perceives the person.
     pub sight: Sight,
 }
 
-/// What is to be played: all that the results depend on.
+/// A job: everything that the results depend on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Job {
     /// Seed of everything random.
     pub seed: u64,
-    /// How many random cases are asked for.
+    /// Number of random cases.
     pub cases: u64,
     /// Length of a random case \[s\].
     pub duration: f64,
-    /// What is the same in all cases.
+    /// Conditions that all cases share.
     pub conditions: Conditions,
-    /// What tells the recordings apart that are played in place of random cases, such as digests.
+    /// Identifiers of the recordings that replace random cases, such as digests.
     pub recordings: Vec<String>,
 }
 
-/// Independent cases, and what they come to together: Experiment 3, 4 or 5.
+/// An experiment of independent cases and their common result: Experiment 3, 4 or 5.
 pub trait Experiment {
     /// Its name.
     const NAME: &'static str;
-    /// What recordings must hold.
+    /// What recordings must contain.
     const NEEDS: Needs;
-    /// What is played; everything random in it comes from the seed and its number.
+    /// A case, whose random numbers come from the seed and its number.
     type Case: Sync;
-    /// What a case came to.
+    /// The result of a case.
     type Trial: Send + Serialize + DeserializeOwned;
-    /// What all came to: a table, and an object with its numbers.
+    /// The result of all cases: a table, and an object with its numbers.
     type Outcome: Display + Serialize;
 
-    /// The cases of a job: of its recordings, or random ones if there are none.
+    /// The cases of a job: its recordings, or random ones if there are none.
     fn cases(job: &Job, recordings: &[Arc<Recorded>]) -> Vec<Self::Case>;
 
-    /// Plays one; the map is that of the average person.
+    /// Plays a case. The map is that of the average person.
     ///
     /// # Errors
     /// Settings that the controller refuses.
@@ -64,7 +64,7 @@ pub trait Experiment {
         player: &mut Player<'_>,
     ) -> Result<Self::Trial, Error>;
 
-    /// What trials came to, in the order of their cases.
+    /// The result of trials in the order of their cases.
     fn outcome(trials: Vec<Self::Trial>) -> Self::Outcome;
 
     /// The figure of an outcome, as SVG.

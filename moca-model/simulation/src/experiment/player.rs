@@ -1,4 +1,4 @@
-//! Plays the runs of a case, and keeps what a page shows of them.
+//! A player of the runs of a case, which keeps what a page shows of them.
 
 use std::fmt;
 use std::ops::ControlFlow;
@@ -14,15 +14,15 @@ use crate::run::{Run, Scenario, Summary};
 /// A run that a page shows.
 #[derive(Clone, Debug)]
 pub struct ShownRun {
-    /// What it looked like.
+    /// The recorded motion.
     pub replay: Replay,
-    /// What it came to.
+    /// The result.
     pub summary: Summary,
-    /// Whether people were kept at a distance.
+    /// Whether distances from people were kept.
     pub separation: bool,
 }
 
-/// Plays runs to their end, or until it is told to end.
+/// Plays runs to their end, or until it is told to stop.
 pub struct Player<'a> {
     go_on: &'a (dyn Fn() -> ControlFlow<()> + Sync),
     shown: Option<Vec<ShownRun>>,
@@ -35,18 +35,18 @@ impl fmt::Debug for Player<'_> {
 }
 
 impl<'a> Player<'a> {
-    /// A player that keeps nothing. It asks in every tick whether to go on.
+    /// Creates a player that keeps nothing. It asks in every tick whether to go on.
     pub fn new(go_on: &'a (dyn Fn() -> ControlFlow<()> + Sync)) -> Self {
         Self { go_on, shown: None }
     }
 
-    /// The same, but it keeps what a page shows.
+    /// Keeps what a page shows.
     #[must_use]
     pub fn recording(self) -> Self {
         Self { shown: Some(Vec::new()), ..self }
     }
 
-    /// Plays a run that belongs on the page of its case, under this title; `each` sees every tick.
+    /// Plays a run for the page of its case, under this title. `each` sees every tick.
     ///
     /// # Errors
     /// Settings that the controller refuses.
@@ -69,7 +69,7 @@ impl<'a> Player<'a> {
         Ok(summary)
     }
 
-    /// Plays a run that is only counted.
+    /// Plays a run without showing it.
     ///
     /// # Errors
     /// As [`play`](Self::play).

@@ -9,10 +9,10 @@ use super::walk::Walk;
 use crate::Error;
 use crate::people::Truth;
 
-/// What a recording must hold beside joints and tools.
+/// What a recording must contain besides joints and tools.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Needs {
-    /// Nothing.
+    /// Nothing more.
     Tools,
     /// The surface that the on-board camera sees before the person uses the tool.
     Surfaces,
@@ -21,21 +21,21 @@ pub enum Needs {
 /// A recording of a person.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recorded {
-    /// Of the person \[m\].
+    /// Stature of the person \[m\].
     pub stature: f64,
     /// The tool that they use for most of the time.
     pub tool: Tool,
-    /// The surface that the on-board camera sees before they use it; none where it sees none.
+    /// The surface that the on-board camera sees before they use the tool; `None` if it sees none.
     pub facing_camera: Option<Surface>,
-    /// What was seen. The truth is what is known best: the tracked person and the recognised action.
+    /// The recorded percepts. The truth is the best estimate: the tracked person and the recognised action.
     pub walk: Walk,
 }
 
 impl Recorded {
-    /// Takes a recording, and checks that an experiment can play it.
+    /// Takes a recording and checks that an experiment can play it.
     ///
     /// # Errors
-    /// [`Error::Unfit`] if it does not hold what is needed.
+    /// [`Error::Unfit`] if it does not contain what is needed.
     pub fn new(recording: Recording, needs: Needs) -> Result<Self, Error> {
         let unfit = |found: &str, wanted| Error::Unfit { found: found.to_owned(), wanted };
         let Recording { header, percepts, others, timings, .. } = recording;
@@ -82,7 +82,7 @@ fn facing_camera(percepts: &[Percept]) -> Option<Surface> {
     most(before.filter_map(|percept| percept.surface).map(|seen| seen.surface))
 }
 
-/// What comes most often; of several the one that came first.
+/// The most frequent value; of several the first one.
 fn most<T: PartialEq + Copy>(values: impl Iterator<Item = T>) -> Option<T> {
     let mut counts: Vec<(T, usize)> = Vec::new();
     for value in values {
@@ -91,11 +91,11 @@ fn most<T: PartialEq + Copy>(values: impl Iterator<Item = T>) -> Option<T> {
             None => counts.push((value, 1)),
         }
     }
-    // The last of the largest is taken.
+    // `max_by_key` takes the last of the largest.
     counts.into_iter().rev().max_by_key(|(_, count)| *count).map(|(value, _)| value)
 }
 
-/// Where the tracked person is in each frame, and the action that was recognised last.
+/// The tracked person in each frame, and the last recognised action.
 fn known_best(percepts: &[Percept]) -> Result<Vec<Truth>, Error> {
     let mut tracker = BodyTracker::new(TrackerSettings::default())?;
     let (mut action, mut truth) = (Action::Walking, Vec::new());

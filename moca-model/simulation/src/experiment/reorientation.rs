@@ -1,4 +1,4 @@
-//! Experiment 3: the robot takes the object, and turns it to the surface that the person's tool is for.
+//! Experiment 3: the robot takes the object and turns it to the surface that the person's tool is for.
 
 mod judge;
 
@@ -26,33 +26,35 @@ use crate::people::{WalkerSettings, WalkingPath};
 use crate::run::{Delivery, Summary};
 pub use judge::{Judge, Turn};
 
-/// Where the on-board camera is, in the frame of the base on the floor \[m\].
+/// Place of the on-board camera in the frame of the base on the floor \[m\].
 const CAMERA: [f64; 3] = [0.35, 0.0, 1.15];
 
-/// How long each case is \[s\].
+/// Duration of each case \[s\].
 pub const DURATION: f64 = 30.0;
 
-/// How long the person holds the object out \[s\]: until the robot has come for it.
+/// Time for which the person holds the object out, until the robot has come for it \[s\].
 const OFFER: f64 = 10.0;
 
-/// Experiment 3: random people hand the object over and take the tool for the surface that they do not
-/// see.
+/// Experiment 3: random people hand the object over and take the tool for the surface that they do not see.
 ///
-/// The robot finds out by its camera which surface is where, and turns the object once the person
-/// engages. What comes of it is how many turns end with the right surface before the person, how long they take
-/// against the time that the limits of the desired pose allow, every change of phase of the first case,
-/// and the person's ergonomics with and without.
+/// The robot identifies the surfaces by its camera, and turns the object once the person engages. The results are with
+/// and without ergonomics:
+///
+/// - how many turns end with the right surface in front of the person;
+/// - their time over the least time that the limits of the desired pose allow;
+/// - the ergonomics of the person;
+/// - every transition of the first case.
 #[derive(Clone, Copy, Debug)]
 pub struct Reorientation;
 
-/// Somebody who hands the object over, and takes the tool for its far side.
+/// A person who hands the object over and takes the tool for its far side.
 #[derive(Clone, Debug)]
 pub struct Case {
     /// Its number, from 0.
     pub number: u64,
-    /// Who, and with which tool.
+    /// The person and their tool.
     pub person: Source,
-    /// The surface in front, once the robot has it.
+    /// The surface in front once the robot has the object.
     pub front: Surface,
 }
 
@@ -84,18 +86,18 @@ fn other(surface: Surface) -> Surface {
     }
 }
 
-/// What a case came to, with ergonomics and without.
+/// The result of a case, with and without ergonomics.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Trial {
     summaries: [Summary; 2],
     turns: [Turn; 2],
-    /// Of the run with ergonomics, a line each.
+    /// Transitions of the run with ergonomics, a line each.
     transitions: Vec<String>,
     number: u64,
 }
 
 impl Case {
-    /// Plays it with ergonomics and without.
+    /// Plays the case with and without ergonomics.
     ///
     /// # Errors
     /// Settings that the controller refuses.
@@ -114,7 +116,7 @@ impl Case {
             WorkFace { side: BoxSide::Front, surface: self.front },
             WorkFace { side: BoxSide::Back, surface: other(self.front) },
         ];
-        // In half of the cases the robot is wrong until it has looked.
+        // The robot is wrong in half of the cases until it has looked.
         scenario.delivery = Delivery::HandedOver { believed: HeldObject::default() };
         let needed = self.person.tool().surface();
         let mut play = |title, goal| {
@@ -138,33 +140,33 @@ impl Case {
     }
 }
 
-/// Turns with or without ergonomics.
+/// The turns with or without ergonomics.
 #[derive(Clone, Debug, Serialize)]
 pub struct TurnsLine {
-    /// All that were played.
+    /// Number of cases.
     pub cases: usize,
     /// Cases in which the object was handed over.
     pub grasped: usize,
-    /// Cases in which the person engages with the wrong surface before them, and the robot knows.
+    /// Cases in which the person engages with the wrong surface in front of them, and the robot notices.
     pub recognised: usize,
-    /// Of all cases, those that end with the right surface before the person.
+    /// Cases that end with the right surface in front of the person.
     pub right: usize,
-    /// Right, within the joints' limits and without a violation of separation or a protective stop.
+    /// Those of them within the joints' limits and without a separation violation or a protective stop.
     pub safe: usize,
-    /// From the recognised mismatch to the work pose \[s\].
+    /// Time from the recognised mismatch to the work pose \[s\].
     pub time_s: Spread,
-    /// Of that, how long the robot is slowed, stands or retreats because of the person \[s\].
+    /// Part of that time in which the robot is slowed, stands or retreats because of the person \[s\].
     pub hindered_s: Spread,
     /// The time over the least time that the limits of the desired pose allow.
     pub ratio: Spread,
 }
 
-/// What the experiment came to.
+/// The result of the experiment.
 #[derive(Debug, Serialize)]
 pub struct ReorientationResult {
-    /// With ergonomics.
+    /// Turns with ergonomics.
     pub turns_on: TurnsLine,
-    /// Without.
+    /// Turns without ergonomics.
     pub turns_off: TurnsLine,
     #[serde(flatten)]
     versus: Versus,
@@ -172,13 +174,13 @@ pub struct ReorientationResult {
     ratios: Vec<(f64, f64)>,
     #[serde(skip)]
     first: Vec<String>,
-    /// The cases that do not end right with ergonomics, and what happened in them.
+    /// Cases that end with the wrong surface with ergonomics, and what happened in them.
     #[serde(skip)]
     wrong: Vec<String>,
 }
 
 impl ReorientationResult {
-    /// Of these trials.
+    /// Creates the result of these trials.
     pub fn new(trials: Vec<Trial>) -> Self {
         let line = |run: usize| {
             let count =

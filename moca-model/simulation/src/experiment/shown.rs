@@ -1,4 +1,4 @@
-//! The page of one case.
+//! The page of a case.
 
 use moca_replay::page::{Results, page};
 use moca_replay::recorded::ReplayError;
@@ -8,7 +8,7 @@ use super::player::ShownRun;
 use crate::Error;
 use crate::run::Comparison;
 
-/// The runs of a case, and what they came to.
+/// The runs of a case, and their results.
 #[derive(Debug, Serialize)]
 pub struct Shown {
     /// Its number.
@@ -20,7 +20,7 @@ pub struct Shown {
 }
 
 impl Shown {
-    /// Of the runs of a case; none without runs.
+    /// Creates the page's content from the runs of a case; `None` without runs.
     pub fn of(case: u64, runs: Vec<ShownRun>) -> Option<Self> {
         let first = runs.first()?;
         let comparison = Comparison {

@@ -1,4 +1,4 @@
-//! How the robot sees a simulated person.
+//! Perception of a simulated person.
 
 use human_perception::percepts::{Perceiver, PerceiverSettings};
 use serde::{Deserialize, Serialize};
@@ -11,18 +11,18 @@ use crate::rendering::{Film, Viewpoint};
 /// Width and height of the frames.
 const SIZE: [usize; 2] = [640, 480];
 
-/// How the robot comes to know where a simulated person's joints are.
+/// The way in which the robot perceives a simulated person's joints.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Sight {
     /// A model of camera and pose network reports them.
     #[default]
     Modelled,
-    /// From rendered frames, as by the program `perceive`.
+    /// Rendered frames are processed as by the program `perceive`.
     Pixels,
 }
 
-/// Films a person, and finds their joints in the frames as `perceive` does: those of a simulated pose network
-/// in the image, lifted by the measured depth and followed from frame to frame.
+/// Films a person and finds their joints in the frames as `perceive` does. A simulated pose network gives the joints in
+/// the image. They are lifted by the measured depth and tracked from frame to frame.
 #[derive(Debug)]
 pub(super) struct FilmedPerson {
     film: Film,
@@ -30,7 +30,7 @@ pub(super) struct FilmedPerson {
 }
 
 impl FilmedPerson {
-    /// A person before the first frame, seen from the front.
+    /// Creates a person before the first frame, seen from the front.
     pub(super) fn new(settings: &WalkerSettings) -> Result<Self, Error> {
         let perception = PerceiverSettings::default();
         let pixel_sigma = perception.lifting.pixel_sigma;
@@ -39,8 +39,8 @@ impl FilmedPerson {
         Ok(Self { film, perceiver })
     }
 
-    /// Films the next frame, and returns `percept` with the joints that are found in that frame as its body. `None`
-    /// stands for a frame that the camera lost.
+    /// Films the next frame and returns `percept` with the joints that were found in it as its body. `None` stands for
+    /// a frame that the camera lost.
     pub(super) fn see(&mut self, percept: Option<Percept>) -> Result<Option<Percept>, Error> {
         let (Some(shot), Some(percept)) = (self.film.next().transpose()?, percept) else {
             return Ok(None);
@@ -50,7 +50,7 @@ impl FilmedPerson {
         Ok(Some(Percept { body: self.perceiver.body().cloned(), ..percept }))
     }
 
-    /// Who is found in that frame beside the person who works with the robot: before they engage, themselves.
+    /// The other people in that frame. Before the person engages, they are one of them.
     pub(super) fn others(&self) -> Vec<Body> {
         self.perceiver.others().cloned().collect()
     }

@@ -1,4 +1,4 @@
-//! Whom the robot sees.
+//! The people whom the robot sees.
 
 use std::sync::Arc;
 
@@ -10,16 +10,16 @@ use super::walk::Walk;
 use crate::Error;
 use crate::people::WalkerSettings;
 
-/// A person: one who is simulated, or one who was recorded.
+/// A simulated or recorded person.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Source {
-    /// Simulated.
+    /// A simulated person.
     Simulated(WalkerSettings),
-    /// Recorded.
+    /// A recorded person.
     Recorded {
-        /// What was recorded.
+        /// The recording.
         recording: Arc<Recorded>,
-        /// Of everything else that is random.
+        /// Seed of all other random numbers.
         seed: u64,
     },
 }
@@ -33,7 +33,7 @@ impl Source {
         (0..).zip(sources).collect()
     }
 
-    /// Of the person \[m\].
+    /// Stature of the person \[m\].
     pub fn stature(&self) -> f64 {
         match self {
             Self::Simulated(walker) => walker.stature,
@@ -41,7 +41,7 @@ impl Source {
         }
     }
 
-    /// What the person works with.
+    /// The person's tool.
     pub fn tool(&self) -> Tool {
         match self {
             Self::Simulated(walker) => walker.tool,
@@ -49,7 +49,7 @@ impl Source {
         }
     }
 
-    /// Seed of everything random but the person.
+    /// Seed of all random numbers other than the person's.
     pub fn seed(&self) -> u64 {
         match self {
             Self::Simulated(walker) => walker.seed,
@@ -57,7 +57,7 @@ impl Source {
         }
     }
 
-    /// What the robot sees of them, and where they are. What was recorded is as it is, however the robot sees.
+    /// The percepts and the truth of the person. Recordings do not depend on `sight`.
     ///
     /// # Errors
     /// Settings that make no walk.

@@ -1,8 +1,8 @@
-//! Many numbers in a few.
+//! Statistics of many numbers.
 
 use serde::Serialize;
 
-/// Mean, spread and worst of numbers of which less is better.
+/// Mean, deviation and worst of numbers of which less is better.
 ///
 /// ```
 /// use moca_simulation::experiment::Spread;
@@ -13,16 +13,16 @@ use serde::Serialize;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Spread {
-    /// Arithmetic mean; NaN of none.
+    /// Arithmetic mean; NaN without numbers.
     pub mean: f64,
-    /// Standard deviation of the sample, with n − 1; 0 of fewer than two.
+    /// Standard deviation of the sample, with n − 1; 0 for fewer than two numbers.
     pub deviation: f64,
-    /// The largest; NaN of none.
+    /// The largest; NaN without numbers.
     pub worst: f64,
 }
 
 impl Spread {
-    /// Of these numbers.
+    /// Computes the statistics of these numbers.
     pub fn of(values: impl IntoIterator<Item = f64>) -> Self {
         let values: Vec<f64> = values.into_iter().collect();
         let count = values.len() as f64;
@@ -33,7 +33,7 @@ impl Spread {
     }
 }
 
-/// How much better the first of two is, case by case, where less is better.
+/// Comparison of two numbers case by case, where less is better.
 ///
 /// ```
 /// use moca_simulation::experiment::Duel;
@@ -43,16 +43,16 @@ impl Spread {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Duel {
-    /// The second over the first, mean of the cases.
+    /// Mean over the cases of the second number over the first.
     pub ratio_mean: f64,
-    /// The least of them: the case in which the first does worst.
+    /// The least of these ratios: the case in which the first does worst.
     pub ratio_least: f64,
-    /// In what share of the cases the first is less.
+    /// Share of the cases in which the first is less.
     pub wins: f64,
 }
 
 impl Duel {
-    /// Of these pairs.
+    /// Computes the comparison of these pairs.
     pub fn of(pairs: impl IntoIterator<Item = (f64, f64)>) -> Self {
         let pairs: Vec<(f64, f64)> = pairs.into_iter().collect();
         let ratios = pairs.iter().map(|(first, second)| second / first);

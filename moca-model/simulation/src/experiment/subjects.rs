@@ -1,5 +1,4 @@
-//! Experiment 5: ten people from 1.58 to 1.94 m, each with their own map, with the average one and
-//! with none.
+//! Experiment 5: ten people from 1.58 to 1.94 m, each with their own map, the average one and none.
 
 use std::fmt;
 use std::sync::Arc;
@@ -22,36 +21,36 @@ use crate::Error;
 use crate::people::{WalkerSettings, WalkingPath};
 use crate::run::Summary;
 
-/// How many people.
+/// Number of people.
 const SUBJECTS: u64 = 10;
-/// Their statures are evenly spaced between the paper's \[m\].
+/// Range of statures in the paper, in which the people are evenly spaced \[m\].
 const STATURES: [f64; 2] = [1.58, 1.94];
-/// Of the average map: the middle of the statures \[m\].
+/// Stature of the average map: the middle of the range \[m\].
 const AVERAGE: f64 = 0.5 * (STATURES[0] + STATURES[1]);
 
-/// Experiment 5: people of ten statures lead the robot, which knows their own ergonomics map, chooses
-/// it by the stature that it measures, knows only the average map, or none.
+/// Experiment 5: people of ten statures lead the robot. It knows their own ergonomics map, chooses one by the measured
+/// stature, only knows the average map, or knows none.
 ///
-/// Only the map differs: the shared workspace is that of the average person in all runs. Postures are
-/// always scored by the person's own map.
+/// Only the map differs: the shared workspace is that of the average person in all runs. The person's own map scores
+/// the postures.
 #[derive(Clone, Copy, Debug)]
 pub struct Subjects;
 
-/// What the robot knows of the person's ergonomics.
+/// The robot's knowledge of the person's ergonomics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Knowledge {
     /// The person's own map.
     Own,
-    /// The average map, adapted to the stature that the robot measures.
+    /// The average map, adapted to the measured stature.
     Measured,
     /// The average map.
     Average,
-    /// Nothing: the benchmark min ‖ẋ_d‖².
+    /// Nothing. The benchmark min ‖ẋ_d‖² is used.
     Nothing,
 }
 
 impl Knowledge {
-    /// All, in the order of the table.
+    /// All kinds of knowledge in the order of the table.
     pub const ALL: [Self; 4] = [Self::Own, Self::Measured, Self::Average, Self::Nothing];
 
     fn name(self) -> &'static str {
@@ -67,13 +66,13 @@ impl Knowledge {
 /// A person who leads the robot from station to station, or in random directions.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// Who: from 0 to 9, or the number of the recording.
+    /// Number of the person, from 0 to 9, or of the recording.
     pub subject: u64,
-    /// Who walks where.
+    /// The person and their path.
     pub person: Source,
 }
 
-/// The cases of a seed: each person as many times, at least once.
+/// The cases of a seed. Each person has the same number of cases, at least one.
 pub fn cases(seed: u64, count: u64, duration: f64) -> Vec<Case> {
     let each = count.div_ceil(SUBJECTS);
     (0..SUBJECTS * each)
@@ -127,7 +126,7 @@ impl Case {
                 Knowledge::Average => (usual, None),
             };
             (scenario.comfort, scenario.adapts_from) = (comfort, adapts_from);
-            // The page shows the best and the least that is known, as those of the other experiments do.
+            // The page shows the best and the least knowledge, like those of the other experiments.
             match knowledge {
                 Knowledge::Own => player.play("Own map", &scenario, Goal::Ergonomics, |_, _| {}),
                 Knowledge::Nothing => {
@@ -141,34 +140,34 @@ impl Case {
     }
 }
 
-/// What a case came to.
+/// The result of a case.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct SubjectTrial {
-    /// Of the person \[m\].
+    /// Stature of the person \[m\].
     stature: f64,
-    /// With each kind of knowledge, in the order of [`Knowledge::ALL`].
+    /// The run with each kind of knowledge, in the order of [`Knowledge::ALL`].
     runs: [Summary; 4],
 }
 
-/// One person in all their cases.
+/// The results of one person in all their cases.
 #[derive(Clone, Debug, Serialize)]
 pub struct Subject {
-    /// \[m\].
+    /// Stature \[m\].
     pub stature: f64,
     cases: usize,
-    /// Mean e_s with each kind of knowledge.
+    /// Mean e_s with the own map.
     pub own: Spread,
-    /// By the measured stature.
+    /// Mean e_s with the map of the measured stature.
     pub measured: Spread,
-    /// With the average map.
+    /// Mean e_s with the average map.
     pub average: Spread,
-    /// With none.
+    /// Mean e_s without a map.
     pub nothing: Spread,
-    /// How much less e_s is with the own map than with the average one, of the means \[%\].
+    /// Reduction of the mean e_s by the own map relative to the average one \[%\].
     pub better_than_average_percent: f64,
 }
 
-/// What the experiment came to.
+/// The result of the experiment.
 #[derive(Clone, Debug, Serialize)]
 pub struct SubjectsResult {
     /// Each person.
@@ -179,7 +178,7 @@ pub struct SubjectsResult {
     pub measured_against_average: Duel,
     /// The own map against the benchmark.
     pub own_against_none: Duel,
-    /// Cases in which person and robot never came to work together; no number is of them.
+    /// Cases in which person and robot never worked together, which no other number includes.
     pub apart: usize,
     limit_violations: u64,
     torque_violations: u64,

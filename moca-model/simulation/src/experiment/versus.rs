@@ -1,4 +1,4 @@
-//! Ergonomics against the benchmark, over many cases.
+//! Comparison of ergonomics with the benchmark over many cases.
 
 use std::fmt;
 
@@ -14,12 +14,12 @@ pub struct Versus {
     apart: usize,
 }
 
-/// What the cases came to, for `--json`: for each run apart, then of both together.
+/// The results for `--json`: first of each run, then of both together.
 #[derive(Clone, Debug, Serialize)]
 pub struct VersusLine {
-    /// Cases in which person and robot came to work together in both runs.
+    /// Cases in which person and robot worked together in both runs.
     cases: usize,
-    /// Cases in which they did not; no other number is of them.
+    /// Cases in which they did not, which no other number includes.
     apart: usize,
     score_on: Spread,
     score_off: Spread,
@@ -44,7 +44,7 @@ pub struct VersusLine {
     solver_failures: u64,
 }
 
-/// One row of the table: what it says, its digits, and where the number comes from.
+/// A row of the table: its label, its digits, and the source of the number.
 type Row = (&'static str, usize, fn(&Summary) -> f64);
 
 const ROWS: [Row; 10] = [
@@ -60,20 +60,20 @@ const ROWS: [Row; 10] = [
     ("ticks not solved", 1, |run| run.solver_failures as f64),
 ];
 
-/// How fast the workpiece is while the person stands, root mean square \[mm/s\]; NaN where they never did.
+/// Root mean square speed of the workpiece while the person stands \[mm/s\]; NaN if they never did.
 fn workpiece_mm_s(run: &Summary) -> f64 {
     run.calmness.standing.map_or(f64::NAN, |motion| 1e3 * motion.workpiece)
 }
 
-/// How long the base is at rest while the person stands \[%\]; NaN where they never did.
+/// Share of time with the base at rest while the person stands \[%\]; NaN if they never did.
 fn base_at_rest(run: &Summary) -> f64 {
     run.calmness.standing.map_or(f64::NAN, |motion| 1e2 * motion.base_at_rest)
 }
 
-/// A count's name, and how it is found.
+/// The name of a count and its source.
 type Count = (&'static str, fn(&Summary) -> u64);
 
-/// What must not happen in either run.
+/// Events that must not happen in either run.
 const COUNTS: [Count; 6] = [
     ("ticks with a violated limit", |run| run.limit_violations),
     ("ticks with a violated torque limit", |run| run.torque_violations.unwrap_or_default()),
@@ -84,7 +84,7 @@ const COUNTS: [Count; 6] = [
 ];
 
 impl Versus {
-    /// Of runs with ergonomics and without.
+    /// Creates the comparison of runs with and without ergonomics.
     pub fn new(pairs: impl IntoIterator<Item = [Summary; 2]>) -> Self {
         let met = |pair: &[Summary; 2]| pair.iter().all(|run| run.together > 0.0);
         let (pairs, apart): (Vec<_>, Vec<_>) = pairs.into_iter().partition(met);
@@ -93,7 +93,7 @@ impl Versus {
 
     fn spread(&self, run: usize, of: fn(&Summary) -> f64) -> Spread {
         let values = self.pairs.iter().map(|pair| of(&pair[run]));
-        // A case in which the person never stood says nothing of it.
+        // A case in which the person never stood does not count.
         Spread::of(values.filter(|value| !value.is_nan()))
     }
 
@@ -101,17 +101,17 @@ impl Versus {
         self.pairs.iter().flatten().map(of).sum()
     }
 
-    /// e_s with ergonomics against e_s without.
+    /// e_s with ergonomics compared with e_s without.
     pub(crate) fn duel(&self) -> Duel {
         Duel::of(self.scores())
     }
 
-    /// e_s of each case with ergonomics and without, means over the time.
+    /// Mean e_s over time of each case with and without ergonomics.
     pub fn scores(&self) -> impl Iterator<Item = (f64, f64)> + '_ {
         self.pairs.iter().map(|[on, off]| (on.score_mean, off.score_mean))
     }
 
-    /// For `--json`.
+    /// The results for `--json`.
     pub fn line(&self) -> VersusLine {
         VersusLine {
             cases: self.pairs.len(),

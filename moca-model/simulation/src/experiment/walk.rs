@@ -1,4 +1,4 @@
-//! What the robot sees of a simulated person, and where the person truly is.
+//! The percepts of a simulated person, and the person's true motion.
 
 use ergo_map::{ErgonomicsMap, FitOptions, Person};
 use human_perception::random;
@@ -13,36 +13,36 @@ use crate::people::{Transport, Truth, Walker, WalkerSettings};
 use crate::plant::Drive;
 use crate::run::{Scenario, TrueMotion};
 
-/// How maps are fitted: by good postures alone. The default weighs poorer ones, too, and then the optimum
-/// lies above the best node of the map, for a person of 1.76 m by 0.16 m. The average map would be better
-/// for tall people than their own.
+/// Options by which maps are fitted: only good postures count. The default also weighs poorer ones. The optimum then
+/// lies 0.16 m above the best node of the map for a person of 1.76 m. The average map would be better for tall people
+/// than their own.
 pub(super) const FIT: FitOptions =
     FitOptions { region: None, temperature: 0.05, min_curvature: 1e-3 };
 
-/// How fast people move their arms at most \[m/s\]: no faster than the robot assumes of somebody of whom it measures
-/// no speed.
+/// Largest speed of people's arms \[m/s\]. It does not exceed what the robot assumes for a person without a measured
+/// speed.
 pub(super) const ARM_SPEED: f64 = 1.5;
 
-/// The stream of the way from the camera to the controller.
+/// Random stream of the transport from the camera to the controller.
 const TRANSPORT: u64 = 200;
 
-/// The walk of a person: camera frames, and the truth beside them.
+/// The walk of a person: camera frames, and the truth.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Walk {
     /// Camera frames in the order of their times.
     pub percepts: Vec<Percept>,
-    /// The people beside the person, frame by frame; none where the list ends.
+    /// The other people, frame by frame; nobody after the end of the list.
     pub others: Vec<Vec<Body>>,
-    /// When each arrives \[s\].
+    /// Arrival times \[s\].
     pub arrivals: Vec<f64>,
-    /// The truth, at every time at which a camera frame was due.
+    /// The truth at every time at which a camera frame was due.
     pub truth: Vec<Truth>,
-    /// Where the joints truly are; none where that is not known.
+    /// The true motion of the joints; `None` if it is not known.
     pub motion: Option<TrueMotion>,
 }
 
 impl Walk {
-    /// The walk of these settings, with percepts from this source. Frames arrive 20 to 90 ms late.
+    /// Creates the walk of these settings with percepts from this source. Frames arrive 20 to 90 ms late.
     ///
     /// # Errors
     /// Settings that make no walk.
@@ -65,7 +65,7 @@ impl Walk {
                 Some(film) => film.see(percept)?,
                 None => percept,
             };
-            // None overtakes another on the way.
+            // Frames do not overtake each other.
             if percept.is_some() {
                 others.push(film.as_ref().map(FilmedPerson::others).unwrap_or_default());
             }
@@ -75,14 +75,14 @@ impl Walk {
             arrivals.push(at);
             percepts.push(percept);
         }
-        // The robot begins when the first frame is there.
+        // The robot starts when the first frame has arrived.
         if let (Some(arrival), Some(first)) = (arrivals.first_mut(), percepts.first()) {
             *arrival = first.time;
         }
         Ok(Self { percepts, others, arrivals, truth, motion: Some(motion) })
     }
 
-    /// The robot somewhere near home, and this walk; the person has this map.
+    /// Creates a scenario with the robot near home and this walk. The person has this map.
     ///
     /// # Errors
     /// A map that cannot be fitted.
@@ -104,7 +104,7 @@ impl Walk {
     }
 }
 
-/// The home configuration, a little different, and the base a little aside and turned.
+/// The home configuration with small random changes, and the base slightly displaced and rotated.
 fn start(draw: &mut ChaCha8Rng) -> Vec<f64> {
     let mut start = MOCA_HOME.to_vec();
     for (joint, q) in start.iter_mut().enumerate() {

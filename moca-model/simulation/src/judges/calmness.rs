@@ -1,6 +1,6 @@
-//! How still robot and workpiece are while the person stands, and how smooth while they walk.
+//! Measures of how still robot and workpiece are while the person stands, and how smooth while they walk.
 //!
-//! Standing and walking are told apart by where the person truly is, smoothed over some tenths of a second: gait
+//! The person's true motion, smoothed over some tenths of a second, distinguishes standing and walking, since gait
 //! sways the trunk.
 
 use moca_model::Command;
@@ -11,50 +11,50 @@ use vision_models::Body25;
 
 use crate::people::Joints;
 
-/// The person is looked at so often \[s\].
+/// Sampling period of the person's motion \[s\].
 const STEP: f64 = 0.05;
-/// Their place is smoothed by a parabola over so many of these steps to each side.
+/// Number of samples to each side for the smoothing parabola.
 const SIDE: usize = 20;
-/// Slower than this, in trunk \[m/s\] and heading \[rad/s\], the person stands.
+/// Speeds of trunk \[m/s\] and heading \[rad/s\] below which the person stands.
 const STANDING: [f64; 2] = [0.12, 0.15];
-/// Faster than this they walk \[m/s\].
+/// Speed above which the person walks \[m/s\].
 const WALKING: f64 = 0.2;
-/// The speed of the workpiece is that of its place averaged over so long \[s\].
+/// Averaging time of the workpiece's place, before its speed is computed \[s\].
 const AVERAGED: f64 = 0.021;
-/// The base is at rest when each of its axes is slower than this \[m/s\].
+/// Speed of each axis below which the base is at rest \[m/s\].
 const AT_REST: f64 = 1e-3;
-/// The share of its acceleration limit from which on the base is at it.
+/// Share of its acceleration limit from which on the base is at the limit.
 const AT_LIMIT: f64 = 0.95;
 
-/// How calm a run was.
+/// Calmness of a run.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Calmness {
-    /// While the person stands, from 1 s after they began to; none if they did not for 2 s.
+    /// Motion while the person stands, from 1 s after the beginning; `None` if they did not stand for 2 s.
     pub standing: Option<Motion>,
-    /// The same from 2 s after.
+    /// Motion while the person stands, from 2 s after the beginning.
     pub settled: Option<Motion>,
-    /// While they walk, from .5 s after they began to; none if they did not for 1 s.
+    /// Motion while they walk, from 0.5 s after the beginning; `None` if they did not walk for 1 s.
     pub walking: Option<Motion>,
 }
 
-/// How a robot moved in a part of a run.
+/// The motion of a robot in a part of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Motion {
-    /// How long that was \[s\].
+    /// Duration of the part \[s\].
     pub duration: f64,
     /// Root mean square of the speed of the person's trunk \[m/s\].
     pub person: f64,
     /// Root mean square of the speed of the workpiece \[m/s\].
     pub workpiece: f64,
-    /// Its 99th percentile \[m/s\].
+    /// 99th percentile of the speed of the workpiece \[m/s\].
     pub workpiece_p99: f64,
     /// Root mean square of the commanded speed of the base \[m/s\].
     pub base: f64,
-    /// The share of the ticks with the base at rest.
+    /// Share of the ticks with the base at rest.
     pub base_at_rest: f64,
-    /// The share of the ticks with an axis of the base at its acceleration limit.
+    /// Share of the ticks with an axis of the base at its acceleration limit.
     pub base_at_limit: f64,
-    /// How often the commanded velocity of an axis of the base changes its sign \[1/s\]; from and to zero as well.
+    /// Rate at which the commanded velocity of an axis of the base changes its sign, also from and to zero \[1/s\].
     pub base_reversals: f64,
     /// Root mean square of ‖q̇‖ of the other joints \[rad/s\].
     pub joints: f64,
@@ -62,7 +62,7 @@ pub struct Motion {
     pub tracking_error: f64,
 }
 
-/// One tick.
+/// A tick.
 #[derive(Debug, Clone, Copy)]
 struct Tick {
     workpiece: Vector3<f64>,
@@ -70,7 +70,7 @@ struct Tick {
     /// ‖q̇‖² of the other joints.
     joints: f64,
     at_limit: bool,
-    /// Squared.
+    /// The squared tracking error.
     error: f64,
     together: bool,
 }
@@ -79,15 +79,16 @@ struct Tick {
 #[derive(Debug, Clone)]
 pub struct CalmnessMonitor {
     period: f64,
-    /// How many joints come first that are the base's.
+    /// Number of base joints, which come first.
     base: usize,
-    /// Changes of the base's velocity in a tick that count as at its limit \[m/s\].
+    /// Change of the base's velocity in a tick that counts as at its limit \[m/s\].
     most: Vector2<f64>,
     ticks: Vec<Tick>,
 }
 
 impl CalmnessMonitor {
-    /// Begins with a robot at rest, whose first `base` joints are those of a base; ticks are `period` \[s\] apart.
+    /// Creates a monitor for a robot at rest whose first `base` joints are those of a base. Ticks are `period` \[s\]
+    /// apart.
     pub fn new(model: &Model, base: usize, period: f64) -> Self {
         let limit =
             |axis: usize| model.limits().get(axis).map_or(f64::INFINITY, |l| l.acceleration);
@@ -95,7 +96,7 @@ impl CalmnessMonitor {
         Self { period, base, most, ticks: Vec::new() }
     }
 
-    /// Takes a tick: its command, where the workpiece truly is \[m\], and whether person and robot work together.
+    /// Takes a tick: its command, the true place of the workpiece \[m\], and whether person and robot work together.
     pub fn watch(&mut self, command: &Command, workpiece: Vector3<f64>, together: bool) {
         let (base, rest) =
             command.joint_velocity.split_at(self.base.min(command.joint_velocity.len()));
@@ -115,11 +116,11 @@ impl CalmnessMonitor {
         });
     }
 
-    /// What it came to for somebody whose joints are at `person` so long after the first tick \[s\].
+    /// The result for a person whose joints are at `person` at times after the first tick \[s\].
     pub fn judge(&self, person: impl Fn(f64) -> Option<Joints>) -> Calmness {
         let Some(motion) = self.person(person) else { return Calmness::default() };
         let ticks = |time: f64| whole((time / self.period).round());
-        // The robot's own way to the person does not count.
+        // The robot's approach to the person does not count.
         let together =
             stretches(self.ticks.iter().map(|tick| tick.together), ticks(4.0), ticks(3.0));
         let all = || together.iter().zip(&motion);
@@ -182,7 +183,7 @@ impl CalmnessMonitor {
         })
     }
 
-    /// How fast the workpiece is in each tick \[m/s\].
+    /// The speed of the workpiece in each tick \[m/s\].
     fn workpiece_speeds(&self) -> Vec<f64> {
         let side = whole((0.5 * AVERAGED / self.period).round());
         let last = self.ticks.len().saturating_sub(1);
@@ -190,7 +191,7 @@ impl CalmnessMonitor {
         for tick in &self.ticks {
             sums.push(sums.last().copied().unwrap_or_default() + tick.workpiece);
         }
-        // The average moves by what comes in less what goes out.
+        // The moving average is updated by what enters and leaves its window.
         (0..self.ticks.len())
             .map(|tick| {
                 let average = |tick: usize| {
@@ -206,8 +207,8 @@ impl CalmnessMonitor {
             .collect()
     }
 
-    /// How fast the person's trunk moves over the floor and turns, tick by tick \[m/s, rad/s\]; none if they are not
-    /// known.
+    /// The speeds of the person's trunk over the floor and of their heading, tick by tick \[m/s, rad/s\]; `None` if
+    /// unknown.
     fn person(&self, person: impl Fn(f64) -> Option<Joints>) -> Option<Vec<[f64; 2]>> {
         let duration = self.ticks.len() as f64 * self.period;
         let steps = whole((duration / STEP).ceil()) + 2;
@@ -253,7 +254,7 @@ fn middle(joints: &Joints, of: &[Body25]) -> Vector2<f64> {
     of.iter().map(|joint| place(joint).coords.xy()).sum::<Vector2<f64>>() / of.len() as f64
 }
 
-/// A parabola fitted to each value and its neighbours (Savitzky and Golay, 1964); ends count as going on.
+/// Fits a parabola to each value and its neighbours (Savitzky and Golay, 1964). The end values are continued.
 fn smooth(values: &[Vector2<f64>]) -> Vec<Vector2<f64>> {
     let m = SIDE as f64;
     let weight = |offset: f64| {
@@ -272,7 +273,7 @@ fn smooth(values: &[Vector2<f64>]) -> Vec<Vector2<f64>> {
     (0..values.len()).map(at).collect()
 }
 
-/// A count that was computed; zero for what is none.
+/// Converts a computed number to a count; zero if it is not a valid count.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
@@ -282,7 +283,7 @@ fn whole(count: f64) -> usize {
     count.max(0.0) as usize
 }
 
-/// Where this holds for at least so many ticks, without the first of them.
+/// Marks stretches of at least `least` ticks in which a condition holds, without their first `settling` ticks.
 fn stretches(holds: impl Iterator<Item = bool>, least: usize, settling: usize) -> Vec<bool> {
     let mut mask: Vec<bool> = holds.collect();
     let mut first = 0;

@@ -1,9 +1,9 @@
-//! Whether commands keep the limits, by finite differences and apart from the controller.
+//! Judge of whether commands keep the limits, by finite differences and independent of the controller.
 //!
-//! The contract (`moca_model::DesiredMotion` and the robot's `JointLimits`): speeds hold for each
-//! joint and along and about each axis, accelerations for each joint, and for x_d by their norm,
-//! ‖ẍ_d‖ of the linear and of the angular part, and jerks for each joint that has a limit. A joint stays within its range; one that starts
-//! outside does not move farther out and returns. The base keeps to what its wheels can do.
+//! The contract is in `moca_model::DesiredMotion` and the robot's `JointLimits`. Speed limits hold for each joint and
+//! along and about each axis. Acceleration limits hold for each joint, and for x_d by the norm ‖ẍ_d‖ of the linear and
+//! of the angular part. Jerk limits hold for each joint that has one. A joint stays within its range. One that starts
+//! outside does not move farther out, and returns. The base keeps within the limits of its wheels.
 
 use hrsw_safety::Fault;
 use moca_model::whole_body::Model;
@@ -12,31 +12,31 @@ use moca_model::{Command, ControllerSettings, DesiredMotion, MecanumBase, Torque
 use nalgebra::{Vector3, Vector6};
 use serde::{Deserialize, Serialize};
 
-/// What rounding may add: relative to a limit of speed, on a position \[m, rad\], and over the
-/// period relative to a limit of acceleration.
+/// Tolerance for rounding: relative to a speed limit, absolute for a position \[m, rad\], and over the period relative
+/// to an acceleration limit.
 const ROUNDING: f64 = 1e-9;
 
-/// How long a joint that starts outside its range may take to return while nothing hinders it (s).
+/// Time in which a joint outside its range must return while nothing hinders it \[s\].
 const RETURN_TIME: f64 = 5.0;
 
-/// What a command breaks.
+/// The limits that a command violates.
 #[expect(clippy::struct_excessive_bools, reason = "several kinds of limits can be broken at once")]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Breaches {
-    /// A limit of speed.
+    /// A speed limit.
     pub limit: bool,
     /// The range of a joint.
     pub range: bool,
-    /// The limit of acceleration of a joint.
+    /// The acceleration limit of a joint.
     pub acceleration: bool,
-    /// The limit of jerk of a joint.
+    /// The jerk limit of a joint.
     pub jerk: bool,
     /// The limit of ‖ẍ_d‖, linear or angular.
     pub desired_acceleration: bool,
 }
 
 impl Breaches {
-    /// Returns true if anything is broken.
+    /// Returns true if any limit is violated.
     pub fn any(self) -> bool {
         self.limit || self.range || self.acceleration || self.jerk || self.desired_acceleration
     }
@@ -47,33 +47,33 @@ impl Breaches {
 pub enum Return {
     /// Nothing keeps it from returning.
     Free,
-    /// A person, or the supervisor, may keep the robot where it is.
+    /// A person or the supervisor may keep the robot where it is.
     Hindered,
 }
 
-/// How much of each limit was left at the worst tick, as a fraction of the limit.
+/// The smallest margin of each kind of limit, as a fraction of the limit.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Margins {
     /// Distance from the nearer position limit over half the range.
     pub position: f64,
-    /// Of joint velocities, the wheels and ẋ_d.
+    /// Margin of joint velocities, the wheels and ẋ_d.
     pub velocity: f64,
-    /// Of joint accelerations and ‖ẍ_d‖.
+    /// Margin of joint accelerations and ‖ẍ_d‖.
     pub acceleration: f64,
-    /// Of joint jerks.
+    /// Margin of joint jerks.
     pub jerk: f64,
 }
 
 impl Margins {
     const FULL: Self = Self { position: 1.0, velocity: 1.0, acceleration: 1.0, jerk: 1.0 };
 
-    /// The smallest of all.
+    /// The smallest margin.
     pub fn worst(&self) -> f64 {
         self.position.min(self.velocity).min(self.acceleration).min(self.jerk)
     }
 }
 
-/// Watches the commands of a run, tick by tick.
+/// Checks the commands of a run tick by tick.
 ///
 /// ```
 /// use moca_model::{ControllerSettings, MOCA_HOME, moca};
@@ -90,17 +90,17 @@ pub struct LimitMonitor {
     base: Option<MecanumBase>,
     period: f64,
     velocity: Vec<f64>,
-    /// How fast the velocities changed in the last tick.
+    /// Rates of the velocities in the last tick.
     acceleration: Vec<f64>,
     twist: Vector6<f64>,
-    /// How long each joint has been outside since the start (s); none for those that are within.
+    /// Time for which each joint has been outside since the start \[s\]; `None` for joints within their range.
     outside: Vec<Option<f64>>,
     margins: Margins,
 }
 
 impl LimitMonitor {
-    /// Begins with a robot at rest at `configuration`, n \[rad or m\]. Of the settings count the period and the limits
-    /// of the desired pose and the base.
+    /// Creates a monitor for a robot at rest at `configuration`, n \[rad or m\]. It only uses the period and the limits
+    /// of the desired pose and the base from the settings.
     pub fn new(model: &Model, settings: &ControllerSettings, configuration: &[f64]) -> Self {
         let &ControllerSettings { desired, base, period, .. } = settings;
         let joints = model.limits().to_vec();
@@ -114,13 +114,12 @@ impl LimitMonitor {
         Self { joints, desired, base, period, velocity, acceleration, twist, outside, margins }
     }
 
-    /// The worst so far.
+    /// The smallest margins so far.
     pub fn margins(&self) -> Margins {
         self.margins
     }
 
-    /// Takes a command and the configuration before it, n \[rad or m\]. A number that is not finite
-    /// breaks its limit.
+    /// Takes a command and the configuration before it, n \[rad or m\]. A number that is not finite violates its limit.
     pub fn check(
         &mut self,
         command: &Command,
@@ -129,7 +128,7 @@ impl LimitMonitor {
     ) -> Breaches {
         let mut breaches = Breaches::default();
         if command.fault == Some(Fault::RobotStopped) {
-            // The robot takes no commands: the next one begins at rest.
+            // The robot takes no commands, so that the next one begins at rest.
             self.velocity.copy_from_slice(&command.joint_velocity);
             self.acceleration.fill(0.0);
             self.twist = command.desired_twist;
@@ -164,7 +163,7 @@ impl LimitMonitor {
         breaches
     }
 
-    /// Joints that are outside their range now were moved there by no command.
+    /// Accepts that joints outside their range were moved there by external causes.
     pub(crate) fn move_outside(&mut self, configuration: &[f64]) {
         for ((outside, limits), q) in self.outside.iter_mut().zip(&self.joints).zip(configuration) {
             let is_outside = !(limits.lower..=limits.upper).contains(q);
@@ -172,7 +171,7 @@ impl LimitMonitor {
         }
     }
 
-    /// Returns true if a speed is too high, or no number.
+    /// Returns true if a speed is too high, or NaN.
     fn speed(&mut self, speed: f64, limit: f64) -> bool {
         let left = 1.0 - speed / limit;
         self.margins.velocity = self.margins.velocity.min(left);
@@ -200,8 +199,7 @@ impl LimitMonitor {
         !kept
     }
 
-    /// Returns true if the velocity `v` takes a joint out of its range, or leaves it outside for
-    /// too long.
+    /// Returns true if the velocity `v` moves a joint out of its range, or leaves it outside for too long.
     fn position(&mut self, index: usize, q: f64, v: f64, returning: Return) -> bool {
         let JointLimits { lower, upper, .. } = self.joints[index];
         let next = q + v * self.period;
@@ -211,7 +209,7 @@ impl LimitMonitor {
         if let Some(time) = outside
             && !within
         {
-            // From rest there is no reason to go farther out, nor to stay for long.
+            // A joint that starts from rest must not go farther out or stay for long.
             let outwards = if next > upper { v } else { -v };
             *time += if returning == Return::Free { self.period } else { 0.0 };
             let kept = outwards <= ROUNDING && *time <= RETURN_TIME;
@@ -227,8 +225,7 @@ impl LimitMonitor {
     }
 }
 
-/// Watches the torques of a run, tick by tick: within the joints' efforts, changing no faster than the
-/// torque rate.
+/// Checks the torques of a run tick by tick: sizes within the joints' efforts, and changes within the torque rate.
 ///
 /// ```
 /// use moca_simulation::judges::TorqueMonitor;
@@ -251,7 +248,7 @@ pub struct TorqueMonitor {
 }
 
 impl TorqueMonitor {
-    /// For the torques of these settings, a command each `period` \[s\].
+    /// Creates a monitor for the torques of these settings, with a command each `period` \[s\].
     pub fn new(model: &Model, settings: &TorqueLoopSettings, period: f64) -> Self {
         let joints = model.joints().iter().zip(model.limits());
         let driven = joints.filter(|(joint, _)| settings.joints.contains(&joint.name));
@@ -259,7 +256,7 @@ impl TorqueMonitor {
         Self { efforts, change: settings.impedance.torque_rate * period, last: None }
     }
 
-    /// Takes the torques of a tick \[Nm\]; returns true if a limit is broken, or a number is none.
+    /// Takes the torques of a tick \[Nm\]. Returns true if a limit is violated or a number is NaN.
     pub fn check(&mut self, torque: &[f64]) -> bool {
         let largest = torque.iter().zip(&self.efforts).all(|(torque, most)| torque.abs() <= *most);
         let change = self.change * (1.0 + 1e-9);

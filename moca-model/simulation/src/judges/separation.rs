@@ -1,5 +1,4 @@
-//! Whether the robot keeps its distance from people, by formulas of its own and apart from the
-//! controller.
+//! Judge of the robot's distance from people, with formulas of its own and independent of the controller.
 
 pub(crate) mod body;
 mod judgement;

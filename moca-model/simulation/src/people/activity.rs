@@ -1,14 +1,14 @@
-//! What a person is busy with.
+//! Activities of a person.
 
 use nalgebra::Vector2;
 use vision_models::{Action, Tool, WalkingDirection};
 
 use super::motion::Hands;
 
-/// Slower than this, the person stands (m/s).
+/// Speed below which the person stands \[m/s\].
 const STANDING_SPEED: f64 = 0.08;
 
-/// What the person is busy with.
+/// The activity of a person.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Activity {
     CarryObject,
@@ -21,7 +21,7 @@ pub(super) enum Activity {
 }
 
 impl Activity {
-    /// The HRI30 class of this activity, given the velocity in the person's frame (m/s).
+    /// The HRI30 class of this activity, for the velocity in the person's frame \[m/s\].
     pub(super) fn action(self, velocity: Vector2<f64>) -> Action {
         let direction =
             WalkingDirection::nearest(velocity).filter(|_| velocity.norm() > STANDING_SPEED);

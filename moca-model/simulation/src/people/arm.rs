@@ -2,12 +2,12 @@
 
 use nalgebra::Vector3;
 
-/// Fractions of stature (Drillis & Contini, 1966), and from the wrist to the centre of the grip.
+/// Lengths as fractions of stature (Drillis & Contini, 1966); the last one is from the wrist to the centre of the grip.
 pub(super) const UPPER_ARM: f64 = 0.186;
 pub(super) const FOREARM: f64 = 0.146;
 const GRIP: f64 = 0.055;
 
-/// A stretched arm is not locked.
+/// Share of its length to which an arm is stretched, since it is not locked.
 pub(super) const STRETCHED: f64 = 0.99;
 
 /// An arm from the shoulder to the centre of the grip, with a straight wrist.
@@ -31,18 +31,18 @@ pub struct Arm {
 }
 
 impl Arm {
-    /// Of an average person of this stature \[m\].
+    /// Creates the arm of an average person of this stature \[m\].
     pub fn of_stature(stature: f64) -> Self {
         Self { upper: UPPER_ARM * stature, forearm: FOREARM * stature, grip: GRIP * stature }
     }
 
-    /// How far from the shoulder the grip can be \[m\].
+    /// The largest distance of the grip from the shoulder \[m\].
     pub fn reach(&self) -> f64 {
         STRETCHED * (self.upper + self.forearm + self.grip)
     }
 
-    /// Elbow and wrist with the grip at a point, or as far towards it as the arm reaches; the elbow is on the side
-    /// of the direction `aside` \[m\].
+    /// Elbow and wrist for the grip at a point, or as far towards it as the arm reaches \[m\]. The elbow is on the side
+    /// of the direction `aside`.
     pub fn leading_to(
         &self,
         grip: &Vector3<f64>,
@@ -55,7 +55,7 @@ impl Arm {
         [elbow, elbow + (grip - elbow) * (self.forearm / hand)]
     }
 
-    /// Where the grip is of an arm with elbow and wrist there \[m\].
+    /// The place of the grip for this elbow and wrist \[m\].
     pub fn grip(&self, elbow: &Vector3<f64>, wrist: &Vector3<f64>) -> Vector3<f64> {
         wrist + (wrist - elbow).try_normalize(1e-9).unwrap_or_default() * self.grip
     }
@@ -90,7 +90,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_grip_is_at_the_object_or_as_near_as_the_arm_reaches(
+        fn grip_reaches_as_near_as_possible(
             stature in 1.5..2.0_f64, shoulder in point(2.0), away in point(1.0),
         ) {
             let (arm, object) = (Arm::of_stature(stature), shoulder + away);

@@ -1,4 +1,4 @@
-//! What a depth camera makes of the joints.
+//! A simulated depth camera that measures joints.
 
 use nalgebra::{Point3, Rotation2, Vector2, Vector3};
 use rand::Rng;
@@ -8,24 +8,24 @@ use vision_models::{Body, Body25, Confidence, Keypoint};
 
 use super::person::Joints;
 
-/// Where the camera stands, in the world (m): at the height of HRI30's, looking at the workplace.
+/// Place of the camera in the world \[m\], at the height of HRI30's, looking at the workplace.
 const EYE: Point3<f64> = Point3::new(0.3, 1.8, 2.3);
 
-/// How far from it along x the person is whom it looks at (m).
+/// Distance of the person whom it looks at along x \[m\].
 const AHEAD: f64 = 1.1;
 
-/// Standard deviation of the depth at 1 m (m); it grows with the square of the distance:
-/// s / (f B) with s = .08 px, f = 385 px and B = 50 mm (RealSense D435i, 640 × 480).
+/// Standard deviation of the depth at 1 m \[m\], which grows with the square of the distance. It is s / (f B) with s =
+/// 0.08 px, f = 385 px and B = 50 mm (RealSense D435i, 640 × 480).
 const DEPTH_SIGMA: f64 = 0.08 / (385.0 * 0.05);
 
-/// Standard deviation across the ray at 1 m (m); it grows with the distance: 1.5 px of the
-/// detector at a focal length of 615 px.
+/// Standard deviation across the ray at 1 m \[m\], which grows with the distance. It is 1.5 px of the detector at a
+/// focal length of 615 px.
 const ACROSS_SIGMA: f64 = 1.5 / 615.0;
 
-/// How far a jump is (m).
+/// Distance of a jump \[m\].
 const JUMP: f64 = 2.0;
 
-/// How well the camera sees.
+/// Quality of the camera.
 ///
 /// ```
 /// use moca_simulation::people::CameraSettings;
@@ -35,21 +35,21 @@ const JUMP: f64 = 2.0;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraSettings {
-    /// Factor on the noise of a `RealSense` D435i, whose depth has the standard deviation
-    /// 4 mm · (z / 1 m)². Default 1.
+    /// Factor on the noise of a `RealSense` D435i, whose depth has the standard deviation 4 mm · (z / 1 m)². Default 1.
     pub noise: f64,
-    /// No joint is seen farther than this from where it is (m). Default infinite.
+    /// Largest error of a joint \[m\]. Default infinite.
     pub largest_error: f64,
-    /// Probability that a joint is missing in a frame. A quarter of it is the probability that the
-    /// person is missed for one to six frames, a tenth that a frame is lost, and that a joint is
-    /// put in the wrong place with little confidence. Default 0.02.
+    /// Probability that a joint is missing in a frame. Default 0.02.
+    ///
+    /// The probability is a quarter of it that the person is missed for one to six frames. It is a tenth that a frame
+    /// is lost, and that a joint is put in the wrong place with little confidence.
     pub drop: f64,
-    /// How many times the person seems to be two metres away, for up to 2 s. Default 0.
+    /// Number of times that the person seems to be two metres away, for up to 2 s. Default 0.
     pub jumps: u32,
-    /// How many times the person is not seen, for up to 3 s. Default 0.
+    /// Number of times that the person is not seen, for up to 3 s. Default 0.
     pub vanishings: u32,
-    /// How far apart along x further cameras are, for who walks out of the range of the first (m): the
-    /// person is seen by the one that is nearest. Default none.
+    /// Distance along x between further cameras for people who leave the range of the first \[m\]. The nearest camera
+    /// sees the person. Default none.
     pub spacing: Option<f64>,
 }
 
@@ -67,7 +67,7 @@ impl Default for CameraSettings {
 }
 
 impl CameraSettings {
-    /// Sees everything, where it is.
+    /// A camera without errors.
     pub const PERFECT: Self = Self {
         noise: 0.0,
         largest_error: f64::INFINITY,
@@ -77,7 +77,7 @@ impl CameraSettings {
         spacing: None,
     };
 
-    /// Where the camera is that sees somebody at `place` best, in the world (m).
+    /// The place of the camera that sees a person at `place` best, in the world \[m\].
     fn eye(&self, place: &Point3<f64>) -> Point3<f64> {
         let along = self
             .spacing
@@ -90,16 +90,16 @@ impl CameraSettings {
 pub(super) struct Camera {
     settings: CameraSettings,
     draw: ChaCha8Rng,
-    /// Begin, end (s) and displacement (m).
+    /// Begin, end \[s\] and displacement \[m\] of each jump.
     jumps: Vec<(f64, f64, Vector2<f64>)>,
-    /// Begin and end (s).
+    /// Begin and end of each vanishing \[s\].
     vanishings: Vec<(f64, f64)>,
-    /// For how many more frames the person is missed.
+    /// Number of further frames in which the person is missed.
     missed: u32,
 }
 
 impl Camera {
-    /// Jumps and vanishings are spread over `duration` (s).
+    /// Creates a camera whose jumps and vanishings are spread over `duration` \[s\].
     pub(super) fn new(settings: CameraSettings, duration: f64, mut draw: ChaCha8Rng) -> Self {
         let mut interval = |longest: f64| {
             let begin = draw.random_range(0.2..0.8) * duration;
@@ -122,7 +122,7 @@ impl Camera {
         self.draw.random_bool(self.settings.drop / 10.0)
     }
 
-    /// The joints (in the world, m) as they are seen at a time (s); `None` if the person is missed.
+    /// The joints \[m, world\] as they are seen at a time \[s\]; `None` if the person is missed.
     pub(super) fn see(&mut self, time: f64, joints: &Joints) -> Option<Body> {
         let within = |begin: f64, end: f64| begin <= time && time < end;
         if self.missed == 0 && self.draw.random_bool(self.settings.drop / 4.0) {
@@ -134,7 +134,7 @@ impl Camera {
             .filter(|(begin, end, _)| within(*begin, *end))
             .map(|(.., displacement)| displacement)
             .sum();
-        // Drawn in any case, so that what follows does not depend on who is seen.
+        // The random numbers are always drawn, so that later ones do not depend on the visible person.
         let eye = self.settings.eye(&joints[Body25::MidHip as usize]);
         let seen = joints.map(|joint| self.joint(&eye, joint + jump.push(0.0)));
         let vanished = self.vanishings.iter().any(|&(begin, end)| within(begin, end));
@@ -171,7 +171,7 @@ mod tests {
 
     use super::*;
 
-    /// Of the depth of somebody this far along x, the root mean square error (m).
+    /// The root mean square error of the depth of a person this far along x \[m\].
     fn error(x: f64, spacing: Option<f64>) -> f64 {
         let settings = CameraSettings { drop: 0.0, spacing, ..CameraSettings::default() };
         let mut camera = Camera::new(settings, 1.0, ChaCha8Rng::seed_from_u64(1));
@@ -184,14 +184,14 @@ mod tests {
     }
 
     #[test]
-    fn a_row_of_cameras_sees_somebody_far_away_as_one_sees_somebody_near() {
+    fn row_of_cameras_sees_far_people_well() {
         let near = error(1.4, None);
         assert!(near < 0.05, "{near}");
         assert!(error(13.4, None) > 5.0 * near);
         for x in [1.4, 4.0, 8.9, 13.4] {
             assert!(error(x, Some(3.0)) < 2.5 * near, "at {x} m");
         }
-        // Nobody who works at the workplace is seen otherwise.
+        // A person at the workplace is seen as by a single camera.
         assert_eq!(error(1.4, Some(3.0)).to_bits(), near.to_bits());
     }
 }

@@ -1,4 +1,4 @@
-//! How the person moves over the floor, steps and moves the hands.
+//! Motion of the person over the floor, with steps and hands.
 
 use std::f64::consts::TAU;
 
@@ -6,13 +6,13 @@ use nalgebra::{Point2, Rotation2, Vector2, Vector3};
 
 use super::movement::Moving;
 
-/// Two steps take this long (s).
+/// Duration of two steps \[s\].
 const STRIDE_TIME: f64 = 1.3;
 
-/// The hands follow what they are meant to do with this time constant (s).
+/// Time constant with which the hands follow their targets \[s\].
 const HAND_TIME: f64 = 0.25;
 
-/// How a person moves.
+/// Limits and style of a person's motion.
 ///
 /// ```
 /// use moca_simulation::people::Gait;
@@ -21,23 +21,22 @@ const HAND_TIME: f64 = 0.25;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gait {
-    /// How the person speeds up (m/s²); slowing down is planned at less.
+    /// Acceleration of the person \[m/s²\]. Slowing down is planned with less.
     pub acceleration: f64,
-    /// How fast the person turns (rad/s).
+    /// Largest turning rate \[rad/s\].
     pub turning_rate: f64,
-    /// How fast that changes (rad/s²).
+    /// Largest rate of change of the turning rate \[rad/s²\].
     pub turning_acceleration: f64,
-    /// Length of the steps and swing of the arms, as a share of those of a person whose standing
-    /// feet do not slide.
+    /// Length of the steps and swing of the arms, as a share of those of a person whose standing feet do not slide.
     pub stride: f64,
-    /// How fast the hands move against the body at most, in statures a second.
+    /// Largest speed of the hands relative to the body, in statures a second.
     pub hand_speed: f64,
-    /// How fast any part of the arms moves at most (m/s): hands go on more slowly where an elbow would swing faster.
+    /// Largest speed of any part of the arms \[m/s\]. Hands move more slowly where an elbow would swing faster.
     pub arm_speed: f64,
 }
 
 impl Gait {
-    /// Standing feet stay where they are.
+    /// A gait in which standing feet stay in place.
     pub const NATURAL: Self = Self {
         acceleration: 0.8,
         turning_rate: 1.2,
@@ -47,8 +46,7 @@ impl Gait {
         arm_speed: f64::INFINITY,
     };
 
-    /// In small sliding steps and with quiet hands, so that hands and feet are not much faster than
-    /// the trunk.
+    /// A gait of small sliding steps and quiet hands, whose hands and feet are not much faster than the trunk.
     pub const CAREFUL: Self = Self {
         acceleration: 1.0,
         turning_rate: 0.6,
@@ -59,20 +57,20 @@ impl Gait {
     };
 }
 
-/// A place to go to.
+/// A goal to walk to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Goal {
-    /// In the world (m).
+    /// Place in the world \[m\].
     pub(super) floor: Point2<f64>,
-    /// Which way to face there (rad).
+    /// Heading there \[rad\].
     pub(super) heading: f64,
-    /// How fast to go (m/s).
+    /// Walking speed \[m/s\].
     pub(super) speed: f64,
     /// Whether to stop there or to pass by.
     pub(super) stop: bool,
 }
 
-/// What the hands do.
+/// The activity of the hands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Hands {
     /// Swing with the steps.
@@ -81,9 +79,9 @@ pub(super) enum Hands {
     Carrying,
     /// Hold the object out to the robot.
     Reaching,
-    /// The right hand takes something from a table beside, or lays it down.
+    /// Take something from a table beside with the right hand, or lay it down.
     AtTable,
-    /// The right hand holds a tool close.
+    /// Hold a tool close with the right hand.
     Holding,
     /// Both hands work with the tool on the object in front.
     Working,
@@ -92,23 +90,23 @@ pub(super) enum Hands {
 /// The state of the moving person.
 #[derive(Clone, Debug)]
 pub(super) struct Motion {
-    /// The floor below the pelvis, in the world (m).
+    /// Place of the pelvis over the floor, in the world \[m\].
     pub(super) floor: Point2<f64>,
-    /// Over the floor, in the world (m/s).
+    /// Velocity over the floor, in the world \[m/s\].
     pub(super) velocity: Vector2<f64>,
-    /// The yaw of the forward direction (rad).
+    /// Yaw of the forward direction \[rad\].
     pub(super) heading: f64,
     pub(super) gait: Gait,
     turning_rate: f64,
-    /// Of the two steps of a stride, in [0, 2π) (rad).
+    /// Phase of the two steps of a stride, in [0, 2π) \[rad\].
     phase: f64,
-    /// Left and right, in the person's frame and as a fraction of stature.
+    /// Left and right hand in the person's frame, as fractions of stature.
     pub(super) hands: [Vector3<f64>; 2],
-    /// Where the right hand is to be instead of where its activity has it, likewise.
+    /// Place of the right hand in place of its activity's, as fractions of stature.
     reached_for: Option<Vector3<f64>>,
-    /// The trunk's flexion (rad).
+    /// Flexion of the trunk \[rad\].
     lean: f64,
-    /// What they do on the spot besides.
+    /// The movement on the spot besides.
     pub(super) moving: Moving,
 }
 
@@ -133,14 +131,14 @@ impl Motion {
         (goal.floor - self.floor).norm() < near
     }
 
-    /// The velocity in the person's frame: x forwards, y to the left (m/s).
+    /// The velocity in the person's frame: x forwards, y to the left \[m/s\].
     pub(super) fn velocity_in_person(&self) -> Vector2<f64> {
         Rotation2::new(-self.heading) * self.velocity
     }
 
-    /// The foot's place relative to the hip's, in the person's frame (m): `x` and `y` along the
-    /// floor and `z` the lift. Half of a stride it stands, so that it moves against the velocity;
-    /// the other half it swings to where it next stands.
+    /// The foot's place relative to the hip's, in the person's frame \[m\]: `x` and `y` along the floor and `z` the
+    /// lift. The foot stands for half of a stride, so that it moves against the velocity. In the other half it swings
+    /// to its next place.
     pub(super) fn foot(&self, left: bool) -> Vector3<f64> {
         let phase = (self.phase / TAU + if left { 0.0 } else { 0.5 }).fract();
         let velocity = self.velocity_in_person();
@@ -160,18 +158,18 @@ impl Motion {
         if left { of_left } else { of_right }
     }
 
-    /// The trunk's flexion (rad).
+    /// The flexion of the trunk \[rad\].
     pub(super) fn lean(&self) -> f64 {
         self.lean
     }
 
-    /// The right hand is to be at this place in the person's frame, as a fraction of stature, or where
-    /// its activity has it.
+    /// Sets the place of the right hand in the person's frame, as fractions of stature. `None` leaves it to its
+    /// activity.
     pub(super) fn reach_for(&mut self, place: Option<Vector3<f64>>) {
         self.reached_for = place;
     }
 
-    /// Moves on by `dt` (s) in steps of a hundredth of a second.
+    /// Advances by `dt` \[s\] in steps of a hundredth of a second.
     pub(super) fn advance(&mut self, goal: &Goal, hands: Hands, dt: f64) {
         let steps = (dt / 0.01).ceil().max(1.0);
         let mut left = steps;
@@ -186,7 +184,7 @@ impl Motion {
             self.gait;
         let to_goal = goal.floor - self.floor;
         let distance = to_goal.norm();
-        // Slows down in time, and at the end like a damped spring.
+        // The person slows down in time, and at the end like a damped spring.
         let braking = (1.2 * acceleration * distance).sqrt().min(2.0 * distance);
         let speed = if goal.stop { goal.speed.min(braking) } else { goal.speed };
         let wanted = to_goal.try_normalize(1e-9).unwrap_or_default() * speed;
@@ -212,8 +210,8 @@ impl Motion {
 }
 
 impl Hands {
-    /// Where the left and the right hand are meant to be, in the person's frame and as a fraction
-    /// of stature, with the velocity of the arms' swing (m/s).
+    /// Target places of the left and the right hand in the person's frame, as fractions of stature. `swing` is the
+    /// velocity of the arms' swing \[m/s\].
     fn places(self, swing: f64) -> [Vector3<f64>; 2] {
         let swinging = |sign: f64| {
             let forwards = 0.05 - 0.12 * sign * swing;
@@ -229,7 +227,7 @@ impl Hands {
         }
     }
 
-    /// How far the trunk leans over (rad).
+    /// The lean of the trunk \[rad\].
     fn lean(self) -> f64 {
         match self {
             Self::Swinging | Self::Carrying | Self::Holding => 0.03,

@@ -1,5 +1,4 @@
-//! What a person does on the spot, at the speeds of people: a head over a standing pelvis at 1 to 1.5 m/s, hands at 2
-//! to 4 m/s.
+//! Movements on the spot at human speeds: a head over a standing pelvis at 1 to 1.5 m/s, hands at 2 to 4 m/s.
 
 use std::collections::VecDeque;
 use std::f64::consts::PI;
@@ -20,7 +19,7 @@ use rand_chacha::ChaCha8Rng;
 pub enum Movement {
     /// Leans forwards from the hips.
     Bow,
-    /// Down on both knees, and up.
+    /// Goes down on both knees, and up.
     Kneel,
     /// Sits down, and stays for a moment.
     SitDown,
@@ -28,7 +27,7 @@ pub enum Movement {
     GetUp,
     /// Leans to a side.
     LeanSideways,
-    /// Both hands above the head.
+    /// Raises both hands above the head.
     ReachOverhead,
     /// Turns on the spot, and back.
     Turn,
@@ -36,42 +35,42 @@ pub enum Movement {
     Squat,
     /// Takes something from the floor with the right hand.
     PickUp,
-    /// A step to a side, and back.
+    /// Steps to a side, and back.
     StepSideways,
     /// Swings both arms to and fro.
     SwingArms,
 }
 
-/// How a body differs from one that stands; lengths are fractions of stature, angles in radians.
+/// The difference of a body from one that stands; lengths are fractions of stature, angles are in radians.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Posture {
-    /// The trunk's flexion, and its bending to the left.
+    /// Flexion of the trunk, and its bending to the left.
     pub(super) lean: f64,
     pub(super) aside: f64,
-    /// How much lower the pelvis is, how far behind, and how far behind the feet are.
+    /// Lowering of the pelvis, its displacement to the back, and that of the feet.
     pub(super) drop: f64,
     pub(super) back: f64,
     pub(super) feet_back: f64,
-    /// Where left and right hand are, from where they would hang on the trunk.
+    /// Displacements of left and right hand from where they would hang on the trunk.
     pub(super) hands: [Vector3<f64>; 2],
-    /// To the left, on the spot.
+    /// Turn to the left on the spot.
     pub(super) turn: f64,
     pub(super) step: f64,
 }
 
-/// A movement under way.
+/// A movement in progress.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Moving {
     from: Posture,
     now: Posture,
-    /// Postures to take, each with how long that takes \[s\].
+    /// Next postures, each with the time to reach it \[s\].
     to_come: VecDeque<(Posture, f64)>,
-    /// Of the first of them \[s\].
+    /// Time since the beginning of the first of them \[s\].
     elapsed: f64,
 }
 
 impl Movement {
-    /// All of them.
+    /// All movements.
     pub const ALL: [Self; 11] = [
         Self::Bow,
         Self::Kneel,
@@ -86,7 +85,7 @@ impl Movement {
         Self::SwingArms,
     ];
 
-    /// On the command line.
+    /// The name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Bow => "bow",
@@ -103,12 +102,12 @@ impl Movement {
         }
     }
 
-    /// The movement of a name.
+    /// The movement with this name.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|movement| movement.name() == name)
     }
 
-    /// Its postures, each with how long it takes to come to it \[s\].
+    /// The postures of the movement, each with the time to reach it \[s\].
     fn postures(self, draw: &mut ChaCha8Rng) -> Vec<(Posture, f64)> {
         let still = Posture::default();
         let time = draw.random_range(0.9..1.25);
@@ -181,22 +180,22 @@ impl Movement {
 }
 
 impl Moving {
-    /// Begins a movement after those that are under way.
+    /// Starts a movement after those in progress.
     pub(super) fn begin(&mut self, movement: Movement, draw: &mut ChaCha8Rng) {
         self.to_come.extend(movement.postures(draw));
     }
 
-    /// Returns true if nothing is under way.
+    /// Returns true if no movement is in progress.
     pub(super) fn is_over(&self) -> bool {
         self.to_come.is_empty()
     }
 
-    /// The posture at present.
+    /// The present posture.
     pub(super) fn posture(&self) -> &Posture {
         &self.now
     }
 
-    /// Goes on by a time \[s\]: from posture to posture with the least jerk.
+    /// Advances by a time \[s\], from posture to posture with least jerk.
     pub(super) fn advance(&mut self, elapsed: f64) {
         let Some((to, time)) = self.to_come.front().copied() else { return };
         self.elapsed += elapsed;

@@ -1,4 +1,4 @@
-//! Where the person leads the robot.
+//! Paths along which the person leads the robot.
 
 use std::{
     f64::consts::TAU,
@@ -15,16 +15,16 @@ use rand_chacha::ChaCha8Rng;
 use super::script::TOWARDS_ROBOT;
 use crate::Error;
 
-/// Where the person receives the robot and works first, in the world (m).
+/// Place where the person receives the robot and works first, in the world \[m\].
 pub(super) const WORKPLACE: Point2<f64> = Point2::new(1.4, 0.0);
 
-/// How long the person works at a waypoint of a list (s).
+/// Time for which the person works at a waypoint of a list \[s\].
 const DWELL: f64 = 3.0;
 
-/// No list of points takes more than this (bytes).
+/// Largest accepted file with a list of points (bytes).
 const LARGEST_FILE: u64 = 1 << 20;
 
-/// Further from the origin nobody leads the robot (m).
+/// Largest distance of a waypoint from the origin \[m\].
 const FARTHEST: f64 = 50.0;
 
 /// A path along which the person leads the robot while working.
@@ -40,38 +40,38 @@ const FARTHEST: f64 = 50.0;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub enum WalkingPath {
-    /// From one station to the next: backwards, left, diagonally backwards left, and after a turn
-    /// diagonally backwards right.
+    /// Goes from station to station: backwards, left, diagonally backwards left, and after a turn diagonally backwards
+    /// right.
     Stations,
-    /// Backwards and forwards.
+    /// Goes backwards and forwards.
     Straight,
-    /// Round a square with a stop at each corner.
+    /// Goes around a square with a stop at each corner.
     Square,
-    /// Round a circle without a stop.
+    /// Goes around a circle without a stop.
     Circle,
-    /// Along an eight without a stop.
+    /// Goes along a figure of eight without a stop.
     FigureEight,
-    /// To random places, turning at random.
+    /// Goes to random places, turning at random.
     Random,
-    /// To random places, each time along one of HRI30's eight directions, with a stop at each.
+    /// Goes to random places, each time along one of HRI30's eight directions, with a stop at each.
     Directions,
-    /// To these points on the floor, in the world (m), with a stop at each.
+    /// Goes to these points on the floor, in the world \[m\], with a stop at each.
     Points(Vec<Point2<f64>>),
 }
 
-/// One place on the way.
+/// A place on the path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Waypoint {
-    /// On the floor, in the world (m).
+    /// Point on the floor, in the world \[m\].
     pub floor: Point2<f64>,
-    /// Which way the person faces there (rad).
+    /// Heading of the person there \[rad\].
     pub heading: f64,
-    /// How long the person stays and works (s); zero passes by without a stop.
+    /// Time for which the person stays and works \[s\]; zero passes by without a stop.
     pub dwell: f64,
 }
 
 impl WalkingPath {
-    /// A path from the command line: a name, a list of points, or a file with one point a line.
+    /// Creates a path from the command line: a name, a list of points, or a file with one point a line.
     ///
     /// # Errors
     /// [`Error::Path`] or [`Error::PathFile`].
@@ -92,7 +92,7 @@ impl WalkingPath {
         path.validate().map(|()| path)
     }
 
-    /// Checks that a list has points and that they are in reach.
+    /// Returns an error unless a list has points and they are within reach.
     pub(super) fn validate(&self) -> Result<(), Error> {
         match self {
             Self::Points(points) if points.is_empty() => Err(Error::Path { text: String::new() }),
@@ -111,14 +111,14 @@ impl WalkingPath {
         }
     }
 
-    /// The places on the way, in order.
+    /// The waypoints in order.
     pub(super) fn waypoints(&self, draw: &mut ChaCha8Rng) -> Vec<Waypoint> {
         let place = |x, y, turn, dwell| Waypoint {
             floor: WORKPLACE + Vector2::new(x, y),
             heading: TOWARDS_ROBOT + turn,
             dwell,
         };
-        // A closed curve that begins and ends at the workplace, as a function of its angle.
+        // A closed curve from the workplace to the workplace, as a function of its angle.
         let curve = |at: fn(f64) -> (f64, f64)| {
             (1..=24).map(move |k| {
                 let (x, y) = at(TAU * f64::from(k) / 24.0);
@@ -160,7 +160,7 @@ impl WalkingPath {
     }
 }
 
-/// Legs along the eight directions in the frame of a person who hardly turns.
+/// Paths along the eight directions in the frame of a person who hardly turns.
 fn in_directions(draw: &mut ChaCha8Rng) -> Vec<Waypoint> {
     let heading = TOWARDS_ROBOT + draw.random_range(-0.25..0.25);
     let inside = |place: &Vector2<f64>| (-0.1..1.6).contains(&place.x) && place.y.abs() < 1.0;
@@ -200,13 +200,13 @@ impl FromStr for WalkingPath {
     }
 }
 
-/// A point from a text such as "1.4,0".
+/// Parses a point from a text such as "1.4,0".
 fn point(text: &str) -> Option<Point2<f64>> {
     let (x, y) = text.split_once(',')?;
     Some(Point2::new(x.trim().parse().ok()?, y.trim().parse().ok()?))
 }
 
-/// A text of at most [`LARGEST_FILE`].
+/// Reads a text of at most [`LARGEST_FILE`].
 fn read(file: &Path) -> io::Result<String> {
     let mut text = String::new();
     File::open(file)?.take(LARGEST_FILE + 1).read_to_string(&mut text)?;
@@ -217,7 +217,7 @@ fn read(file: &Path) -> io::Result<String> {
     Ok(text)
 }
 
-/// What an error quotes of a text.
+/// The part of a text that an error quotes.
 fn excerpt(text: &str) -> String {
     format!("{text:.120}")
 }

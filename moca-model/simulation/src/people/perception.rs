@@ -1,4 +1,4 @@
-//! What perception reports of a person: camera and recogniser together.
+//! Perception of a person by camera and recogniser.
 
 use rand_chacha::ChaCha8Rng;
 use vision_models::{Percept, Tool};
@@ -7,10 +7,10 @@ use super::camera::{Camera, CameraSettings};
 use super::person::Person;
 use super::recogniser::Recogniser;
 
-/// Frames a second.
+/// Camera frames a second.
 pub const FRAME_RATE: f64 = 20.0;
 
-/// A camera with the networks behind it. The same draws give the same percepts.
+/// A camera with its networks. The same draws give the same percepts.
 #[derive(Clone, Debug)]
 pub struct Perception {
     camera: Camera,
@@ -18,8 +18,8 @@ pub struct Perception {
 }
 
 impl Perception {
-    /// Looks on for `duration` (s), over which the camera's jumps and vanishings are spread.
-    /// `tool` is the one that the surface facing the on-board camera is for.
+    /// Creates a camera that looks for `duration` \[s\], over which its jumps and vanishings are spread. `tool` is the
+    /// one for the surface that faces the on-board camera.
     pub fn new(
         settings: CameraSettings,
         duration: f64,
@@ -32,10 +32,10 @@ impl Perception {
         }
     }
 
-    /// The frame at `time` (s) of a person who is in view or not; `None` if it is lost. To be
-    /// called at each frame, in the order of time.
+    /// Returns the frame at `time` \[s\] of a person who is in view or not; `None` if it is lost. Call it at each
+    /// frame, in the order of time.
     pub fn look(&mut self, time: f64, person: &Person, in_view: bool) -> Option<Percept> {
-        // Drawn in any case, so that what follows does not depend on what is seen.
+        // The random numbers are always drawn, so that later ones do not depend on what is seen.
         let body = self.camera.see(time, &person.joints()).filter(|_| in_view);
         let (action, surface) = self.recogniser.recognise(person.action(), body.is_some());
         let percept = Percept { time, body, action, surface };

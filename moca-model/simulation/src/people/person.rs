@@ -13,7 +13,7 @@ use super::skeleton;
 /// The joints of `BODY_25` in the world (m).
 pub type Joints = [Point3<f64>; Body25::COUNT];
 
-/// Where a person is, how they move and what they do.
+/// A person's place, motion and activity.
 #[derive(Clone, Debug)]
 pub struct Person {
     stature: f64,
@@ -23,17 +23,17 @@ pub struct Person {
 
 const LEFT_FOREARM: [Body25; 2] = [Body25::LeftElbow, Body25::LeftWrist];
 const RIGHT_FOREARM: [Body25; 2] = [Body25::RightElbow, Body25::RightWrist];
-/// From the wrist (m).
+/// Length from the wrist to the fingertips \[m\].
 const FINGERTIPS: f64 = 0.15;
 
-/// How fast a part of an arm is at most in a movement on the spot (m/s).
+/// Largest speed of a part of an arm in a movement on the spot \[m/s\].
 const FASTEST_MOVEMENT: f64 = 5.0;
 
-/// How often the step of the hands is halved before it is taken as it is.
+/// Largest number of times that the step of the hands is halved.
 const MOST_HALVINGS: usize = 10;
 
 impl Person {
-    /// A standing person of this stature (m); the heading in radians.
+    /// Creates a standing person of this stature \[m\]; the heading is in radians.
     pub(super) fn standing(
         stature: f64,
         floor: Point2<f64>,
@@ -45,7 +45,7 @@ impl Person {
         Self { stature, motion, activity }
     }
 
-    /// Goes on towards a goal for `dt` (s).
+    /// Moves towards a goal for `dt` \[s\].
     pub(super) fn advance(&mut self, goal: &Goal, activity: Activity, dt: f64) {
         let (before, hands) = (self.arms(), self.motion.hands);
         let moving = self.is_busy().then(|| self.motion.moving.clone());
@@ -73,12 +73,12 @@ impl Person {
         }
     }
 
-    /// Returns true if a point of the arms is farther from where it was than `distance` (m).
+    /// Returns true if a point of the arms is farther from where it was than `distance` \[m\].
     fn arms_moved_by_more_than(&self, distance: f64, before: &[Vector3<f64>; 6]) -> bool {
         before.iter().zip(self.arms()).any(|(from, to)| (to - from).norm() > distance)
     }
 
-    /// Elbows, wrists and fingertips (m, world).
+    /// Elbows, wrists and fingertips \[m, world\].
     fn arms(&self) -> [Vector3<f64>; 6] {
         let joints = self.joints();
         let of = |[elbow, wrist]: [Body25; 2]| {
@@ -90,7 +90,7 @@ impl Person {
         std::array::from_fn(|point| if point < 3 { left[point] } else { right[point - 3] })
     }
 
-    /// The right hand is to be at an object (m, world) as long as the arm reaches it, or where the activity has it.
+    /// Moves the right hand to an object \[m, world\] while the arm reaches it. `None` leaves it to the activity.
     pub(super) fn reach_for(&mut self, object: Option<&Point3<f64>>) {
         let arm = Arm::of_stature(self.stature);
         let shoulder = self.joints()[Body25::RightShoulder.index()].coords;
@@ -104,17 +104,17 @@ impl Person {
         }));
     }
 
-    /// Begins a movement on the spot.
+    /// Starts a movement on the spot.
     pub(super) fn begin(&mut self, movement: Movement, draw: &mut ChaCha8Rng) {
         self.motion.moving.begin(movement, draw);
     }
 
-    /// Returns true while a movement is under way.
+    /// Returns true while a movement is in progress.
     pub(super) fn is_busy(&self) -> bool {
         !self.motion.moving.is_over()
     }
 
-    /// Is elsewhere at once (m).
+    /// Displaces the person at once \[m\].
     pub(super) fn jump(&mut self, displacement: Vector2<f64>) {
         self.motion.floor += displacement;
     }
@@ -123,27 +123,27 @@ impl Person {
         self.motion.has_reached(goal)
     }
 
-    /// The stature (m).
+    /// The stature \[m\].
     pub fn stature(&self) -> f64 {
         self.stature
     }
 
-    /// The floor below the pelvis, in the world (m).
+    /// The point on the floor below the pelvis, in the world \[m\].
     pub fn floor(&self) -> Point2<f64> {
         self.motion.floor
     }
 
-    /// The yaw of the forward direction (rad).
+    /// The yaw of the forward direction \[rad\].
     pub fn heading(&self) -> f64 {
         self.motion.heading
     }
 
-    /// Over the floor, in the world (m/s).
+    /// The velocity over the floor, in the world \[m/s\].
     pub fn velocity(&self) -> Vector2<f64> {
         self.motion.velocity
     }
 
-    /// What the person does, in the classes of the recogniser.
+    /// The person's action, in the classes of the recogniser.
     pub fn action(&self) -> Action {
         self.activity.action(self.motion.velocity_in_person())
     }
@@ -161,7 +161,7 @@ mod tests {
 
     use super::*;
 
-    /// Where the right grip is.
+    /// The place of the right grip.
     fn grip(person: &Person) -> Vector3<f64> {
         let joints = person.joints();
         let at = |joint: Body25| joints[joint.index()].coords;
@@ -170,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn the_hand_of_who_works_goes_to_an_object_within_reach() {
+    fn working_hand_goes_to_a_reachable_object() {
         let (floor, heading) = (Point2::new(1.0, 2.0), 2.5);
         let works = Activity::Use(Tool::Drill);
         let goal = Goal { floor, heading, speed: 0.5, stop: true };
@@ -185,7 +185,7 @@ mod tests {
                 grip(&person)
             };
             let rest = work(None);
-            // Nearer, higher, and to the right.
+            // The object is nearer, higher, and to the right.
             for away in [[0.16, -0.12, 0.0], [0.0, 0.0, 0.2], [0.09, 0.12, 0.1]] {
                 let object = Point3::from(rest + Vector3::from(away));
                 assert!((work(Some(&object)) - object.coords).norm() < 1e-3, "{away:?}");
@@ -223,13 +223,14 @@ mod tests {
     }
 
     #[test]
-    fn no_part_of_an_arm_is_faster_than_the_gait_says() {
+    fn arm_parts_keep_the_gait_speed_limit() {
         let (floor, works) = (Point2::origin(), Activity::Use(Tool::Drill));
         let goal = Goal { floor, heading: 0.0, speed: 0.5, stop: true };
         let mut person = Person::standing(1.75, floor, 0.0, Gait::CAREFUL, works);
         let shoulder = person.joints()[Body25::RightShoulder.index()];
         let mut fastest = 0.0_f64;
-        // Around the side to which the elbow hangs, where it turns about an arm that hardly moves.
+        // The object moves around the side to which the elbow hangs, where the elbow turns about an arm that hardly
+        // moves.
         for turn in 0..40 {
             let angle = f64::from(turn) * 3.35;
             let across = Vector3::new(angle.cos(), angle.sin(), 0.0) * 0.25;

@@ -1,4 +1,4 @@
-//! What a network makes of the person's actions: late, unsure at changes, sometimes wrong.
+//! A simulated action recogniser: late, unsure at changes, sometimes wrong.
 
 use std::collections::VecDeque;
 
@@ -8,20 +8,20 @@ use vision_models::{
     Action, Confidence, RecognisedAction, RecognisedSurface, Tool, WalkingDirection,
 };
 
-/// How many frames it takes to recognise an action: 0.2 s.
+/// Number of frames that it takes to recognise an action: 0.2 s.
 const LATENCY: usize = 4;
 
-/// After a change the recogniser is unsure for as many frames.
+/// Number of frames after a change in which the recogniser is unsure.
 const UNSURE: u32 = 3;
 
-/// Probability that a frame begins a mistake, and of not seeing the surface.
+/// Probability that a frame begins a mistake, and that the surface is not seen.
 const MISTAKE: f64 = 0.01;
 
 #[derive(Clone, Debug)]
 pub(super) struct Recogniser {
     draw: ChaCha8Rng,
     tool: Tool,
-    /// What the person did in the last frames, the oldest first.
+    /// Actions of the person in the last frames, the oldest first.
     pipeline: VecDeque<Action>,
     current: Option<Action>,
     frames_since_change: u32,
@@ -30,7 +30,7 @@ pub(super) struct Recogniser {
 }
 
 impl Recogniser {
-    /// `tool` is the one that the surface facing the on-board camera is for.
+    /// Creates a recogniser. `tool` is the one for the surface that faces the on-board camera.
     pub(super) fn new(tool: Tool, draw: ChaCha8Rng) -> Self {
         Self {
             draw,
@@ -43,7 +43,7 @@ impl Recogniser {
         }
     }
 
-    /// What is reported in a frame in which the person does `action`.
+    /// The report in a frame in which the person does `action`.
     pub(super) fn recognise(
         &mut self,
         action: Action,
@@ -56,7 +56,7 @@ impl Recogniser {
     }
 
     fn classify(&mut self, action: Action) -> Option<RecognisedAction> {
-        // From when the person turns away from the delivery, the robot has the object.
+        // The robot has the object from the time when the person turns away from the delivery.
         self.delivered |=
             self.current == Some(Action::DeliverObject) && action != Action::DeliverObject;
         if self.current.replace(action) == Some(action) {
@@ -79,8 +79,8 @@ impl Recogniser {
         recognised(action, if unsure { doubtful } else { sure })
     }
 
-    /// A class that this one is taken for: the paper has picking up and putting down for each
-    /// other; here also the two tools, and neighbouring directions.
+    /// A class with which this one is confused. As in the paper, these are picking up and putting down; here also the
+    /// two tools, and neighbouring directions.
     fn confused(&mut self, action: Action) -> Action {
         let other = |tool| match tool {
             Tool::Drill => Tool::Polisher,

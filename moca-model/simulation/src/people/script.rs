@@ -1,4 +1,4 @@
-//! What the person does, one step after the other (paper, Experiments 3 and 4).
+//! The person's script: their steps in order (paper, Experiments 3 and 4).
 
 use std::{collections::VecDeque, f64::consts::PI};
 
@@ -9,43 +9,43 @@ use super::{
 use nalgebra::{Point2, Vector2};
 use rand_chacha::ChaCha8Rng;
 
-/// Where the person stands at first, in the world (m).
+/// First place of the person in the world \[m\].
 pub(super) const START: Point2<f64> = Point2::new(3.2, 0.0);
 
-/// The heading that faces the robot's first place (rad).
+/// Heading that faces the robot's first place \[rad\].
 pub(super) const TOWARDS_ROBOT: f64 = PI;
 
-/// Coming and going, unless another speed is asked for (m/s).
+/// Default speed of coming and going \[m/s\].
 const WALKING_SPEED: f64 = 0.8;
 
-/// Leading the robot, unless another speed is asked for (m/s).
+/// Default speed of leading the robot \[m/s\].
 const LEADING_SPEED: f64 = 0.3;
 
-/// So much before the end of the recording the person begins to leave (s).
+/// Time before the end of the recording at which the person begins to leave \[s\].
 const TIME_TO_LEAVE: f64 = 6.0;
 
-/// Go there, then go on with it for a while.
+/// A step: go to a goal, then do an activity for some time.
 #[derive(Clone, Copy, Debug)]
 struct Step {
     goal: Goal,
     activity: Activity,
-    /// Time spent at the goal (s).
+    /// Time spent at the goal \[s\].
     dwell: f64,
 }
 
-/// The steps to come and the one that is under way.
+/// The present step and those to come.
 #[derive(Clone, Debug)]
 pub(super) struct Script {
     step: Step,
-    /// When the goal of the step was reached (s).
+    /// Time at which the goal of the step was reached \[s\].
     arrived: Option<f64>,
     to_come: VecDeque<Step>,
     way: Vec<Waypoint>,
     stage: Stage,
-    /// Coming and going, and leading (m/s).
+    /// Speeds of coming and going, and of leading \[m/s\].
     walking_speed: f64,
     leading_speed: f64,
-    /// What the person does on the way.
+    /// Activity on the way.
     leading: Activity,
     pace: f64,
     duration: f64,
@@ -59,7 +59,7 @@ enum Stage {
 }
 
 impl Script {
-    /// `pace` scales the time that each step takes.
+    /// Creates a script. `pace` scales the time of each step.
     pub(super) fn new(settings: &WalkerSettings, pace: f64, draw: &mut ChaCha8Rng) -> Self {
         let tool = settings.tool;
         let walking_speed = settings.speed.unwrap_or(WALKING_SPEED);
@@ -95,7 +95,7 @@ impl Script {
         }
     }
 
-    /// Where the person goes from `time` (s) on, and what they do.
+    /// The person's goal and activity from `time` \[s\] on.
     pub(super) fn advance(&mut self, person: &Person, time: f64) -> (Goal, Activity) {
         let time_left = self.duration - time;
         if self.stage == Stage::Leading && time_left < TIME_TO_LEAVE {
@@ -112,7 +112,7 @@ impl Script {
         (self.step.goal, self.step.activity)
     }
 
-    /// Returns true if the person has come to work and does not leave yet.
+    /// Returns true if the person has come to work and is not leaving.
     pub(super) fn is_leading(&self) -> bool {
         self.stage == Stage::Leading
     }
@@ -122,7 +122,7 @@ impl Script {
             self.stage = Stage::Leading;
             self.to_come = self.way.iter().map(|waypoint| self.lead_to(waypoint)).collect();
         }
-        // Once everything is done the person stays as they are.
+        // The person stays as they are once everything is done.
         if let Some(step) = self.to_come.pop_front() {
             self.step = step;
             self.arrived = None;
@@ -139,7 +139,7 @@ impl Script {
         Step { goal, activity: self.leading, dwell: waypoint.dwell * self.pace }
     }
 
-    /// Lays the tool down here and walks away from the robot's first place.
+    /// The steps of laying the tool down and walking away from the robot's first place.
     fn leave(&self, person: &Person) -> VecDeque<Step> {
         let here = Goal {
             floor: person.floor(),

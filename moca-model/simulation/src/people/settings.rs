@@ -1,21 +1,20 @@
-//! The options of a walk.
+//! Settings of a walk.
 
 use vision_models::Tool;
 
 use super::{CameraSettings, Movement, WalkingPath};
 use crate::Error;
 
-/// What the person has come for.
+/// The person's purpose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Occupation {
-    /// To deliver the object, and to work on it with the tool while leading the robot.
+    /// Delivers the object, and works on it with the tool while leading the robot.
     Working,
-    /// Only to walk along the path, with empty hands.
+    /// Only walks along the path, with empty hands.
     Walking,
 }
 
-/// Who walks where, and how well the camera sees it. The defaults make the recording that the
-/// repository ships.
+/// Settings of a walk: the person, the path and the camera. The defaults make the recording that the repository ships.
 ///
 /// ```
 /// use moca_simulation::people::{Walker, WalkerSettings};
@@ -26,28 +25,27 @@ pub enum Occupation {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct WalkerSettings {
-    /// The person's stature (m). Default 1.75.
+    /// Stature of the person \[m\]. Default 1.75.
     pub stature: f64,
-    /// Where the person leads the robot. Default [`WalkingPath::Stations`].
+    /// Path along which the person leads the robot. Default [`WalkingPath::Stations`].
     pub path: WalkingPath,
-    /// What the person works with. Default [`Tool::Drill`].
+    /// Tool of the person. Default [`Tool::Drill`].
     pub tool: Tool,
-    /// What the person has come for. Default [`Occupation::Working`].
+    /// Purpose of the person. Default [`Occupation::Working`].
     pub occupation: Occupation,
-    /// How long the person offers the object, before the random pace of each person (s). Default 3.
+    /// Time for which the person offers the object, before scaling by their random pace \[s\]. Default 3.
     pub offer: f64,
-    /// How fast the person walks (m/s). By default 0.8 to come and go and 0.3 to lead the robot.
+    /// Walking speed \[m/s\]. Default 0.8 to come and go and 0.3 to lead the robot.
     pub speed: Option<f64>,
-    /// How fast any part of the arms moves at most (m/s). By default as fast as it takes.
+    /// Largest speed of any part of the arms \[m/s\]. Default: no limit.
     pub arm_speed: Option<f64>,
-    /// What the person does on the spot, again and again, where they stand and work. Default nothing.
+    /// Movement on the spot that the person repeats where they stand and work. Default none.
     pub movement: Option<Movement>,
-    /// Of the recording (s). The person goes along the path again and again until it is time to
-    /// leave. Default 56.
+    /// Duration of the recording \[s\]. The person repeats the path until it is time to leave. Default 56.
     pub duration: f64,
-    /// Seed of everything random. Default 1.
+    /// Seed of all random numbers. Default 1.
     pub seed: u64,
-    /// What the camera makes of it.
+    /// Quality of the camera.
     pub camera: CameraSettings,
 }
 

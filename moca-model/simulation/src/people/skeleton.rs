@@ -1,7 +1,7 @@
 //! The joints of the moving person.
 //!
-//! Heights and lengths are fractions of stature from Drillis & Contini (1966); the half widths at
-//! shoulders and hips are those of the joints' centres.
+//! Heights and lengths are fractions of stature from Drillis & Contini (1966). The half widths at shoulders and hips
+//! are those of the joints' centres.
 
 use nalgebra::{Isometry3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use vision_models::Body25;
@@ -16,15 +16,15 @@ const THIGH: f64 = 0.530 - 0.285;
 const TRUNK: f64 = 0.818 - 0.530;
 const SHOULDER: f64 = 0.118;
 const HIP: f64 = 0.055;
-/// Ears of people upright are so far ahead of their shoulders: by 24° from the vertical; on film it was 17 to
-/// 46° (`ergo_map::NeutralPosture`).
+/// Distance of the ears in front of the shoulders of an upright person: by 24° from the vertical, and 17 to 46° on film
+/// (`ergo_map::NeutralPosture`).
 const FACE: f64 = 0.05;
-/// Feet stand a little wider than hips.
+/// Half the distance between the feet, which stand a little wider than the hips.
 const FOOT: f64 = 0.07;
-/// A straight leg is not locked.
+/// Length of a straight leg, which is not locked.
 const LEG: f64 = 0.99 * (THIGH + SHANK);
 
-/// The twenty-five joints of a person of this stature (m), in the world, in `BODY_25`'s order.
+/// The twenty-five joints of a person of this stature \[m\], in the world, in the order of `BODY_25`.
 pub(super) fn joints(stature: f64, motion: &Motion) -> Joints {
     let mut joints = [Point3::origin(); Body25::COUNT];
     let mut set = |joint: Body25, place: Vector3<f64>| joints[joint.index()] = place.into();
@@ -34,7 +34,7 @@ pub(super) fn joints(stature: f64, motion: &Motion) -> Joints {
         let foot = motion.foot(left) / stature;
         foot + Vector3::new(0.0, side * FOOT, ANKLE_HEIGHT)
     });
-    // As high as the leg that is stretched further allows.
+    // The pelvis is as high as the leg that is stretched further allows.
     let pelvis_height = [1.0, -1.0]
         .into_iter()
         .zip(feet)
@@ -74,7 +74,7 @@ pub(super) fn joints(stature: f64, motion: &Motion) -> Joints {
         set(joints.small_toe, foot + Vector3::new(0.09, side * 0.03, -0.03));
 
         let shoulder = neck + bent * (lateral * SHOULDER);
-        // No further than the arm reaches.
+        // The hand goes no further than the arm reaches.
         let hand = shoulder + (hand - shoulder).cap_magnitude(STRETCHED * (UPPER_ARM + FOREARM));
         set(joints.shoulder, shoulder);
         set(joints.elbow, bend(shoulder, hand, UPPER_ARM, FOREARM, elbow_side(side)));
@@ -93,7 +93,7 @@ pub(super) fn joints(stature: f64, motion: &Motion) -> Joints {
     joints.map(|joint| world_from_person * (joint * stature))
 }
 
-/// Where the elbow hangs, in the person's frame; 1 is left and −1 right.
+/// The direction in which the elbow hangs, in the person's frame; 1 is left and −1 right.
 pub(super) fn elbow_side(side: f64) -> Vector3<f64> {
     Vector3::new(-0.3, 0.4 * side, -1.0)
 }
@@ -193,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn feet_are_on_the_floor_and_the_head_is_up() {
+    fn feet_are_on_floor_and_head_up() {
         for (stature, motion) in walk() {
             let joints = joints(stature, &motion);
             let lowest = joints.iter().map(|joint| joint.z).fold(f64::INFINITY, f64::min);

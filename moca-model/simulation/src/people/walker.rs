@@ -25,37 +25,37 @@ pub struct Walker {
     person: Person,
     perception: Perception,
     frame: u32,
-    /// Where the joints have been since the frame before, and when (s, m).
+    /// Places of the joints since the last frame, and their times \[s, m\].
     motion: Vec<(f64, Joints)>,
     movements: ChaCha8Rng,
-    /// When the next movement may begin (s).
+    /// Time from which on the next movement may begin \[s\].
     next_movement: f64,
 }
 
-/// So often between two frames it is known where the joints are.
+/// Number of samples of the joints between two frames.
 const BETWEEN: u32 = 5;
-/// From the end of a movement to the next (s).
+/// Time from the end of a movement to the next one \[s\].
 const PAUSE: std::ops::Range<f64> = 1.0..3.0;
-/// Slower than this the person stands (m/s).
+/// Speed below which the person stands \[m/s\].
 const STANDING: f64 = 0.05;
 
-/// Where the person of a [`Walker`] truly is and what the person does.
+/// The true place and action of the person of a [`Walker`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Truth {
-    /// When (s).
+    /// Time \[s\].
     pub time: f64,
-    /// The floor below the pelvis, in the world (m).
+    /// The point on the floor below the pelvis, in the world \[m\].
     pub floor: Point2<f64>,
-    /// The yaw of the forward direction (rad).
+    /// The yaw of the forward direction \[rad\].
     pub heading: f64,
-    /// Over the floor, in the world (m/s).
+    /// Velocity over the floor, in the world \[m/s\].
     pub velocity: Vector2<f64>,
-    /// What the person does.
+    /// The person's action.
     pub action: Action,
 }
 
 impl Walker {
-    /// A person before the first frame. The same settings give the same percepts.
+    /// Creates a person before the first frame. The same settings give the same percepts.
     ///
     /// # Errors
     /// [`Error::Setting`] names the field that is wrong.
@@ -64,9 +64,9 @@ impl Walker {
         Ok(Self::at_pace(settings, 1.0))
     }
 
-    /// A person of random stature on a random path for 15 s, seen by a bad camera: everything that
-    /// a controller must bear. There is more noise than usual and more joints are missing, the
-    /// person vanishes at least once and jumps two metres at least once.
+    /// Creates a person of random stature on a random path for 15 s, seen by a bad camera, as a controller must
+    /// tolerate it. There is more noise than usual and more joints are missing. The person vanishes at least once and
+    /// jumps two metres at least once.
     pub fn random(seed: u64) -> Self {
         let mut draw = generator(seed, Stream::Settings);
         let settings = WalkerSettings {
@@ -91,7 +91,7 @@ impl Walker {
         Self::at_pace(settings, 0.5)
     }
 
-    /// `pace` scales the time that the person takes over each step.
+    /// Creates a person whose step times are scaled by `pace`.
     fn at_pace(settings: WalkerSettings, pace: f64) -> Self {
         let mut draw = generator(settings.seed, Stream::Path);
         let eyes = [Stream::Camera, Stream::Recogniser];
@@ -122,7 +122,7 @@ impl Walker {
         Header { rate: FRAME_RATE, stature: Some(self.settings.stature), ..Header::default() }
     }
 
-    /// The header of where the joints truly are.
+    /// The header of a recording of the true joints.
     pub fn true_header(&self) -> Header {
         Header { rate: FRAME_RATE * f64::from(BETWEEN), ..self.header() }
     }
@@ -132,21 +132,21 @@ impl Walker {
         &self.settings
     }
 
-    /// The person, as they are in the frame that came last.
+    /// The person in the last frame.
     pub fn person(&self) -> &Person {
         &self.person
     }
 
-    /// How many frames the camera takes, lost ones included.
+    /// The number of frames of the camera, with lost ones.
     pub fn expected_frames(&self) -> u64 {
-        // The duration lies between 0 and an hour.
+        // The duration is between 0 and an hour.
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "as above")]
         let frames = (self.settings.duration * FRAME_RATE) as u64;
         frames + 1
     }
 
-    /// The next frame as it truly is and as it is reported. `None` in place of a percept stands for
-    /// a frame that the camera lost; `None` in place of both for the end.
+    /// Returns the true next frame and its report. `None` in place of a percept stands for a frame that the camera
+    /// lost, `None` in place of both for the end.
     pub fn next_frame(&mut self) -> Option<(Truth, Option<Percept>)> {
         let time = f64::from(self.frame) / FRAME_RATE;
         if time > self.settings.duration {
@@ -175,12 +175,12 @@ impl Walker {
         Some((truth, self.perception.look(time, person, true)))
     }
 
-    /// Where the joints have truly been since the frame before the last, up to that, and when (s, m): at 100 Hz.
+    /// The true motion of the joints at 100 Hz between the last two frames, with times \[s, m\].
     pub fn motion(&self) -> &[(f64, Joints)] {
         &self.motion
     }
 
-    /// Begins the movement of the settings where the person stands and works.
+    /// Starts the movement of the settings where the person stands and works.
     fn move_on_the_spot(&mut self, time: f64) {
         let Some(movement) = self.settings.movement else { return };
         if self.person.is_busy() {
@@ -206,7 +206,7 @@ impl Iterator for Walker {
     }
 }
 
-/// What a generator is for. Each has its own, so that more noise does not change the path.
+/// The purpose of a generator. Each purpose has its own, so that more noise does not change the path.
 #[derive(Clone, Copy)]
 enum Stream {
     Settings,

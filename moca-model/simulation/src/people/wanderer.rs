@@ -12,49 +12,48 @@ use super::motion::{Gait, Goal};
 use super::movement::Movement;
 use super::person::Person;
 
-/// How fast people walk at most (m/s): with the [`Gait::CAREFUL`] no part of the body but the arms is then
-/// faster than the 1.6 m/s that the protective distance assumes where it is not measured.
+/// Largest walking speed \[m/s\]. In a [`Gait::CAREFUL`] no part of the body except the arms is then faster than 1.6
+/// m/s. The protective distance assumes that speed for parts without a measured one.
 const SPEED: f64 = 1.0;
 
-/// Slower than this they stand, and may begin a movement on the spot (m/s).
+/// Speed below which they stand and may start a movement on the spot \[m/s\].
 const STANDING: f64 = 0.05;
 
-/// How often they move on the spot in place of going somewhere.
+/// Probability of a movement on the spot in place of a walk.
 const MOVEMENTS: f64 = 0.3;
 
-/// The farthest jump (m).
+/// Largest jump \[m\].
 const JUMP: f64 = 2.0;
 
-/// Does what nobody expects, around the tool of a robot.
+/// A person who behaves unexpectedly around the tool of a robot.
 #[derive(Clone, Debug)]
 pub struct Wanderer {
     draw: ChaCha8Rng,
     person: Person,
     goal: Goal,
-    /// When the goal is given up (s).
+    /// Time at which the goal is given up \[s\].
     goal_ends: f64,
-    /// Whether they work with the robot, and until when (s).
+    /// Whether they work with the robot, and until when \[s\].
     together: (bool, f64),
-    /// Whether the camera sees them, and until when (s).
+    /// Whether the camera sees them, and until when \[s\].
     in_view: (bool, f64),
     next_jump: f64,
     jumped: bool,
-    /// What they are about to do once they stand.
+    /// The movement to start once they stand.
     movement: Option<Movement>,
-    /// What they do all the time, where they stand.
+    /// The movement that they always repeat where they stand.
     only: Option<Movement>,
 }
 
 impl Wanderer {
-    /// Somewhere around the robot at `robot` (m). The same draws give the same person.
+    /// Creates a person around the robot at `robot` \[m\]. The same draws give the same person.
     pub fn new(mut draw: ChaCha8Rng, robot: Vector2<f64>) -> Self {
         let direction = Rotation2::new(draw.random_range(0.0..TAU));
         let floor = Point2::from(robot + direction * Vector2::x() * draw.random_range(1.2..4.0));
         let heading = draw.random_range(-PI..PI);
         let stature = draw.random_range(1.5..2.0);
         let in_view = draw.random_bool(0.7);
-        // Who is not there at first may stay away for as long as a joint outside its range needs
-        // to return.
+        // A person who is absent at first may stay away for as long as a joint outside its range needs to return.
         let in_view = (in_view, draw.random_range(if in_view { 0.2..3.0 } else { 0.2..9.0 }));
         Self {
             person: Person::standing(stature, floor, heading, Gait::CAREFUL, Activity::Walk),
@@ -70,7 +69,7 @@ impl Wanderer {
         }
     }
 
-    /// The same, but they never work with the robot, stay in view and do not jump.
+    /// Creates a person who never works with the robot, stays in view and does not jump.
     pub(crate) fn passing_by(draw: ChaCha8Rng, robot: Vector2<f64>) -> Self {
         Self {
             together: (false, f64::INFINITY),
@@ -80,8 +79,8 @@ impl Wanderer {
         }
     }
 
-    /// Somebody near what the tool of a robot holds, in this direction from the robot (m), who repeats a movement
-    /// there; whether they work with the robot.
+    /// Creates a person near the object that the robot holds, in this direction from the robot \[m\], who repeats a
+    /// movement there. They may work with the robot.
     pub(crate) fn repeating(
         draw: ChaCha8Rng,
         movement: Movement,
@@ -104,8 +103,8 @@ impl Wanderer {
         }
     }
 
-    /// Moves on by `dt` to `time` (s), with what the robot holds for them to work on at `object` (m): the hand is
-    /// there while they work with the robot and the arm reaches it.
+    /// Advances by `dt` to `time` \[s\]. The robot holds an object at `object` \[m\]. The hand is there while they work
+    /// with the robot and the arm reaches it.
     pub fn advance(&mut self, time: f64, dt: f64, object: &Point3<f64>) {
         if time >= self.goal_ends && !self.person.is_busy() && self.movement.is_none() {
             if self.only.is_some() || self.draw.random_bool(MOVEMENTS) {
@@ -137,7 +136,7 @@ impl Wanderer {
             let direction = Rotation2::new(self.draw.random_range(0.0..TAU));
             let jump = direction * Vector2::x() * self.draw.random_range(0.1..JUMP);
             self.person.jump(jump);
-            // Who moves on the spot stays where they are then.
+            // A person who moves on the spot stays in place.
             if self.person.is_busy() {
                 self.goal.floor += jump;
             }
@@ -149,7 +148,7 @@ impl Wanderer {
     fn new_goal(&mut self, tool: Point2<f64>) -> Goal {
         let direction = Rotation2::new(self.draw.random_range(0.0..TAU));
         let away = direction * Vector2::x();
-        // To the tool, as to work there; right into the robot; anywhere; or to stay.
+        // Goals are the tool, as for work; the robot itself; any place; or the present one.
         let (floor, facing) = match self.draw.random_range(0..10) {
             0..4 => (tool + away * self.draw.random_range(0.35..0.8), Some(tool)),
             4 => (tool, None),
@@ -162,7 +161,7 @@ impl Wanderer {
         } else {
             self.draw.random_range(-PI..PI)
         };
-        // The shorter way round.
+        // The shorter way around.
         let turn = (heading - self.person.heading() + PI).rem_euclid(TAU) - PI;
         let heading = self.person.heading() + turn;
         Goal { floor, heading, speed: self.draw.random_range(0.1..SPEED), stop: true }

@@ -1,4 +1,4 @@
-//! What clothes, tools, room and light look like.
+//! Appearance of clothes, tools, room and light.
 
 use nalgebra::Vector3;
 use rand::Rng;
@@ -18,11 +18,11 @@ pub struct Appearance {
     pub(super) floor: Colour,
     pub(super) wall: Colour,
     pub(super) object: Colour,
-    /// Towards the light, from the camera.
+    /// Direction towards the light, from the camera.
     pub(super) light: Vector3<f64>,
 }
 
-/// Somebody in blue under a lamp.
+/// Creates the appearance of a person in blue under a lamp.
 impl Default for Appearance {
     fn default() -> Self {
         Self {
@@ -39,7 +39,7 @@ impl Default for Appearance {
 }
 
 impl Appearance {
-    /// Another person on another day for each draw.
+    /// Creates another person in another light for each draw.
     pub fn random(draw: &mut ChaCha8Rng) -> Self {
         let mut around = |colour: Colour, spread: f64| {
             let brighter = draw.random_range(-spread..spread);
@@ -55,7 +55,7 @@ impl Appearance {
     }
 }
 
-/// The colour of a tool, and half of its sides (m).
+/// The colour of a tool, and half the lengths of its sides \[m\].
 pub(super) fn tool(tool: Tool) -> (Colour, Vector3<f64>) {
     match tool {
         Tool::Drill => ([0.85, 0.35, 0.10], Vector3::new(0.09, 0.03, 0.05)),

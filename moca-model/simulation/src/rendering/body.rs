@@ -9,7 +9,7 @@ use super::{
 };
 use crate::people::Joints;
 
-/// What a segment is covered with.
+/// The covering of a segment.
 #[derive(Clone, Copy, Debug)]
 enum Part {
     Skin,
@@ -29,8 +29,7 @@ impl Part {
     }
 }
 
-/// A segment between two joints; the radius as a fraction of stature, which is that of an adult in
-/// working clothes.
+/// Segments between two joints with their radii as fractions of stature, for an adult in working clothes.
 const SEGMENTS: [(Body25, Body25, f64, Part); 14] = {
     use Body25::{
         LeftAnkle, LeftBigToe, LeftElbow, LeftHip, LeftKnee, LeftShoulder, LeftWrist, RightAnkle,
@@ -55,7 +54,7 @@ const SEGMENTS: [(Body25, Body25, f64, Part); 14] = {
     ]
 };
 
-/// The capsules of a person with these joints (world, m), in the world.
+/// The capsules of a person with these joints \[m, world\], in the world.
 pub(super) fn capsules<'a>(
     joints: &'a Joints,
     stature: f64,
@@ -70,7 +69,7 @@ pub(super) fn capsules<'a>(
     });
     let (hips, neck) = (at(Body25::MidHip), at(Body25::Neck));
     let head = nalgebra::center(&at(Body25::LeftEar), &at(Body25::RightEar));
-    // Shoulders are at the trunk's top: the chest ends below them.
+    // Shoulders are at the top of the trunk. The chest ends below them.
     let chest = hips + (neck - hips) * 0.75;
     let hand = |elbow: Body25, wrist: Body25| {
         let along = (at(wrist) - at(elbow)).try_normalize(1e-9).unwrap_or(Vector3::zeros());
@@ -81,7 +80,7 @@ pub(super) fn capsules<'a>(
     let rest = [
         capsule(hips, chest, 0.058 * stature, shirt),
         capsule(neck, head, 0.032 * stature, skin),
-        // As long from the front to the back as a head is, and the nose where its joint is.
+        // The head has its length from front to back, with the nose at its joint.
         capsule(head, head + forwards * (0.012 * stature), 0.046 * stature, skin),
         capsule(head, nose - forwards * (0.010 * stature), 0.010 * stature, skin),
         hand(Body25::LeftElbow, Body25::LeftWrist),

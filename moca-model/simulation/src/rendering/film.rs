@@ -1,4 +1,4 @@
-//! What the camera sees of the simulated walk, frame by frame.
+//! The frames of a simulated walk as the camera sees them.
 
 use human_perception::frames::FrameEntry;
 use human_perception::random;
@@ -22,20 +22,20 @@ use crate::Error;
 use crate::people::{FRAME_RATE, Walker, WalkerSettings};
 use percept_recording::Header;
 
-/// Streams of random numbers beside those of the walker.
+/// Random streams besides those of the walker.
 const SENSOR: u64 = 100;
 const POSES: u64 = 101;
 const LATENCY: u64 = 102;
 const ON_BOARD: u64 = 103;
 const APPEARANCE: u64 = 104;
 
-/// How late a frame is there (s).
+/// Delay of a frame \[s\].
 const LATE: std::ops::Range<f64> = 0.02..0.09;
 
-/// Images of this width have the noise in pixels that was asked for.
+/// Image width at which the noise has the given number of pixels.
 const WIDTH: f64 = 640.0;
 
-/// One frame, with the truth.
+/// A frame with its truth.
 #[derive(Clone, Debug)]
 pub struct Shot {
     /// Number and times.
@@ -44,11 +44,11 @@ pub struct Shot {
     pub image: RenderedImage,
     /// Depth as the sensor measures it.
     pub depth: DepthImage,
-    /// What the on-board camera sees of the object.
+    /// The on-board camera's image of the object.
     pub surface: RenderedImage,
-    /// What a pose network makes of it; none if the person is not in the picture.
+    /// The result of a pose network; `None` if the person is not in the image.
     pub skeleton: Option<ImageBody>,
-    /// The person as they are, with what they do and the surface of the object.
+    /// The true person with their action, and the surface of the object.
     pub truth: Percept,
 }
 
@@ -59,7 +59,7 @@ pub struct Film {
     camera: Camera,
     on_board: OnBoardCamera,
     appearance: Appearance,
-    /// What the camera sees of the room, which does not change.
+    /// Image of the room, which does not change.
     room: Option<RenderedImage>,
     sensor: DepthSensor,
     poses: PoseEstimator,
@@ -69,9 +69,10 @@ pub struct Film {
 }
 
 impl Film {
-    /// The film of a walk from a viewpoint: the camera's noise and the share of missing joints are of
-    /// `settings.camera`, images have this width and height, and joints of the skeletons are off by
-    /// `pixel_sigma` in images 640 pixels wide. Nobody jumps or vanishes.
+    /// Creates the film of a walk from a viewpoint, with images of this width and height.
+    ///
+    /// The camera's noise and the share of missing joints are those of `settings.camera`. Joints of the skeletons have
+    /// errors of `pixel_sigma` in images 640 pixels wide. The person does not jump or vanish.
     ///
     /// # Errors
     /// [`Error::Setting`] names the setting that is wrong.
@@ -106,7 +107,7 @@ impl Film {
         })
     }
 
-    /// The same, with clothes, room and light that are of the seed.
+    /// Varies clothes, room and light by the seed.
     #[must_use]
     pub fn varied(mut self) -> Self {
         let seed = self.walker.settings().seed;
@@ -125,7 +126,7 @@ impl Film {
         self.walker.header()
     }
 
-    /// How many frames there are.
+    /// The number of frames.
     pub fn expected_frames(&self) -> u64 {
         self.walker.expected_frames()
     }
@@ -155,7 +156,7 @@ impl Film {
         let confidence = Confidence::ONE;
         let keypoints = joints.map(|position| Some(Keypoint { position, confidence }));
         let action = RecognisedAction { action, confidence };
-        // Carried in the hands it does not face the on-board camera.
+        // The object does not face the on-board camera while it is carried in the hands.
         let faces = truth.action != Action::WalkingWithObject;
         let surface = faces.then_some(RecognisedSurface { surface, confidence });
         let body = Some(Body::new(keypoints));

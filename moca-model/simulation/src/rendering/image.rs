@@ -1,4 +1,4 @@
-//! Colour and depth.
+//! Colour and depth images.
 
 use human_perception::frames::ColourImage;
 use vision_models::{DepthImage, Error};
@@ -7,9 +7,9 @@ use vision_models::{DepthImage, Error};
 #[derive(Clone, Debug)]
 pub struct RenderedImage {
     pub(super) size: [usize; 2],
-    /// Red, green, blue, row after row.
+    /// Red, green and blue, by rows.
     pub(super) colour: Vec<u8>,
-    /// In metres; infinite where nothing is.
+    /// Depth \[m\]; infinite without a surface.
     pub(super) depth: Vec<f32>,
 }
 
@@ -19,7 +19,7 @@ impl RenderedImage {
         self.size
     }
 
-    /// The depth at a pixel (m), infinite where nothing is and outside the image.
+    /// The depth at a pixel \[m\]; infinite without a surface and outside the image.
     pub(crate) fn depth_at(&self, column: usize, row: usize) -> f32 {
         let [width, _] = self.size;
         let inside = column < width;
@@ -27,10 +27,10 @@ impl RenderedImage {
         depth.copied().unwrap_or(f32::INFINITY)
     }
 
-    /// The depths without any noise.
+    /// The depths without noise.
     ///
     /// # Errors
-    /// None for an image that was rendered.
+    /// Never, for a rendered image.
     pub fn depth_image(&self) -> Result<DepthImage, Error> {
         DepthImage::from_metres(self.size, self.depth.clone())
     }

@@ -1,4 +1,4 @@
-//! What a stereo camera makes of depths.
+//! Depth noise of a stereo camera.
 
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
@@ -7,38 +7,38 @@ use vision_models::{DepthImage, DepthNoise, Error};
 
 use super::image::RenderedImage;
 
-/// Pixels whose matching windows overlap have nearly the same error.
+/// Size of a cell of pixels with nearly the same error, because their matching windows overlap.
 const CELL: usize = 8;
 
-/// How long errors last (s).
+/// Correlation time of errors \[s\].
 const CORRELATION_TIME: f64 = 0.1;
 
-/// A step of depth that is an edge (m).
+/// Step of depth that counts as an edge \[m\].
 const EDGE: f32 = 0.1;
 
-/// Along an edge, the shares of pixels without a depth and with one between both surfaces.
+/// Shares of pixels along an edge without a depth, and with a depth between both surfaces.
 const HOLES_AT_EDGES: f32 = 0.4;
 const BETWEEN_AT_EDGES: f32 = 0.2;
 
-/// The share of pixels without a depth elsewhere.
+/// Share of pixels without a depth elsewhere.
 const HOLES: f32 = 0.01;
 
-/// A depth sensor: its errors are smooth over neighbouring pixels and go on from frame to frame.
+/// A depth sensor whose errors are smooth over neighbouring pixels and continue from frame to frame.
 #[derive(Clone, Debug)]
 pub struct DepthSensor {
     noise: DepthNoise,
     factor: f64,
     draw: ChaCha8Rng,
-    /// At the corners of the cells, each of variance one.
+    /// Errors at the corners of the cells, each of variance one.
     errors: Vec<f64>,
     cells: [usize; 2],
     weights: [[[f64; 4]; CELL]; CELL],
-    /// Of the draws of the pixels, never 0.
+    /// State of the pixels' random numbers, never 0.
     state: u32,
 }
 
 impl DepthSensor {
-    /// A sensor of images of this width and height, with `factor` times this noise.
+    /// Creates a sensor for images of this width and height with this noise times `factor`.
     pub fn new(size: [usize; 2], noise: DepthNoise, factor: f64, mut draw: ChaCha8Rng) -> Self {
         let cells = size.map(|side| side / CELL + 2);
         let errors = (0..cells[0] * cells[1]).map(|_| StandardNormal.sample(&mut draw)).collect();
@@ -46,10 +46,10 @@ impl DepthSensor {
         Self { noise, factor, draw, errors, cells, weights: weights(), state }
     }
 
-    /// What the sensor measures, `interval` (s) after the frame before.
+    /// Measures an image, `interval` \[s\] after the frame before.
     ///
     /// # Errors
-    /// None for an image of the sensor's size.
+    /// Never, for an image of the sensor's size.
     pub fn measure(&mut self, image: &RenderedImage, interval: f64) -> Result<DepthImage, Error> {
         let keep = (-interval / CORRELATION_TIME).exp();
         let fresh = (1.0 - keep * keep).sqrt();
@@ -75,7 +75,7 @@ impl DepthSensor {
         if self.factor == 0.0 {
             return depth;
         }
-        // One draw a pixel decides.
+        // One random number for each pixel decides.
         let luck = self.luck();
         let edge = |column, row| {
             let other = image.depth_at(column, row);
@@ -100,7 +100,7 @@ impl DepthSensor {
         (depth + error).max(0.0)
     }
 
-    /// In [0, 1), by Marsaglia's xorshift: cheap, as there is one a pixel.
+    /// A random number in [0, 1) by Marsaglia's xorshift. It is fast, since each pixel needs one.
     fn luck(&mut self) -> f32 {
         self.state ^= self.state << 13;
         self.state ^= self.state >> 17;
@@ -108,7 +108,7 @@ impl DepthSensor {
         f32::from(u16::try_from(self.state >> 16).unwrap_or_default()) / 65_536.0
     }
 
-    /// Between the corners of the cell, of variance one.
+    /// The error interpolated between the corners of the cell, of variance one.
     fn error(&self, column: usize, row: usize) -> f64 {
         let at = |x: usize, y: usize| {
             self.errors.get(y * self.cells[0] + x).copied().unwrap_or_default()
@@ -119,7 +119,7 @@ impl DepthSensor {
     }
 }
 
-/// Of the corners, for each place in a cell, such that errors there have the variance one.
+/// The weights of the corners for each place in a cell, for which errors have the variance one.
 fn weights() -> [[[f64; 4]; CELL]; CELL] {
     std::array::from_fn(|row| {
         std::array::from_fn(|column| {

@@ -8,15 +8,15 @@ use vision_models::{Camera, DepthNoise, Error, Intrinsics};
 /// Width and height of its images (pixels).
 const SIZE: [usize; 2] = [128, 96];
 
-/// Where it is, on average, and what it looks at (world, m): the face of the object that the robot holds.
+/// Mean place of the camera, and what it looks at \[m, world\]: the face of the object that the robot holds.
 const EYE: Point3<f64> = Point3::new(0.35, 0.0, 1.15);
 const TARGET: Point3<f64> = Point3::new(0.75, 0.0, 1.05);
 
-/// How far it is mounted from there, and how far the arm moves (m).
+/// Deviation of its mount, and amplitude of the arm's motion \[m\].
 const MOUNTED: f64 = 0.05;
 const MOVES: f64 = 0.01;
 
-/// A camera on the robot that is mounted a little elsewhere for each draw, and moves with the arm.
+/// A camera on the robot whose mount varies with each draw, and which moves with the arm.
 #[derive(Clone, Debug)]
 pub(super) struct OnBoardCamera {
     eye: Point3<f64>,
@@ -25,16 +25,16 @@ pub(super) struct OnBoardCamera {
 }
 
 impl OnBoardCamera {
-    /// The same draws give the same views.
+    /// Creates a camera. The same draws give the same views.
     pub(super) fn new(mut draw: ChaCha8Rng) -> Self {
         let (eye, target) = (EYE + off(MOUNTED, &mut draw), TARGET + off(MOUNTED, &mut draw));
         Self { eye, target, draw }
     }
 
-    /// The camera where it is in the next frame.
+    /// The camera in the next frame.
     ///
     /// # Errors
-    /// None that is known.
+    /// None known.
     pub(super) fn next_view(&mut self) -> Result<Camera, Error> {
         let eye = self.eye + off(MOVES, &mut self.draw);
         let target = self.target + off(MOVES, &mut self.draw);

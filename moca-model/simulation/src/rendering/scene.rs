@@ -1,4 +1,4 @@
-//! What is in front of the camera.
+//! The scene in front of the camera.
 
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use vision_models::{Action, Body25, Camera, Surface};
@@ -10,24 +10,23 @@ use super::{
 };
 use crate::people::Joints;
 
-/// Behind the person, in the world (m).
+/// Walls behind the person, in the world \[m\].
 const WALL_PLACES: [(Point3<f64>, Vector3<f64>); 2] = [
     (Point3::new(6.0, 0.0, 0.0), Vector3::new(-1.0, 0.0, 0.0)),
     (Point3::new(0.0, -4.5, 0.0), Vector3::new(0.0, 1.0, 0.0)),
 ];
 
-/// Where the robot holds the object at first, in the world (m).
+/// First place of the held object in the world \[m\].
 const OBJECT_PLACE: Point3<f64> = Point3::new(0.75, 0.0, 1.05);
 
-/// What the simulation knows of a moment.
+/// The state of the simulation at a moment.
 #[derive(Clone, Copy, Debug)]
 pub struct SceneState<'a> {
     /// The person's joints in the world (m).
     pub joints: &'a Joints,
     /// The person's stature (m).
     pub stature: f64,
-    /// What the person does: who uses a tool or picks one up has it in the right hand, and who walks with the
-    /// object has it in both.
+    /// The person's action. A tool that is used or picked up is in the right hand; a carried object is in both hands.
     pub action: Action,
     /// The surface of the object.
     pub surface: Surface,
@@ -35,19 +34,18 @@ pub struct SceneState<'a> {
     pub appearance: &'a Appearance,
 }
 
-/// The shapes of a moment, in the optical frame of a camera.
+/// The shapes of a moment in the optical frame of a camera.
 #[derive(Clone, Debug)]
 pub struct Scene {
     pub(super) capsules: Vec<Capsule>,
     pub(super) boxes: Vec<TexturedBox>,
     planes: Vec<(Point3<f64>, Vector3<f64>, Colour)>,
-    /// Towards the light.
+    /// Direction towards the light.
     pub(super) light: Vector3<f64>,
 }
 
 impl Scene {
-    /// The person with what they carry, the object that the robot holds, floor and walls, as a camera has them
-    /// before it.
+    /// Creates the scene in front of a camera: the person with what they carry, the held object, floor and walls.
     pub fn new(state: &SceneState<'_>, camera: &Camera) -> Self {
         let camera_from_world = camera.world_from_camera().inverse();
         let SceneState { joints, appearance, .. } = *state;
@@ -85,7 +83,7 @@ impl Scene {
         }
     }
 
-    /// What is behind everything.
+    /// The surface behind everything else.
     pub(super) fn background(&self, ray: &Vector3<f64>) -> Option<Hit> {
         let hits = self
             .planes
@@ -95,7 +93,7 @@ impl Scene {
     }
 }
 
-/// In the right hand, along the forearm.
+/// The pose of a tool in the right hand, along the forearm.
 fn in_right_hand(joints: &Joints) -> Isometry3<f64> {
     let [elbow, wrist] =
         [Body25::RightElbow, Body25::RightWrist].map(|joint| joints[joint.index()]);
@@ -105,7 +103,7 @@ fn in_right_hand(joints: &Joints) -> Isometry3<f64> {
     Isometry3::from_parts(Translation3::from(place.coords), turn.unwrap_or_default())
 }
 
-/// Before both hands, its face forwards.
+/// The pose of an object in front of both hands, with its face forwards.
 fn carried(joints: &Joints) -> Isometry3<f64> {
     use Body25::{LeftShoulder, LeftWrist, RightShoulder, RightWrist};
     let at = |joint: Body25| joints[joint.index()];
@@ -116,7 +114,7 @@ fn carried(joints: &Joints) -> Isometry3<f64> {
     Isometry3::from_parts(Translation3::from(place.coords), turn)
 }
 
-/// A translation by a vector.
+/// Conversion of a vector to a translation.
 trait IntoTranslation {
     fn into_translation(self) -> Translation3<f64>;
 }

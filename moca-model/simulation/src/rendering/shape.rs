@@ -1,20 +1,20 @@
-//! Where rays meet capsules, boxes and planes. All in the optical frame of the camera, in which a ray
-//! from the origin has z = 1, so that its parameter is the depth.
+//! Intersections of rays with capsules, boxes and planes. All are in the optical frame of the camera. A ray from the
+//! origin has z = 1 there, so that its parameter is the depth.
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
-/// What is seen along a ray.
+/// The surface that is seen along a ray.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Hit {
-    /// Along the optical axis (m).
+    /// Depth along the optical axis \[m\].
     pub(super) depth: f64,
-    /// Of the surface, towards the camera.
+    /// Normal of the surface, towards the camera.
     pub(super) normal: Vector3<f64>,
     /// Red, green, blue.
     pub(super) colour: [f64; 3],
 }
 
-/// All points within a radius of a segment.
+/// A capsule: all points within a radius of a segment.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Capsule {
     pub(super) ends: [Point3<f64>; 2],
@@ -22,7 +22,7 @@ pub(super) struct Capsule {
     pub(super) colour: [f64; 3],
 }
 
-/// A box with holes drawn on its faces, or none.
+/// A box, with or without holes drawn on its faces.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TexturedBox {
     pub(super) pose: Isometry3<f64>,
@@ -60,7 +60,7 @@ impl Capsule {
     }
 }
 
-/// The smaller root of a t² - 2 b t + c, if it is ahead; else infinity.
+/// The smaller root of a t² - 2 b t + c if it is ahead; otherwise infinity.
 fn entry(a: f64, b: f64, c: f64) -> f64 {
     let discriminant = b * b - a * c;
     if discriminant < 0.0 {
@@ -100,7 +100,7 @@ impl TexturedBox {
         Some(Hit { depth: enter, normal: self.pose.rotation * normal, colour })
     }
 
-    /// Dark holes of 12 mm every 40 mm.
+    /// The texture: dark holes of 12 mm every 40 mm.
     fn texture(&self, at: [f64; 2]) -> [f64; 3] {
         let from_middle = |x: f64| (x / 0.04).fract().abs() - 0.5;
         let (u, v) = (from_middle(at[0]), from_middle(at[1]));
@@ -109,7 +109,7 @@ impl TexturedBox {
     }
 }
 
-/// The plane through a point with a normal.
+/// Intersects a ray with the plane through a point with a normal.
 pub(super) fn plane(
     ray: &Vector3<f64>,
     point: &Point3<f64>,

@@ -1,4 +1,4 @@
-//! What a pose network makes of the image.
+//! A simulated pose network.
 
 use nalgebra::Point2;
 use rand::Rng;
@@ -10,14 +10,14 @@ use vision_models::{Body25, Camera, Confidence, ImageBody, ImageKeypoint};
 use super::image::RenderedImage;
 use crate::people::Joints;
 
-/// A joint is hidden by what is nearer than it by more than this (m): more than flesh and clothes.
+/// Distance in front of a joint beyond which a surface hides it \[m\]: more than flesh and clothes.
 const HIDDEN: f64 = 0.17;
 
-/// A hidden joint is guessed with this probability, with an error larger by this factor.
+/// Probability that a hidden joint is guessed, and the factor of its error.
 const GUESSED: f64 = 0.3;
 const GUESS: f64 = 3.0;
 
-/// How well the network sees.
+/// Quality of the network.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SkeletonSettings {
     /// Standard deviation of a joint, each axis (pixels). Default 3.
@@ -32,8 +32,7 @@ impl Default for SkeletonSettings {
     }
 }
 
-/// A pose network as a source of errors: joints that are off by some pixels, missing, or guessed
-/// where they are hidden.
+/// A pose network as a source of errors. Joints are off by some pixels, missing, or guessed where they are hidden.
 #[derive(Clone, Debug)]
 pub struct PoseEstimator {
     settings: SkeletonSettings,
@@ -41,16 +40,16 @@ pub struct PoseEstimator {
 }
 
 impl PoseEstimator {
-    /// The same draws give the same errors.
+    /// Creates a network. The same draws give the same errors.
     pub fn new(settings: SkeletonSettings, draw: ChaCha8Rng) -> Self {
         Self { settings, draw }
     }
 
-    /// The joints (world, m) of a person in the image that a camera took of them.
+    /// The joints \[m, world\] of a person in the image that a camera took of them.
     pub fn see(&mut self, joints: &Joints, camera: &Camera, image: &RenderedImage) -> ImageBody {
         let mut body = ImageBody::default();
         for joint in Body25::ALL {
-            // Drawn in any case, so that what follows does not depend on what is seen.
+            // The random numbers are always drawn, so that later ones do not depend on what is seen.
             let mut normal = || -> f64 { StandardNormal.sample(&mut self.draw) };
             let (dx, dy, quality) = (normal(), normal(), normal());
             let missing = self.draw.random_bool(self.settings.drop);
@@ -74,7 +73,7 @@ impl PoseEstimator {
         body
     }
 
-    /// People in the JSON of OpenPose.
+    /// Writes people as the JSON of OpenPose.
     pub fn json(people: &[ImageBody]) -> String {
         let people: Vec<_> = people
             .iter()
@@ -93,7 +92,7 @@ impl PoseEstimator {
     }
 }
 
-/// The depth at a pixel (m), if it is in the image.
+/// The depth at a pixel \[m\], if it is in the image.
 fn depth_at(image: &RenderedImage, pixel: &Point2<f64>) -> Option<f64> {
     let [width, height] = image.size();
     let (x, y) = (pixel.x.round(), pixel.y.round());

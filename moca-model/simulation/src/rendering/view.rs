@@ -1,4 +1,4 @@
-//! From a scene to an image.
+//! Rendering of scenes to images.
 
 use nalgebra::{Point2, Point3, Vector3};
 use vision_models::{Camera, DepthNoise, Error, Intrinsics};
@@ -9,20 +9,20 @@ use super::{
     shape::{Capsule, Hit},
 };
 
-/// What the camera looks at, in the world (m).
+/// Point that the camera looks at, in the world \[m\].
 const TARGET: Point3<f64> = Point3::new(2.0, 0.0, 0.9);
 
-/// Where the camera stands, at the height of HRI30's.
+/// Place of the camera, at the height of HRI30's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Viewpoint {
-    /// Beside the workplace: arms and hands hide the hips of who works there.
+    /// Beside the workplace, where arms and hands hide the hips of the working person.
     Beside,
-    /// Behind the robot: it sees from the front who faces the robot.
+    /// Behind the robot, where it sees a person who faces the robot from the front.
     Facing,
 }
 
 impl Viewpoint {
-    /// In the world (m).
+    /// The place in the world \[m\].
     fn eye(self) -> Point3<f64> {
         match self {
             Self::Beside => Point3::new(0.3, 1.8, 2.3),
@@ -31,13 +31,13 @@ impl Viewpoint {
     }
 }
 
-/// The focal length of a D435i's colour camera over the image's width.
+/// Focal length of a D435i's colour camera over the image's width.
 const FOCAL: f64 = 615.0 / 640.0;
 
-/// The camera of the simulation: a RealSense D435i, with images of this width and height (pixels).
+/// Creates the camera of the simulation: a RealSense D435i with images of this width and height (pixels).
 ///
 /// # Errors
-/// [`Error::Value`] for a size that is none.
+/// [`Error::Value`] for an invalid size.
 pub(crate) fn simulated_camera(viewpoint: Viewpoint, size: [usize; 2]) -> Result<Camera, Error> {
     let [width, height] = size.map(|side| side as f64);
     let focal = FOCAL * width;
@@ -46,12 +46,12 @@ pub(crate) fn simulated_camera(viewpoint: Viewpoint, size: [usize; 2]) -> Result
     Camera::looking_at(intrinsics, viewpoint.eye(), TARGET, DepthNoise::D435I)
 }
 
-/// What a camera sees, without noise.
+/// Renders what a camera sees, without noise.
 pub(crate) fn render(scene: &Scene, camera: &Camera) -> RenderedImage {
     render_before(render_room(scene, camera), scene, camera)
 }
 
-/// What a camera sees of floor and walls alone.
+/// Renders floor and walls alone.
 pub(super) fn render_room(scene: &Scene, camera: &Camera) -> RenderedImage {
     let [width, height] = camera.intrinsics().size();
     let image = RenderedImage {
@@ -64,7 +64,7 @@ pub(super) fn render_room(scene: &Scene, camera: &Camera) -> RenderedImage {
     view.image
 }
 
-/// What a camera sees, where the room is drawn already.
+/// Renders what a camera sees in front of a rendered room.
 pub(super) fn render_before(room: RenderedImage, scene: &Scene, camera: &Camera) -> RenderedImage {
     let mut view = View::new(room, scene, camera);
     for textured in &scene.boxes {
@@ -94,7 +94,7 @@ impl View {
         Self { image, rays: *camera.intrinsics(), light: scene.light }
     }
 
-    /// First and last column and row of the part of the image in which points with a radius are.
+    /// The first and last column and row of the part of the image with these points and a radius.
     fn part(&self, points: &[Point3<f64>], radius: f64) -> Option<[usize; 4]> {
         let ([width, height], [focal, _]) = (self.rays.size(), self.rays.focal());
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
@@ -118,7 +118,7 @@ impl View {
         (part[0] < part[2] && part[1] < part[3]).then_some(part)
     }
 
-    /// Draws what is nearer than what is there.
+    /// Draws pixels that are nearer than the present ones.
     fn draw(
         &mut self,
         [left, top, right, bottom]: [usize; 4],

@@ -1,4 +1,4 @@
-//! The runs with ergonomics and without, side by side.
+//! Comparison of runs with and without ergonomics.
 
 use std::fmt;
 
@@ -10,42 +10,42 @@ use super::summary::Summary;
 use crate::Error;
 use crate::judges::Calmness;
 
-/// Ergonomics on and off, side by side.
+/// Results with and without ergonomics.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Comparison {
-    /// Whether people are kept at a distance.
+    /// Whether distances from people are kept.
     pub separation: bool,
-    /// With ergonomics on the third level.
+    /// Result with ergonomics on the third level.
     pub on: Summary,
-    /// With the benchmark min ‖ẋ_d‖² there; none if it was not played.
+    /// Result with the benchmark min ‖ẋ_d‖² there; `None` if it was not played.
     pub off: Option<Summary>,
 }
 
-/// Both as one object.
+/// Both results as one object.
 #[derive(Debug, Serialize)]
 struct Line {
     score_mean_on: f64,
     score_mean_off: Option<f64>,
     reba_max_on: u8,
     reba_max_off: Option<u8>,
-    /// Of the posture that was recorded, which is the same with both.
+    /// REBA of the recorded posture, which is the same in both runs.
     reba_measured_mean: Option<f64>,
     reba_measured_max: Option<u8>,
     separation: bool,
-    /// In the longer of the runs.
+    /// Time of working together in the longer run.
     together_s: f64,
     outside_s_on: f64,
     outside_s_off: Option<f64>,
     separation_violations: u64,
-    /// Whether these are judged by the truth.
+    /// Whether distances are judged by the truth.
     truth: bool,
     contact_speed_p999: Option<f64>,
     tracking_error_rms_mm: f64,
-    /// Calmness with ergonomics; empty where nobody knows where the person truly was.
+    /// Calmness with ergonomics; empty if the person's true motion is not known.
     calmness: Calmness,
     limit_violations: u64,
     jerk_violations: u64,
-    /// None for a robot without torques.
+    /// `None` for a robot without torques.
     torque_violations: Option<u64>,
     protective_stops: u64,
     retreats: u64,
@@ -63,7 +63,7 @@ impl Comparison {
         self.on.is_complete && self.off.as_ref().is_some_and(|off| off.is_complete)
     }
 
-    /// Returns true if a run found no solution in any control period \[s\].
+    /// Returns true if a run had a control period \[s\] without a solution.
     pub fn unsolved(&self, period: f64) -> bool {
         let is_unsolved = |run: &Summary| {
             run.solver_failures > 0 && run.solver_failures as f64 * period >= 0.999 * run.duration
@@ -71,27 +71,26 @@ impl Comparison {
         self.runs().any(is_unsolved)
     }
 
-    /// Simulated seconds a wall second, all runs counted.
+    /// Simulated seconds in a second of wall time, over all runs.
     pub fn speedup(&self) -> f64 {
         let sum = |of: fn(&Summary) -> f64| self.runs().map(of).sum::<f64>();
         sum(|run| run.duration) / sum(|run| run.wall)
     }
 
-    /// The table row by row: what it says, its digits, and a number of each run; none where there is no
-    /// such number.
+    /// The rows of the table: label, digits, and a number of each run; `None` if there is no such number.
     pub fn rows(&self) -> impl Iterator<Item = (&'static str, usize, Vec<Option<f64>>)> {
         ROWS.iter().map(|(name, digits, of)| {
-            // Adding zero drops the sign of a zero that rounding has left.
+            // Adding zero removes the sign of a zero that comes from rounding.
             let rounded = self.runs().map(|run| (of(run) * 1e9).round() / 1e9 + 0.0);
             let known = rounded.map(|value| (!value.is_nan()).then_some(value));
             (*name, *digits, known.collect())
         })
     }
 
-    /// What a page says that the runs came to, with the table of more runs than it shows; that may be empty.
+    /// The results for a page, with a table of further runs, which may be empty.
     ///
     /// # Errors
-    /// None for numbers that JSON holds.
+    /// Never, for numbers that JSON can represent.
     pub fn results(&self, text: &str) -> Result<Results, Error> {
         let rows = self.rows().map(|(name, digits, values)| ResultRow {
             name: name.to_owned(),
@@ -107,7 +106,7 @@ impl Comparison {
     }
 }
 
-/// As one object; of all runs the worst, where there is no key for each.
+/// Serialises both as one object. Keys without a variant for each run have the worst of all runs.
 impl Serialize for Comparison {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let worst = |of: fn(&Summary) -> f64| self.runs().map(of).fold(0.0, f64::max);
@@ -144,7 +143,7 @@ impl Serialize for Comparison {
     }
 }
 
-/// One row of the table: what it says, its digits, and where the number comes from.
+/// A row of the table: its label, its digits, and the source of the number.
 type Row = (&'static str, usize, fn(&Summary) -> f64);
 
 const ROWS: [Row; 30] = [

@@ -1,4 +1,4 @@
-//! What the robot's own camera makes of the object that the robot holds.
+//! The robot's own camera, which recognises the surface of the held object.
 
 use human_perception::random;
 use nalgebra::Vector3;
@@ -10,17 +10,17 @@ use super::scenario::Scenario;
 use crate::Error;
 use crate::plant::Plant;
 
-/// The stream of its random numbers.
+/// Random stream of the camera.
 const STREAM: u64 = 300;
 
-/// Probability that a surface is not seen, and that it is taken for the other.
+/// Probability that a surface is not seen, and that it is confused with the other.
 const MISSED: f64 = 0.02;
 const MISTAKEN: f64 = 0.02;
 
-/// A side is seen if its normal is within 60° of the way to the camera.
+/// Least cosine of the angle between a visible side's normal and the direction to the camera: 60°.
 const SEEN: f64 = 0.5;
 
-/// A camera on the base, with a network behind it that makes mistakes.
+/// A camera on the base with a network that makes mistakes.
 #[derive(Clone, Debug)]
 pub(super) struct OnBoardEye {
     draw: ChaCha8Rng,
@@ -31,13 +31,13 @@ impl OnBoardEye {
         Self { draw: random::generator(seed, STREAM) }
     }
 
-    /// The surface of the true object that faces the camera; none while the robot holds nothing.
+    /// The surface of the true object that faces the camera; `None` while the robot holds nothing.
     pub(super) fn look(
         &mut self,
         plant: &Plant,
         scenario: &Scenario,
     ) -> Result<Option<RecognisedSurface>, Error> {
-        // Drawn in any case, so that what follows does not depend on what is seen.
+        // The random numbers are always drawn, so that later ones do not depend on what is seen.
         let sure = self.draw.random_range(0.8..0.99);
         let (missed, mistaken) = (self.draw.random_bool(MISSED), self.draw.random_bool(MISTAKEN));
         let Some(camera) = scenario.settings.on_board_camera else { return Ok(None) };

@@ -1,4 +1,4 @@
-//! One run of the loop.
+//! A run of the loop.
 
 use std::ops::ControlFlow;
 use std::time::Instant;
@@ -28,19 +28,19 @@ use crate::Error;
 use crate::judges::{Calmness, CalmnessMonitor, LimitMonitor, Moment, Return, SeparationMonitor};
 use crate::plant::Plant;
 
-/// A margin below which x_d counts as within the workspace \[m or rad\].
+/// Distance from the workspace below which x_d counts as within it \[m or rad\].
 const INSIDE: f64 = 1e-3;
 
-/// Of the robot's noise, the same in both runs.
+/// Seed of the robot's noise, the same in both runs.
 const SEED: u64 = 1;
 
-/// One controller against the simulated robot.
+/// A controller in a loop with the simulated robot.
 #[derive(Debug)]
 pub struct Run<'a> {
     scenario: &'a Scenario,
     scorer: Scorer<'a>,
     assessor: Assessor,
-    /// In the newest percept.
+    /// Assessment of the newest percept.
     measured: Option<MeasuredAssessment>,
     plant: Plant,
     on_board: OnBoardEye,
@@ -48,7 +48,7 @@ pub struct Run<'a> {
     hand: WorkingHand,
     monitor: LimitMonitor,
     person: SeenPerson,
-    /// By whom distances are judged, where that is known.
+    /// The true person, by which distances are judged if it is known.
     true_person: Option<TruePerson<'a>>,
     others: SeenOthers,
     separation: SeparationMonitor,
@@ -61,7 +61,7 @@ pub struct Run<'a> {
 }
 
 impl<'a> Run<'a> {
-    /// A run from the beginning.
+    /// Creates a run from the beginning.
     ///
     /// # Errors
     /// Settings that the controller refuses.
@@ -105,15 +105,14 @@ impl<'a> Run<'a> {
         Ok(run)
     }
 
-    /// The same, with a recorder that sees every camera frame and every tick.
+    /// Adds a recorder that sees every camera frame and every tick.
     #[must_use]
     pub fn recorded_by(mut self, recorder: &'a mut Recorder) -> Self {
         self.recorder = Some(recorder);
         self
     }
 
-    /// Plays the scenario to its end; `each` sees every tick, with the robot as it is when the tick is over, and may
-    /// end it there.
+    /// Plays the scenario to its end. `each` sees every tick with the robot after it, and may end the run there.
     ///
     /// # Errors
     /// Percepts out of order.
@@ -183,7 +182,7 @@ impl<'a> Run<'a> {
                 self.plant.observe_people(&Percept { surface, ..percept.clone() }, others)
             }
         };
-        // Too many people, or a body that is nobody's, stop the robot; the run goes on.
+        // Too many people or an impossible body stop the robot. The run goes on.
         match taken {
             Err(Error::Controller(
                 moca_model::Error::Body { .. }
@@ -205,14 +204,14 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// The robot holds the object, and takes it for this.
+    /// Lets the robot hold the object and believe it to be this one.
     fn hold(&mut self, believed: &HeldObject) -> Result<(), Error> {
         let tool = self.plant.controller().robot().tool();
         self.separation.carry(tool, &[self.scenario.object.capsule()?]);
         self.plant.hold(believed)
     }
 
-    /// Has the controller minimise the ergonomics of somebody of the stature that was measured.
+    /// Adapts the ergonomics that the controller minimises to the measured stature.
     fn adapt(&mut self) -> Result<(), Error> {
         let Some(stature) = self.scenario.adapts_from else { return Ok(()) };
         if let Some(measured) = self.plant.controller().space().stature() {
@@ -296,7 +295,7 @@ impl<'a> Run<'a> {
         Ok(row)
     }
 
-    /// The person's hand follows the tool, at `actual` \[m\], as long as they work on it.
+    /// Moves the person's hand with the tool, at `actual` \[m\], while they work on it.
     fn move_person(&mut self, now: f64, actual: &Vector3<f64>) {
         if let Some(joints) = self.scenario.truth.as_ref().and_then(|motion| motion.at(now)) {
             self.hand.follow(&joints);
@@ -307,8 +306,8 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Returns true if the robot comes nearer to anybody than it may: to the true person, or where nobody knows
-    /// that, to the one whom the percepts show; to others as they are seen.
+    /// Returns true if the robot approaches a person more than allowed. The true person counts, or the person of the
+    /// percepts if that is not known. Others count as they are seen.
     fn is_too_near(&mut self) -> Result<bool, Error> {
         if !self.scenario.has_separation() {
             return Ok(false);
@@ -340,7 +339,7 @@ impl<'a> Run<'a> {
     }
 }
 
-/// The parts of a row that the command holds.
+/// The parts of a row that the command contains.
 fn row(command: &Command, now: f64, tick_us: f64, actual: &Vector3<f64>) -> TickRow {
     TickRow {
         time: now,

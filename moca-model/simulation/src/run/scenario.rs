@@ -1,4 +1,4 @@
-//! What both runs of a comparison share.
+//! Scenarios, which both runs of a comparison share.
 
 use ergo_map::{ErgonomicsMap, ErgonomicsQuadratic, FitOptions, Person};
 use human_perception::percepts::PostureSettings;
@@ -16,57 +16,56 @@ use super::true_person::TrueMotion;
 use crate::Error;
 use crate::plant::Drive;
 
-/// What both runs share.
+/// A scenario, which both runs of a comparison share.
 #[derive(Debug)]
 pub struct Scenario {
     /// Camera frames in the order of their times.
     pub percepts: Vec<Percept>,
-    /// The people beside the one who works with the robot, frame by frame; none where the list ends.
+    /// The people besides the one who works with the robot, frame by frame; nobody after the end of the list.
     pub others: Vec<Vec<Body>>,
-    /// When each is there to be acted on \[s\]: none before its time.
+    /// Times at which each frame has arrived \[s\], none before its own time.
     pub arrivals: Vec<f64>,
-    /// Where the person truly is, by whom distances are judged; none if they are judged by what percepts show.
+    /// The person's true motion, by which distances are judged; `None` to judge them by the percepts.
     pub truth: Option<TrueMotion>,
     /// The person's map, which scores the postures.
     pub map: ErgonomicsMap,
-    /// What the controller minimises.
+    /// The ergonomics that the controller minimises.
     pub comfort: ErgonomicsQuadratic,
-    /// Whose stature that is of, to adapt it to the stature that the robot measures \[m\]; none to leave
-    /// it as it is.
+    /// Stature of the ergonomics, to adapt them to the measured stature \[m\]; `None` to leave them.
     pub adapts_from: Option<f64>,
     /// The robot.
     pub model: Model,
-    /// Where it starts.
+    /// Start configuration.
     pub start: Vec<f64>,
-    /// The controller, but for its goal.
+    /// Settings of the controller except for its objective.
     pub settings: ControllerSettings,
-    /// The loop of torques below it.
+    /// Settings of the torque loop below it.
     pub torques: TorqueLoopSettings,
-    /// What the robot does with commands.
+    /// Dynamics of the robot.
     pub drive: Drive,
-    /// What the robot holds for the person to work on.
+    /// The object that the robot holds for the person to work on.
     pub object: HeldObject,
-    /// How it comes by that.
+    /// How the robot gets the object.
     pub delivery: Delivery,
-    /// What is known of the person beside their joints.
+    /// Settings of the person's posture besides their joints.
     pub posture: PostureSettings,
 }
 
-/// How the robot comes by the object.
+/// How the robot gets the object.
 #[derive(Debug, Clone, Default)]
 pub enum Delivery {
-    /// It holds it from the beginning, and knows it. Surfaces are as recorded.
+    /// The robot holds the object from the beginning and knows it. Surfaces are as recorded.
     #[default]
     Held,
     /// The person hands it over. The on-board camera sees the true object.
     HandedOver {
-        /// What the robot takes the object for, until the camera has seen it.
+        /// The object that the robot assumes until the camera has seen it.
         believed: HeldObject,
     },
 }
 
 impl Scenario {
-    /// MOCA at its home configuration with these percepts and this map, holding an object.
+    /// Creates a scenario with MOCA at its home configuration, these percepts and this map, and a held object.
     ///
     /// # Errors
     /// A map that cannot be fitted, or no percepts.
@@ -102,22 +101,22 @@ impl Scenario {
         })
     }
 
-    /// The same with another robot, at rest at `start`, n \[m, rad\]. Its settings name its tool and its bodies; the
-    /// shared workspace stays that of the person.
+    /// Sets another robot, at rest at `start`, n \[m, rad\]. Its settings name its tool and its bodies. The shared
+    /// workspace stays that of the person.
     #[must_use]
     pub fn with_robot(self, model: Model, start: &[f64], settings: ControllerSettings) -> Self {
         let settings = ControllerSettings { space: self.settings.space, ..settings };
         Self { model, start: start.to_vec(), settings, ..self }
     }
 
-    /// The same, with percepts that come as late as their recording says.
+    /// Sets the arrival times of percepts from their recording.
     #[must_use]
     pub fn arriving(mut self, timings: &[Timing]) -> Self {
         self.arrivals = arrivals(&self.percepts, timings);
         self
     }
 
-    /// The same, with these other people in view, frame by frame.
+    /// Sets the other people in view, frame by frame.
     #[must_use]
     pub fn among(mut self, others: Vec<Vec<Body>>) -> Self {
         self.others = others;
@@ -138,14 +137,15 @@ impl Scenario {
         frames.map(frame).collect()
     }
 
-    /// The same without protective distances, speed cap and self-collision: the paper's stack alone.
+    /// Removes protective distances, speed limit and self-collision, which leaves the paper's stack.
     #[must_use]
     pub fn without_separation(mut self) -> Self {
         self.settings.safety = moca_safety().off();
         self
     }
 
-    /// A recorder for the page of a run of this scenario; the text of the robot's URDF says what it looks like.
+    /// Creates a recorder for the page of a run of this scenario. The text of the robot's URDF describes its
+    /// appearance.
     ///
     /// # Errors
     /// [`Error::Replay`] for a text that is not the robot's URDF.
@@ -155,19 +155,19 @@ impl Scenario {
         Ok(recorder)
     }
 
-    /// Returns true if people are kept at a distance.
+    /// Returns true if distances from people are kept.
     pub fn has_separation(&self) -> bool {
         !self.settings.safety.bodies.is_empty()
     }
 
-    /// The same, with a robot that follows velocities exactly and at once.
+    /// Lets the robot follow velocities exactly and at once.
     #[must_use]
     pub fn kinematic(mut self) -> Self {
         self.drive = Drive::Kinematic;
         self
     }
 
-    /// How long it lasts \[s\].
+    /// The duration \[s\].
     pub fn duration(&self) -> f64 {
         match (self.percepts.first(), self.percepts.last()) {
             (Some(first), Some(last)) => last.time - first.time,

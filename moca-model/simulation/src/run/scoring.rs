@@ -1,10 +1,9 @@
-//! The person's score with their hand at the tool.
+//! Scores of the person's posture with the hand at the tool.
 
 use ergo_map::{Conditions, ErgonomicsMap, PersonFrame, Region};
 use nalgebra::Vector3;
 
-/// Steps from the tool towards the best posture in which the nearest reachable point is
-/// sought.
+/// Number of steps from the tool towards the best posture, in which the nearest reachable point is searched.
 const STEPS: u8 = 40;
 
 /// A score, and whether the hand reached the tool.
@@ -14,22 +13,21 @@ pub struct HandScore {
     pub score: f64,
     /// The integer REBA score of the same posture, 1 (good) to 15.
     pub reba: u8,
-    /// Whether the hand can be at the tool at all; if not, the score is that of the posture with
-    /// the hand as far towards the tool as it reaches.
+    /// Whether the hand can reach the tool. If not, the score is that with the hand as far towards the tool as it
+    /// reaches.
     pub reached: bool,
 }
 
-/// Scores hand positions by the person's map (the true one, not the quadratic that the
-/// controller minimises).
+/// Scores hand positions by the person's true map, not by the quadratic that the controller minimises.
 #[derive(Debug)]
 pub struct Scorer<'a> {
     map: &'a ErgonomicsMap,
-    /// Where the posture is best, in the person's frame \[m\].
+    /// Place of the best posture in the person's frame \[m\].
     middle: Vector3<f64>,
 }
 
 impl<'a> Scorer<'a> {
-    /// By this map, whatever the controller knows of it.
+    /// Creates a scorer with this map, whatever the controller knows of it.
     pub fn new(map: &'a ErgonomicsMap) -> Self {
         let zone = Region::work_zone(map.stature(), map.side());
         let best = map
@@ -40,8 +38,7 @@ impl<'a> Scorer<'a> {
         Self { map, middle }
     }
 
-    /// The score of `person` with the hand at `tool` \[m, world\]; none if not even the way
-    /// there is in the map.
+    /// The score of `person` with the hand at `tool` \[m, world\]; `None` if not even the path there is in the map.
     pub fn score(&self, person: &PersonFrame, tool: &Vector3<f64>) -> Option<HandScore> {
         let hand = person.to_person(tool);
         (0..STEPS).find_map(|step| {

@@ -8,19 +8,19 @@ use vision_models::{Body, Body25};
 use crate::judges::body;
 use crate::people::Joints;
 
-/// How long the person's velocity is the mean of \[s\].
+/// Averaging time of the person's velocity \[s\].
 const SPAN: f64 = 0.5;
 
-/// Each joint where it was seen last, for want of knowing where it truly is \[m\].
+/// The last seen place of each joint, used where the true place is not known \[m\].
 #[derive(Clone, Debug, Default)]
 pub(super) struct SeenPerson {
     joints: [Option<Point3<f64>>; Body25::COUNT],
-    /// Middle of the trunk, and when \[m, s\].
+    /// Middle of the trunk, and its times \[m, s\].
     trunk: VecDeque<(f64, Vector3<f64>)>,
 }
 
 impl SeenPerson {
-    /// Takes the body of a frame; joints below this confidence stay where they were.
+    /// Takes the body of a frame. Joints below this confidence stay where they were.
     pub(super) fn update(&mut self, time: f64, body: &Body, least_confidence: f64) {
         for (joint, place) in Body25::ALL.into_iter().zip(&mut self.joints) {
             let seen = body.get(joint);
@@ -37,8 +37,8 @@ impl SeenPerson {
         }
     }
 
-    /// The same joints as they were `period` \[s\] before, if they move as the trunk did of late: the slope
-    /// of the line through its places.
+    /// The same joints `period` \[s\] before, if they move as the trunk did recently: the slope of the line through its
+    /// places.
     pub(super) fn before(&self, joints: &Joints, period: f64) -> Joints {
         let count = self.trunk.len().max(1) as f64;
         let middle = self.trunk.iter().map(|(time, _)| time).sum::<f64>() / count;
@@ -51,30 +51,30 @@ impl SeenPerson {
         joints.map(|joint| joint - velocity * period)
     }
 
-    /// All joints that capsules are between, once each has been seen.
+    /// The joints at the ends of capsules, once each has been seen.
     pub(super) fn joints(&self) -> Option<Joints> {
         let all = body::joints().all(|joint| self.joints[joint.index()].is_some());
         all.then(|| self.joints.map(Option::unwrap_or_default))
     }
 }
 
-/// Nobody goes farther from one frame to the next than this speed takes them \[m/s\], and than noise \[m\].
+/// Largest speed of a person between frames \[m/s\], and the noise \[m\].
 const FASTEST: f64 = 3.0;
 const NOISE: f64 = 0.3;
 
-/// How long somebody counts who is not seen again \[s\].
+/// Time for which a person counts who is not seen again \[s\].
 const REMEMBERED: f64 = 1.0;
 
-/// The people beside the one who works with the robot.
+/// The people besides the one who works with the robot.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SeenOthers {
-    /// Each with when and where they were seen last \[s, m\].
+    /// Each person with the time and place where they were seen last \[s, m\].
     people: Vec<(f64, Point3<f64>, SeenPerson)>,
 }
 
 impl SeenOthers {
-    /// Takes the bodies of a frame: each is whoever was nearest, if they can have gone there. Who works with the
-    /// robot from now on, at `person`, is nobody of them any more.
+    /// Takes the bodies of a frame. Each belongs to the nearest person who can have gone there. The person who works
+    /// with the robot from now on, at `person`, is removed.
     pub(super) fn update(
         &mut self,
         time: f64,
@@ -108,7 +108,7 @@ impl SeenOthers {
         }
     }
 
-    /// Of everybody, a `period` \[s\] before and now.
+    /// The joints of all people, a `period` \[s\] before and now.
     pub(super) fn joints(&self, period: f64) -> Vec<(Joints, Joints)> {
         let joints = self.people.iter().filter_map(|(_, _, person)| {
             let now = person.joints()?;

@@ -1,10 +1,10 @@
-//! A run in a few numbers.
+//! Summary of a run.
 
 use serde::{Deserialize, Serialize};
 
 use crate::judges::{Calmness, Margins};
 
-/// What a run came to.
+/// The results of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     /// Whether the scenario was played to its end.
@@ -21,13 +21,11 @@ pub struct Summary {
     pub reba_mean: f64,
     /// Greatest integer REBA while working together \[-\].
     pub reba_max: u8,
-    /// REBA of the person's posture as the joints in the recording measure it, while working together;
-    /// none if it was not seen.
+    /// REBA of the person's posture from the recorded joints while working together; `None` if it was not seen.
     pub reba_measured: Option<MeasuredReba>,
     /// Root mean square of the distance from the actual to the desired position \[mm\].
     pub tracking_error_rms_mm: f64,
-    /// Time of working together with x_d out of the shared workspace by over a millimetre or
-    /// milliradian \[s\].
+    /// Time of working together with x_d outside the shared workspace by over a millimetre or milliradian \[s\].
     pub outside: f64,
     /// Time of working together in which the person's hand could not reach the tool \[s\].
     pub out_of_reach: f64,
@@ -35,38 +33,38 @@ pub struct Summary {
     pub margins: Margins,
     /// Ticks with a violated limit or a command that was not finite.
     pub limit_violations: u64,
-    /// Ticks of these in which a joint's jerk was too large.
+    /// Those of these ticks with too large a joint jerk.
     pub jerk_violations: u64,
-    /// Ticks in which a torque, or its change, was too large; none for a robot without torques.
+    /// Ticks with too large a torque or torque rate; `None` for a robot without torques.
     pub torque_violations: Option<u64>,
-    /// How often a protective stop began.
+    /// Number of protective stops.
     pub protective_stops: u64,
-    /// How often a retreat from somebody who was too close began.
+    /// Number of retreats from a person who was too close.
     pub retreats: u64,
-    /// Whether it is known where the person truly is, so that distances are judged by that.
+    /// Whether the person's true motion is known, so that it judges distances.
     pub truth: bool,
-    /// Ticks in which the robot came nearer to a part of the person than the protective distance, unless it may
-    /// touch it: by the truth, or where that is not known as the camera showed it.
+    /// Ticks in which the robot approached a part of the person within the protective distance, unless it may touch it.
+    /// The truth judges this, or the camera if the truth is not known.
     pub separation_violations: u64,
-    /// How fast the robot itself comes nearer to parts within 5 cm that it may touch, at most in 99.9 % of the ticks
-    /// with such a part \[m/s\]; none without one, or without the truth.
+    /// 99.9 % quantile of the robot's own approach speed to touchable parts within 5 cm \[m/s\]; `None` without such
+    /// ticks, or without the truth.
     pub contact_speed: Option<f64>,
-    /// How still the robot was while the person stood, and how smooth while they walked; empty where nobody knows where
-    /// they truly were.
+    /// Stillness of the robot while the person stood, and its smoothness while they walked. Empty if their true motion
+    /// is not known.
     pub calmness: Calmness,
     /// Ticks whose hierarchy was not solved to its optimum.
     pub solver_failures: u64,
-    /// Median, 99th percentile and maximum of the controller's time a tick \[µs\].
+    /// Median, 99th percentile and maximum of the controller's time in a tick \[µs\].
     pub tick_us: [f64; 3],
-    /// Time that the loop took \[s\].
+    /// Wall time of the loop \[s\].
     pub wall: f64,
 }
 
-/// REBA of a posture that was measured.
+/// REBA of a measured posture.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct MeasuredReba {
-    /// Over the time.
+    /// Mean over time.
     pub mean: f64,
-    /// The worst.
+    /// The worst value.
     pub max: u8,
 }

@@ -1,4 +1,4 @@
-//! What is counted of a run, tick by tick.
+//! Counts of a run, tick by tick.
 
 use super::summary::{MeasuredReba, Summary};
 use crate::judges::{Calmness, Margins};
@@ -12,7 +12,7 @@ pub(super) struct Tally {
     pub(super) score_max: f64,
     pub(super) reba: f64,
     pub(super) reba_max: u8,
-    /// Ticks of those with a measured posture.
+    /// Those of these ticks with a measured posture.
     pub(super) measured: u64,
     pub(super) reba_measured: f64,
     pub(super) reba_measured_max: u8,
@@ -21,40 +21,40 @@ pub(super) struct Tally {
     pub(super) out_of_reach: u64,
     pub(super) violations: u64,
     pub(super) jerk_violations: u64,
-    /// None where there are no torques.
+    /// `None` without torques.
     pub(super) torque_violations: Option<u64>,
-    /// How often a protective stop began, and a retreat.
+    /// Numbers of protective stops and of retreats.
     pub(super) stops: u64,
     pub(super) retreats: u64,
     pub(super) separation_violations: u64,
-    /// One element a tick with a part of the true person within 5 cm that may be touched \[m/s\].
+    /// Speeds of ticks with a touchable part of the true person within 5 cm \[m/s\].
     pub(super) contact_speeds: Vec<f64>,
     pub(super) failures: u64,
-    /// How long the controller took, tick by tick \[µs\].
+    /// Time of the controller in each tick \[µs\].
     pub(super) ticks_us: Vec<f64>,
 }
 
-/// What is known of a run when it is over.
+/// Facts about a run when it is over.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Played {
     /// Whether it was played to its end.
     pub(super) is_complete: bool,
     /// Simulated time \[s\].
     pub(super) duration: f64,
-    /// Time that it took \[s\].
+    /// Wall time \[s\].
     pub(super) wall: f64,
     /// The control period \[s\].
     pub(super) period: f64,
-    /// Of the limits.
+    /// Margins of the limits.
     pub(super) margins: Margins,
-    /// Whether it is known where the person truly is.
+    /// Whether the person's true motion is known.
     pub(super) truth: bool,
     /// How calm it was.
     pub(super) calmness: Calmness,
 }
 
 impl Tally {
-    /// What they came to.
+    /// The summary of the counts.
     pub(super) fn summary(mut self, played: &Played) -> Summary {
         let &Played { is_complete, duration, wall, period, margins, truth, calmness } = played;
         let contact_speed = quantile(&mut self.contact_speeds, 999);
@@ -95,7 +95,7 @@ impl Tally {
     }
 }
 
-/// The value that so many thousandths of all do not exceed; none of none.
+/// The quantile of this number of thousandths; `None` without values.
 fn quantile(values: &mut [f64], thousandths: usize) -> Option<f64> {
     values.sort_by(f64::total_cmp);
     let last = values.len().checked_sub(1)?;

@@ -1,4 +1,4 @@
-//! A simulated person as they truly are.
+//! The true motion of a simulated person.
 
 use std::path::Path;
 
@@ -10,14 +10,14 @@ use crate::Error;
 use crate::judges::{Moment, body};
 use crate::people::Joints;
 
-/// Frames of a truth are no farther apart \[s\]: 50 Hz, and what rounding may make of a time.
+/// Longest time between frames of a truth \[s\]: 50 Hz, and rounding of times.
 const LONGEST: f64 = 0.02 + 2e-6;
 
-/// A joint that moves faster than this between two ticks has jumped \[m/s\]: the hand that goes to the object bends
-/// the arm at once, and a jump has no speed.
+/// Speed above which a joint has jumped between two ticks \[m/s\]. The hand that goes to the object bends the arm at
+/// once, and a jump has no speed.
 const FASTEST: f64 = 10.0;
 
-/// Where the joints of a simulated person truly are, camera frame by camera frame, in the order of time.
+/// The true joints of a simulated person, camera frame by camera frame, in the order of time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TrueMotion {
     /// Time and joints in the world \[s, m\].
@@ -25,16 +25,16 @@ pub struct TrueMotion {
 }
 
 impl TrueMotion {
-    /// Reads it from a recording of what is true, as `record --truth` writes it.
+    /// Reads the motion from a recording of the truth, as `record --truth` writes it.
     ///
     /// # Errors
-    /// Names the file: it cannot be read, has frames farther apart than 20 ms, or frames without a joint that
-    /// distances are measured from.
+    /// The file, if it cannot be read, has frames farther apart than 20 ms, or lacks a joint that distances are
+    /// measured from.
     pub fn read(path: &Path) -> Result<Self, Error> {
         let of_file =
             |source: Error| Error::File { path: path.to_owned(), source: Box::new(source) };
         let reader = percept_recording::open(path).map_err(|error| match error {
-            // It has the name already.
+            // The error already contains the file's name.
             RecordingError::Open { .. } => error.into(),
             error => of_file(error.into()),
         })?;
@@ -64,20 +64,20 @@ impl TrueMotion {
                     return unfit(found, "give all true joints");
                 }
             }
-            // Of the others none is asked for.
+            // Other joints are not needed.
             let place = |joint| seen.get(joint).map_or_else(Default::default, |seen| seen.position);
             motion.push(time, Body25::ALL.map(place));
         }
         Ok(motion)
     }
 
-    /// Adds where the joints are at a time that is later than all before \[m, s\].
+    /// Adds the joints at a time after all earlier ones \[m, s\].
     pub fn push(&mut self, time: f64, joints: Joints) {
         self.frames.push((time, joints));
     }
 
-    /// Where they are at a time \[s\]: even from frame to frame, and standing before the first and after the last;
-    /// none if nothing is known.
+    /// The joints at a time \[s\]; `None` if nothing is known. They are interpolated between frames, and stand before
+    /// the first and after the last one.
     pub fn at(&self, time: f64) -> Option<Joints> {
         let next = self.frames.partition_point(|(frame, _)| *frame <= time);
         let before = next.checked_sub(1).and_then(|before| self.frames.get(before));
@@ -93,7 +93,7 @@ impl TrueMotion {
     }
 }
 
-/// Joints at a time, and a period before; those that jumped were where they are.
+/// Joints at a time and a period before; the same for joints that jumped.
 type Moving = (Joints, Joints);
 
 /// A simulated person with their hand at the object, for the judge of distances.
@@ -102,27 +102,27 @@ pub(super) struct TruePerson<'a> {
     motion: &'a TrueMotion,
     period: f64,
     now: Option<Moving>,
-    /// When the newest frame was taken that shows them.
+    /// Joints when the newest frame that shows them was taken.
     known: Option<Moving>,
 }
 
 impl<'a> TruePerson<'a> {
-    /// One who moves so; ticks are `period` \[s\] apart.
+    /// Creates a person with this motion. Ticks are `period` \[s\] apart.
     pub(super) fn new(motion: &'a TrueMotion, period: f64) -> Self {
         Self { motion, period, now: None, known: None }
     }
 
-    /// A frame that shows them has arrived.
+    /// Takes a frame that shows the person and has arrived.
     pub(super) fn show(&mut self, taken: f64, hand: &WorkingHand) {
         self.known = self.moving(taken, hand);
     }
 
-    /// Goes on to the tick at `time` \[s\].
+    /// Advances to the tick at `time` \[s\].
     pub(super) fn advance(&mut self, time: f64, hand: &WorkingHand) {
         self.now = self.moving(time, hand);
     }
 
-    /// The tick, for the judge; `contact` says whether all but the head may touch the robot.
+    /// The tick for the judge. `contact` says whether all parts except the head may touch the robot.
     pub(super) fn moment(&self, contact: bool) -> Option<Moment<'_>> {
         let person = moving_parts(self.now.as_ref()?);
         Some(Moment { person, known: self.known.as_ref().map(moving_parts), contact })
@@ -168,7 +168,7 @@ mod tests {
         }
     }
 
-    /// Somebody who walks along y at 0.5 m/s, with an arm that is not stretched.
+    /// A person who walks along y at 0.5 m/s, with an arm that is not stretched.
     fn walk() -> TrueMotion {
         let mut motion = TrueMotion::default();
         for frame in 0..100 {
@@ -191,9 +191,9 @@ mod tests {
         (now[joint.index()] - before[joint.index()]).norm() / PERIOD
     }
 
-    /// In every tick, and at the times of frames, parts have the speeds that they have.
+    /// The parts have their true speeds in every tick, also at the times of frames.
     #[test]
-    fn who_walks_to_an_object_moves_at_their_speed() {
+    fn person_walking_to_object_has_true_speed() {
         let (motion, mut hand) = (walk(), WorkingHand::new(1.75, Side::Right));
         let mut person = TruePerson::new(&motion, PERIOD);
         assert!(person.moment(false).is_none());
@@ -211,7 +211,7 @@ mod tests {
             }
             for moving in [person.now.as_ref().unwrap(), person.known.as_ref().unwrap()] {
                 assert!((speed(moving, Body25::MidHip) - 0.5).abs() < 1e-6, "{tick}");
-                // The arm is bent to the object at once, in one tick: it jumps.
+                // The arm is bent to the object in one tick: it jumps.
                 let wrist = speed(moving, Body25::RightWrist);
                 assert!(wrist < 1.3, "tick {tick}: {wrist} m/s");
             }

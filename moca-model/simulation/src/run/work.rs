@@ -1,13 +1,13 @@
-//! What a person's tool does to the robot.
+//! The force of a person's tool on the robot.
 
 use nalgebra::Vector3;
 
-/// Mean force of somebody who drills or polishes \[N\].
+/// Mean force of a person who drills or polishes \[N\].
 const MEAN: f64 = 20.0;
-/// How much it swings with the tool \[N\], and how fast \[rad/s\].
+/// Amplitude \[N\] and angular frequency \[rad/s\] of the tool's oscillation.
 const SWING: f64 = 5.0;
 const RATE: f64 = 2.0 * std::f64::consts::PI * 30.0;
-/// How fast it comes and goes \[N/s\].
+/// Rate at which the force begins and ends \[N/s\].
 const RISE: f64 = 40.0;
 
 /// The force with which a working person pushes the object, and so the tool, away from them.
@@ -19,8 +19,8 @@ pub(super) struct WorkForce {
 }
 
 impl WorkForce {
-    /// The force for the next period \[N, world\]; `towards` is the way from the person to the tool, none
-    /// while they do not work.
+    /// The force for the next period \[N, world\]. `towards` is the direction from the person to the tool; `None` while
+    /// they do not work.
     pub(super) fn advance(&mut self, towards: Option<Vector3<f64>>, period: f64) -> Vector3<f64> {
         if let Some(direction) = towards.and_then(|towards| towards.try_normalize(1e-6)) {
             self.direction = direction;

@@ -1,4 +1,4 @@
-//! The hand of the recorded person, who works on the object that the robot holds.
+//! The hand of the recorded person who works on the held object.
 
 use std::collections::VecDeque;
 
@@ -8,12 +8,12 @@ use vision_models::{Body, Body25, Keypoint, Percept};
 
 use crate::people::{Arm, Joints};
 
-/// How fast a hand goes to the object and back, and follows it at most \[m/s\].
+/// Largest speed of a hand that goes to the object and back, and follows it \[m/s\].
 const SPEED: f64 = 1.0;
-/// No frame arrives later than this \[s\].
+/// Largest delay of a frame \[s\].
 const LATEST: f64 = 1.0;
 
-/// What rounding may make of the time of a tick \[s\].
+/// Tolerance of a tick's time for rounding \[s\].
 const ROUNDING: f64 = 1e-7;
 
 /// Shoulder, elbow and wrist of the working arm, and the other shoulder.
@@ -25,22 +25,22 @@ const ARMS: [[Body25; 4]; 2] = {
     ]
 };
 
-/// Puts the working hand of a recorded person where the object of the simulated robot is, of which the
-/// recording knows nothing, as long as they work on it and as far as their arm reaches.
+/// Moves the working hand of a recorded person to the object of the simulated robot, which the recording does not know.
+/// It stays there while they work on it and their arm reaches it.
 #[derive(Debug)]
 pub(super) struct WorkingHand {
     arm: Arm,
     joints: [Body25; 4],
-    /// Where the recording had it last \[m, world\].
+    /// Last recorded place of the hand \[m, world\].
     recorded: Option<Vector3<f64>>,
-    /// Where it is; none where the recording has it.
+    /// Present place; `None` if it is the recorded one.
     place: Option<Vector3<f64>>,
-    /// Where it was, and when \[m, s\].
+    /// Earlier places, and their times \[m, s\].
     past: VecDeque<(f64, Option<Vector3<f64>>)>,
 }
 
 impl WorkingHand {
-    /// Of a person of this stature \[m\].
+    /// Creates the hand of a person of this stature \[m\].
     pub(super) fn new(stature: f64, side: Side) -> Self {
         let [left, right] = ARMS;
         Self {
@@ -55,8 +55,8 @@ impl WorkingHand {
         }
     }
 
-    /// Goes on to `time`, by `period` \[s\]: towards what the person works on \[m, world\], or back to where the
-    /// recording has the hand.
+    /// Advances to `time` by `period` \[s\], towards the object that the person works on \[m, world\] or back to the
+    /// recorded place.
     pub(super) fn advance(&mut self, time: f64, period: f64, object: Option<Vector3<f64>>) {
         if let (Some(goal), Some(from)) = (object.or(self.recorded), self.place.or(self.recorded)) {
             let place = from + (goal - from).cap_magnitude(SPEED * period);
@@ -69,13 +69,13 @@ impl WorkingHand {
         }
     }
 
-    /// The person has their hand by themselves where these joints are \[m, world\].
+    /// Takes the joints of the person, whose recorded hand is there \[m, world\].
     pub(super) fn follow(&mut self, joints: &Joints) {
         let [_, elbow, wrist, _] = self.joints.map(|joint| joints[joint.index()].coords);
         self.recorded = Some(self.arm.grip(&elbow, &wrist));
     }
 
-    /// The joints of somebody whose hand is where it is at a time \[m, world, s\].
+    /// The joints of a person with the hand at its place at a time \[m, world, s\].
     pub(super) fn bend(&self, time: f64, mut joints: Joints) -> Joints {
         if let Some(place) = self.place_at(time) {
             let [shoulder, elbow, wrist, other] = self.joints.map(Body25::index);
@@ -85,7 +85,7 @@ impl WorkingHand {
         joints
     }
 
-    /// What the camera sees of a person whose hand is there.
+    /// The percept of a person with the hand at its place.
     pub(super) fn show(&mut self, percept: &Percept) -> Percept {
         let mut shown = percept.clone();
         let Some(body) = &mut shown.body else { return shown };
@@ -100,13 +100,13 @@ impl WorkingHand {
         shown
     }
 
-    /// Where the hand was at a time \[m, s\]; none where the recording has it.
+    /// The place of the hand at a time \[m, s\]; `None` if it is the recorded one.
     fn place_at(&self, time: f64) -> Option<Vector3<f64>> {
         let there = |(past, _): &&(f64, _)| *past <= time + ROUNDING;
         self.past.iter().rev().find(there).and_then(|(_, place)| *place)
     }
 
-    /// Elbow and wrist of an arm whose hand is at `place` \[m, world\]: the elbow down, and away from the body.
+    /// Elbow and wrist of an arm whose hand is at `place` \[m, world\]. The elbow is down and away from the body.
     fn arm_to(
         &self,
         place: &Vector3<f64>,
@@ -118,7 +118,7 @@ impl WorkingHand {
         self.arm.leading_to(place, shoulder, &aside)
     }
 
-    /// Puts elbow and wrist there, as well seen as they are.
+    /// Sets elbow and wrist to these places, with the confidence that they have.
     fn show_arm(&self, body: &mut Body, seen: [Keypoint; 2], joints: [Vector3<f64>; 2]) {
         let [_, elbow, wrist, _] = self.joints;
         for ((joint, seen), place) in [elbow, wrist].into_iter().zip(seen).zip(joints) {
@@ -134,7 +134,7 @@ mod tests {
 
     const PERIOD: f64 = 1e-3;
 
-    /// Somebody whose arms are seen.
+    /// A percept of a person whose arms are seen.
     fn percept() -> Percept {
         let seen = |percept: &Percept| {
             let body = percept.body.as_ref();
@@ -175,7 +175,7 @@ mod tests {
         assert!((grip(&begun, &arm) - from).norm() <= SPEED * 0.052);
         let there = go(&mut hand, Some(object), 2.0);
         assert!((grip(&there, &arm) - object).norm() < 1e-9);
-        // Frames show where the hand was when they were taken.
+        // Frames show the hand where it was when they were taken.
         let late = Percept { time: there.time, ..percept.clone() };
         go(&mut hand, None, 0.2);
         assert_eq!(hand.show(&late).body, there.body);

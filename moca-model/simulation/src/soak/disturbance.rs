@@ -1,4 +1,4 @@
-//! What goes wrong around the controller, one thing at a time, and the state that each must lead to.
+//! Disturbances around the controller, one at a time, and the state that each must lead to.
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -64,7 +64,7 @@ pub enum Disturbance {
     CommandsLost,
 }
 
-/// By how much a camera is moved: along the floor \[m\], and at most turned about the world's origin \[rad\].
+/// Displacement of a moved camera: along the floor \[m\], and the largest turn about the world's origin \[rad\].
 const CAMERA_SHIFT: f64 = 0.3;
 const CAMERA_TURN: f64 = 0.1;
 /// How long each lasts \[s\].
@@ -212,12 +212,12 @@ pub(super) struct Disturbances {
     last: Option<Percept>,
     /// When the last one was taken that showed the person where they were \[s\].
     shown: f64,
-    /// By how much a camera that was moved sees everybody elsewhere, in the world.
+    /// Displacement in the world at which a moved camera sees everybody.
     camera_error: Isometry3<f64>,
 }
 
 impl Disturbances {
-    /// None, ever.
+    /// Never disturbs anything.
     pub(super) fn none(draw: ChaCha8Rng, drive: Drive) -> Self {
         Self { until: f64::INFINITY, ..Self::new(draw, drive) }
     }
@@ -236,7 +236,7 @@ impl Disturbances {
         }
     }
 
-    /// Goes on to `time` \[s\]; what has ended there.
+    /// Advances to `time` \[s\]. Returns the disturbance that has ended there.
     pub(super) fn advance(&mut self, time: f64) -> Option<Disturbance> {
         if time < self.until {
             return None;
@@ -406,7 +406,7 @@ impl Endings {
         }
     }
 
-    /// Of every disturbance.
+    /// Returns the counts of each disturbance.
     pub fn counts(&self) -> impl Iterator<Item = (Disturbance, StateCounts)> {
         self.0.iter().map(|(disturbance, counts)| (*disturbance, *counts))
     }

@@ -1,4 +1,4 @@
-//! One robot, one controller, a person and those who walk by, for some seconds.
+//! One robot, one controller, a person and passers-by, for some seconds.
 
 use std::collections::VecDeque;
 
@@ -47,7 +47,7 @@ const DROP: f64 = 0.1;
 const PASSERS_BY: u64 = 2;
 const STREAMS: u64 = 3;
 
-/// For how long the frames of passers-by are kept \[s\]: none arrives later.
+/// Time for which the frames of passers-by are kept \[s\]. None arrives later.
 const LATEST: f64 = 2.0;
 
 fn generator(seed: u64, stream: Stream) -> ChaCha8Rng {
@@ -140,8 +140,8 @@ impl Episode {
         })
     }
 
-    /// The episode of this seed in which somebody near the tool repeats a movement, and nothing is disturbed; whether
-    /// they work with the robot.
+    /// Creates the episode of this seed in which a person near the tool repeats a movement, without disturbances. Also
+    /// returns whether the person works with the robot.
     pub(super) fn repeating(
         model: &Model,
         seed: u64,
@@ -163,7 +163,7 @@ impl Episode {
         Ok(episode)
     }
 
-    /// One period; how long the controller took (µs), if it had its turn.
+    /// Runs one period. Returns the time that the controller took \[µs\], if it ran.
     pub(super) fn step(&mut self) -> Result<Option<f64>, Error> {
         #[expect(clippy::cast_precision_loss, reason = "an episode lasts seconds")]
         let now = self.tick as f64 * self.period;
@@ -224,7 +224,7 @@ impl Episode {
         let state = self.plant.command().safety;
         if let Some(ended) = self.disturbances.advance(now) {
             self.monitor.ended.count(ended, state);
-            // The robot forgets what was seen at wrong times; who acknowledges looks for people.
+            // The robot forgets people who were seen at wrong times. The person who acknowledges looks for people.
             if ended.is_of_time() {
                 self.passers_by.iter_mut().chain([&mut self.person]).for_each(Witnessed::forget);
                 self.seen_whole = false;
@@ -285,7 +285,7 @@ impl Episode {
         let forget_after = self.plant.controller().settings().safety.person.forget_after;
         if self.person.unseen_for().is_some_and(|unseen| unseen >= ticks(forget_after, self.period))
         {
-            // Who comes back may be somebody else.
+            // The person who comes back may be somebody else.
             self.seen_whole = false;
         }
         let others = self.passers_by.iter().zip(&mut self.cameras);

@@ -102,7 +102,7 @@ pub struct Monitor {
     was_blind: bool,
     /// Ticks left in which joints may be outside their ranges by a push.
     settling: u64,
-    /// By how much the robot's own bodies overlap that a push has brought together, at most from now on \[m\].
+    /// Largest overlap of the robot's own bodies that a push has brought together, from this time on \[m\].
     pushed_overlap: f64,
     /// How fast the robot itself comes nearer to parts within 5 cm that it may touch, tick by tick \[m/s\].
     pub contact_speeds: Vec<f64>,
@@ -111,7 +111,7 @@ pub struct Monitor {
 }
 
 impl Monitor {
-    /// For a robot at rest.
+    /// Creates the monitor of a robot at rest.
     ///
     /// # Errors
     /// Bodies on links that the robot does not have.
@@ -204,8 +204,8 @@ impl Monitor {
         false
     }
 
-    /// Somebody pushes a joint, or the robot brakes by itself or unseen, which may take it out of its range. Returns true if that,
-    /// and its braking, may be so.
+    /// Checks whether a joint may leave its range: somebody pushes it, or the robot brakes by itself or unseen. Returns
+    /// true during that time and the braking after it.
     fn settle(&mut self, tick: &Tick<'_>) -> bool {
         use Disturbance::{ArmPushed, CommandsLost, MeasurementFrozen, MeasurementMissing};
         let disturbance = tick.disturbance.map(|(disturbance, _)| disturbance);
@@ -215,8 +215,8 @@ impl Monitor {
         }
         let is_settling = self.settling > 0;
         self.settling = self.settling.saturating_sub(1);
-        // Of a robot that does not follow, what is commanded starts anew from what is measured, noise included. A
-        // command that takes a joint farther out counts all the same.
+        // If the robot does not follow, the command starts anew from the measurement, with its noise. A command that
+        // takes a joint farther out still counts.
         let starts_anew =
             matches!(tick.command.fault, Some(Fault::RobotStopped | Fault::FollowingError))
                 || is_unseen(tick.command);
@@ -227,7 +227,7 @@ impl Monitor {
     }
 }
 
-/// Where the robot is is only predicted.
+/// Returns true if the robot's position is only predicted.
 fn is_unseen(command: &Command) -> bool {
     let unseen = [Fault::MissingMeasurement, Fault::FrozenMeasurement];
     command.fault.is_some_and(|fault| unseen.contains(&fault))

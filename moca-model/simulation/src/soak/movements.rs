@@ -28,7 +28,7 @@ pub struct Movements {
     pub robot: PlantSettings,
 }
 
-/// What a movement came to.
+/// Result of a movement.
 #[derive(Clone, Debug, Serialize)]
 pub struct MovementResult {
     /// Its name.
@@ -51,12 +51,12 @@ pub struct MovementResult {
     pub contact_speed: Option<f64>,
 }
 
-/// What all movements came to.
+/// Results of all movements.
 #[derive(Clone, Debug, Serialize)]
 pub struct MovementResults {
-    /// By movement.
+    /// Result of each movement.
     pub movements: Vec<MovementResult>,
-    /// Of all of them \[m/s\].
+    /// Speed that 99.9 % of all contacts do not exceed \[m/s\].
     pub contact_speed: Option<f64>,
     /// The first tick with something wrong of each person, in words.
     pub findings: Vec<String>,

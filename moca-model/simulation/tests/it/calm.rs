@@ -1,4 +1,4 @@
-//! How still the frame of somebody is who stands, seen by the shipped recording's camera.
+//! The frame of a standing person is still, for the camera of the shipped recording.
 
 use moca_model::{ControllerSettings, SharedSpace};
 use moca_simulation::people::{Truth, Walker, WalkerSettings};
@@ -6,7 +6,7 @@ use nalgebra::Isometry3;
 
 const PERIOD: f64 = 1e-3;
 
-/// The person has stood for so long, and came to rest by then [frames].
+/// Number of frames after which a standing person has come to rest.
 const SETTLED: usize = 40;
 
 /// Returns true if the person stands and does not turn from this frame to the next.
@@ -16,7 +16,7 @@ fn stands([before, after]: [&Truth; 2]) -> bool {
 }
 
 #[test]
-fn the_frame_of_who_stands_stands() {
+fn frame_of_a_standing_person_stands() {
     let mut walker = Walker::new(WalkerSettings::default()).unwrap();
     let frames: Vec<_> = std::iter::from_fn(|| walker.next_frame()).collect();
     let tool = Isometry3::translation(0.9, 0.0, 1.0);

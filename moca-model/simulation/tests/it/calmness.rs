@@ -1,4 +1,4 @@
-//! The judge of calmness, on motions of which the answer is known.
+//! The judge of calmness on motions with a known result.
 
 use moca_model::{BaseMotion, Command, Controller, ControllerSettings, MOCA_HOME, moca};
 use moca_simulation::judges::{Calmness, CalmnessMonitor};
@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Point3, Vector3};
 
 const PERIOD: f64 = 1e-3;
 
-/// Twelve seconds with somebody who stands for eight and then walks at .3 m/s, and a robot that moves so.
+/// Twelve seconds with a person who stands for eight and then walks at 0.3 m/s, and a robot with these motions.
 fn judge(workpiece: impl Fn(f64) -> f64, base: impl Fn(f64) -> f64) -> Calmness {
     let comfort =
         ergo_map::ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
@@ -38,7 +38,7 @@ fn a_robot_at_rest_is_calm() {
     assert!((standing.workpiece, standing.base_reversals) == (0.0, 0.0));
     assert!((standing.base_at_rest - 1.0).abs() < 1e-12 && standing.base_at_limit == 0.0);
     assert!(standing.person < 0.05, "{standing:?}");
-    // From 3 s of working together, 1 s later, to the first steps.
+    // The time is from 1 s after 3 s of working together to the first steps.
     assert!((standing.duration - 5.7).abs() < 0.5, "{standing:?}");
     let walking = calm.walking.unwrap();
     assert!((walking.person - 0.3).abs() < 0.02, "{walking:?}");
@@ -46,7 +46,7 @@ fn a_robot_at_rest_is_calm() {
 
 #[test]
 fn a_swinging_workpiece_is_measured() {
-    // 20 mm at 1 Hz: 2π · 20/√2 = 88.9 mm/s, its fastest 125.7 mm/s.
+    // An amplitude of 20 mm at 1 Hz gives 2π · 20/√2 = 88.9 mm/s, and at most 125.7 mm/s.
     let calm = judge(|time| 0.02 * (std::f64::consts::TAU * time).sin(), |_| 0.0);
     let standing = calm.standing.unwrap();
     assert!((standing.workpiece - 0.0889).abs() < 0.002, "{standing:?}");
@@ -54,9 +54,9 @@ fn a_swinging_workpiece_is_measured() {
 }
 
 #[test]
-fn a_base_that_answers_by_bang_bang_is_counted() {
-    // A triangle between ± 15 mm/s at the limit of .6 m/s², 10 times a second.
-    // Never at zero in a tick.
+fn bang_bang_motion_of_base_is_counted() {
+    // The velocity is a triangle between ± 15 mm/s at the limit of 0.6 m/s², 10 times a second. It is never zero in a
+    // tick.
     let triangle =
         |time: f64| 1e-5 + 0.03 * (2.0 * ((10.0 * time).rem_euclid(1.0) - 0.5).abs() - 0.5);
     let calm = judge(|_| 0.5, triangle);

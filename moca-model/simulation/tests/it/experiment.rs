@@ -26,7 +26,7 @@ fn player() -> Player<'static> {
 const KINEMATIC: Conditions = Conditions { drive: Drive::Kinematic, sight: Sight::Modelled };
 
 #[test]
-fn cases_do_not_depend_on_how_many_there_are() {
+fn cases_do_not_depend_on_their_number() {
     let walkers = |seed, count| -> Vec<_> {
         following::cases(seed, count, 30.0).into_iter().map(|case| case.person).collect()
     };
@@ -36,15 +36,15 @@ fn cases_do_not_depend_on_how_many_there_are() {
     for (few, more) in few.iter().zip(&more) {
         assert_eq!((few.number, few.front, &few.person), (more.number, more.front, &more.person));
     }
-    // Ten people, each as often.
+    // There are ten people, each with the same number of cases.
     let of = |subject| {
         subjects::cases(1, 21, 30.0).iter().filter(|case| case.subject == subject).count()
     };
     assert!((0..10).all(|subject| of(subject) == 3));
 }
 
-/// The object is handed over, the camera finds out which surface is where, and the robot turns it to the
-/// one that the person's tool is for: in the first case as the robot takes it to be, then the other way.
+/// The object is handed over, the camera identifies the surfaces, and the robot turns it to the one for the person's
+/// tool. In the first case the robot's belief is right, then it is wrong.
 #[test]
 fn the_right_surface_comes_before_the_person() {
     let cases = reorientation::cases(1, 8);
@@ -58,7 +58,7 @@ fn the_right_surface_comes_before_the_person() {
         (2, 2, 2, 2, 2),
         "{result}"
     );
-    // The benchmark may hold the object so that the camera sees neither side: it then cannot know better.
+    // The benchmark may hold the object so that the camera sees neither side, and then cannot identify them.
     assert_eq!((off.cases, off.grasped), (2, 2), "{result}");
     assert!(off.recognised >= 1, "{result}");
     assert_eq!((off.right, off.safe), (off.recognised, off.recognised), "{result}");
@@ -78,16 +78,16 @@ fn the_same_case_twice_gives_the_same_bits() {
     assert_eq!(play(), play());
 }
 
-/// Who walks at 0.5 m/s has the hand 0.1 m behind its usual place, which it reached while they stood: all of it is
-/// an error without separation. With it the error is what the protective distance from somebody who is seen T_r late
-/// does not ask for.
+/// A person walks at 0.5 m/s, and the hand is 0.1 m behind its usual place, which it reached while they stood. All of
+/// this is an error without separation. Otherwise the part is allowed that the protective distance needs for a person
+/// who is seen T_r late.
 #[test]
 fn a_hand_that_lags_is_a_steady_error() {
     let mut on = ControllerSettings::default();
     on.space.clearance = 0.25;
     let off = ControllerSettings { safety: moca_safety().off(), ..on.clone() };
     let outward = (on.space.min + on.space.max).xy().normalize();
-    // 0.25 m are there; T_r = 0.15 s, a = 0.5 m/s², C + Z_d + Z_r = 0.11 m.
+    // The clearance is 0.25 m; T_r = 0.15 s, a = 0.5 m/s², C + Z_d + Z_r = 0.11 m.
     let away = 0.5 * outward.x;
     let asked = outward * (2.0 * 0.15 * away + away * away + 0.11 - 0.25);
     let rest = (Vector2::new(0.1, 0.0) - asked).norm();
@@ -99,7 +99,7 @@ fn a_hand_that_lags_is_a_steady_error() {
     }
 }
 
-/// Of a hand that lags so, with this distance asked for.
+/// The error of a hand that lags so, for this following distance.
 fn lagging(following: Option<FollowingDistance>) -> DistanceError {
     let speed = |time: f64| if time < 5.0 { 0.0 } else { 0.5 };
     let floor = |time: f64| Vector2::new(-0.5 * (time - 5.0).max(0.0), 1.0);
@@ -126,8 +126,8 @@ fn lagging(following: Option<FollowingDistance>) -> DistanceError {
     monitor.error()
 }
 
-/// A person who is filmed is seen where they are, by other joints than those that a model of the camera
-/// reports, and does what they do.
+/// A filmed person is seen in the right place and with the right action. The joints differ from those of the camera
+/// model.
 #[test]
 fn pixels_show_the_person_where_they_are() {
     let settings = WalkerSettings { stature: 1.68, duration: 8.0, seed: 7, ..Default::default() };
@@ -155,9 +155,9 @@ fn pixels_show_the_person_where_they_are() {
     assert!(error < 0.05, "the pelvis is {error} m from where it is");
 }
 
-/// Distances are judged by where the person is, not by where they are seen.
+/// The true person judges distances, not the seen one.
 #[test]
-fn who_is_nearer_than_seen_is_approached_too_near() {
+fn approaching_the_true_person_too_near_counts() {
     let settings = WalkerSettings { duration: 14.0, offer: 0.0, ..Default::default() };
     let walk = Walk::new(settings, Sight::Modelled).unwrap();
     let too_near = |nearer: f64| {

@@ -14,7 +14,7 @@ use vision_models::{Surface, Tool};
 
 use crate::support::average_map;
 
-/// Somebody who uses the tool from the seventh second on.
+/// A person who uses the tool from the seventh second on.
 fn walker() -> Walker {
     let settings = WalkerSettings { offer: 0.0, duration: 13.0, ..WalkerSettings::default() };
     Walker::new(settings).unwrap()
@@ -40,16 +40,16 @@ fn recordings(needs: Needs) -> Vec<Arc<Recorded>> {
 }
 
 #[test]
-fn a_recording_says_who_works_with_what_on_which_side() {
+fn recording_gives_person_tool_and_side() {
     let recordings = recordings(Needs::Surfaces);
     let [recording] = &recordings[..] else { panic!("{recordings:?}") };
     assert_eq!((recording.stature, recording.tool), (1.75, Tool::Drill));
-    // The side that is to be drilled faces the camera, and so not the person.
+    // The side to be drilled faces the camera and not the person.
     assert_eq!(recording.facing_camera, Some(Surface::Drilled));
     let cases = Reorientation::cases(&job(&recordings), &recordings);
     assert_eq!(cases.len(), 1);
     assert_eq!(cases[0].front, Surface::Smooth);
-    // The person as tracked is where the person was.
+    // The tracked person is where the person was.
     let (mut truth, mut walk) = (recording.walk.truth.iter(), walker());
     while let Some((person, _)) = walk.next_frame() {
         let Some(known) = truth.as_slice().first().filter(|known| known.time == person.time) else {
@@ -72,7 +72,7 @@ fn the_same_recording_twice_gives_the_same_bits() {
         let mut player = Player::new(&|| ControlFlow::Continue(()));
         let trial = Following::play(&cases[0], average_map(), job.conditions, &mut player).unwrap();
         let WalkingTrial::Path(runs) = trial else { panic!("{trial:?}") };
-        // Times of the machine aside.
+        // Times of the machine do not count.
         runs.map(|run| Summary { tick_us: [0.0; 3], wall: 0.0, ..run })
     };
     let first = play();

@@ -1,4 +1,4 @@
-//! The check of limits: finds every violation made by hand, of the right kind, and no other.
+//! The check of limits finds every violation that is made by hand, of the right kind and no other.
 
 use std::sync::LazyLock;
 
@@ -52,7 +52,7 @@ static AT_REST: LazyLock<(Model, Command)> = LazyLock::new(|| {
     (model, command)
 });
 
-/// Commands made by hand, from rest at home, and the monitor that sees them.
+/// Commands made by hand, from rest at home, and the monitor that checks them.
 struct Hand {
     joints: Vec<JointLimits>,
     monitor: LimitMonitor,
@@ -60,8 +60,8 @@ struct Hand {
     q: Vec<f64>,
 }
 
-/// How one tick changes the velocities, as a share of what is allowed: of each joint in [-1, 1],
-/// and of the desired pose, linear and angular, each with a norm of at most 1.
+/// The change of velocities in a tick, as a share of the allowed change. Each joint's is in [-1, 1]; the linear and
+/// angular parts of the desired pose have a norm of at most 1.
 #[derive(Clone, Debug)]
 struct Change {
     joints: Vec<f64>,
@@ -83,7 +83,7 @@ impl Hand {
         Self::at(&MOCA_HOME)
     }
 
-    /// What the monitor says of the command as it stands; the robot then follows it.
+    /// Checks the present command; the robot then follows it.
     fn check(&mut self, returning: Return) -> Breaches {
         let breaches = self.monitor.check(&self.command, &self.q, returning);
         for (q, v) in self.q.iter_mut().zip(&self.command.joint_velocity) {
@@ -117,7 +117,7 @@ impl Hand {
     }
 }
 
-/// Speed and acceleration along or about an axis of the desired twist.
+/// Speed and acceleration limits along or about an axis of the desired twist.
 fn desired(axis: usize) -> (f64, f64) {
     if axis < 3 {
         (DESIRED.velocity, DESIRED.acceleration)
@@ -139,13 +139,13 @@ fn changes() -> impl Strategy<Value = Vec<Change>> {
     prop::collection::vec(change, 1..40)
 }
 
-/// How much a violation exceeds its limit, from just above rounding on.
+/// Ratio by which a violation exceeds its limit, beginning just above rounding.
 fn excess() -> impl Strategy<Value = f64> {
     (-4.0..1.0_f64).prop_map(|exponent| 1.0 + 10.0_f64.powf(exponent))
 }
 
 proptest! {
-    /// Whatever keeps the limits is not blamed, and what comes next is judged as if alone.
+    /// Commands within the limits are not blamed, and later ones are judged as if alone.
     #[test]
     fn what_keeps_the_limits_breaks_none(changes in changes()) {
         let mut hand = Hand::home();
@@ -157,7 +157,7 @@ proptest! {
     }
 
     #[test]
-    fn too_high_an_acceleration_of_a_joint_is_found(
+    fn excessive_joint_acceleration_is_found(
         changes in changes(), joint in 0..10_usize, excess in excess(), forwards in any::<bool>(),
     ) {
         let mut hand = Hand::home();
@@ -167,7 +167,7 @@ proptest! {
         }
         let step = hand.joints[joint].acceleration * PERIOD * excess;
         let v = &mut hand.command.joint_velocity[joint];
-        // Towards rest where there is no room the other way.
+        // The step goes towards rest if there is no room in the other direction.
         *v += if forwards == (*v < 0.0) { step } else { -step };
         prop_assume!(v.abs() <= hand.joints[joint].velocity);
         prop_assert_eq!(hand.check(Return::Free), ACCELERATION);
@@ -175,7 +175,7 @@ proptest! {
         prop_assert_eq!(hand.check(Return::Free), NOTHING);
     }
 
-    /// Of the arm's joints, which have such limits: 500 times their accelerations.
+    /// The jerk limits of the arm's joints are 500 times their accelerations.
     #[test]
     fn too_high_a_jerk_is_found(
         joint in 0..10_usize, shares in prop::collection::vec(-0.5..=0.5_f64, 0..20),
@@ -185,7 +185,7 @@ proptest! {
         let mut monitor = LimitMonitor::new(&model, &settings(), &MOCA_HOME);
         let mut command = command.clone();
         let acceleration = model.limits()[joint].acceleration;
-        // Of the limit of acceleration: at most half of it is gained in a tick.
+        // A tick gains at most half of the acceleration limit.
         let mut share = 0.0_f64;
         let mut next = |share: f64| {
             command.joint_velocity[joint] += share * acceleration * PERIOD;
@@ -201,9 +201,9 @@ proptest! {
         prop_assert_eq!(next(share + change), expected);
     }
 
-    /// By the norm: also where no axis alone exceeds the limit.
+    /// The norm counts, even if no axis alone exceeds the limit.
     #[test]
-    fn too_high_an_acceleration_of_the_desired_pose_is_found(
+    fn excessive_desired_acceleration_is_found(
         changes in changes(), direction in direction(), excess in excess(), angular in any::<bool>(),
     ) {
         let mut hand = Hand::home();
@@ -221,7 +221,7 @@ proptest! {
         prop_assert_eq!(hand.check(Return::Free), NOTHING);
     }
 
-    /// The speed alone: it is reached within the limits of acceleration.
+    /// Only the speed is too high: it is reached within the acceleration limits.
     #[test]
     fn too_high_a_speed_is_found(index in 0..16_usize, excess in excess(), forwards in any::<bool>()) {
         let mut hand = Hand::home();
@@ -236,7 +236,7 @@ proptest! {
             speed = (speed + step).min(limit);
             hand.set(index, sign * speed);
             prop_assert_eq!(hand.check(Return::Free), NOTHING);
-            // No farther than home: here the speed matters.
+            // The position stays at home, since only the speed matters here.
             hand.q = MOCA_HOME.to_vec();
         }
         hand.set(index, sign * (limit * excess).min(limit + step));
@@ -244,7 +244,7 @@ proptest! {
         prop_assert!(hand.monitor.margins().velocity < 0.0);
     }
 
-    /// Also where each axis of the base alone is slow enough.
+    /// The wheels may be too fast even if each axis of the base is slow enough.
     #[test]
     fn too_fast_wheels_are_found(shares in prop::array::uniform3(0.05..1.0_f64), excess in 1.0001..1.1_f64) {
         let mut hand = Hand::home();
@@ -264,14 +264,14 @@ proptest! {
         q[joint] = if up { limits.upper } else { limits.lower };
         let mut hand = Hand::at(&q);
         prop_assert_eq!(hand.check(Return::Free), NOTHING);
-        // Slow enough to be within the limit of acceleration.
+        // The speed is low enough for the acceleration limit.
         let v = speed * limits.acceleration * PERIOD;
         hand.command.joint_velocity[joint] = if up { v } else { -v };
         prop_assert_eq!(hand.check(Return::Free), RANGE);
         prop_assert!(hand.monitor.margins().position < 0.0);
     }
 
-    /// A joint that starts outside may stand and return, not go farther.
+    /// A joint that starts outside may stand and return, but not go farther.
     #[test]
     fn going_farther_out_is_found(joint in 3..10_usize, up in any::<bool>(), beyond in 1e-3..0.2_f64) {
         let limits = AT_REST.0.limits()[joint];
@@ -303,9 +303,9 @@ proptest! {
     }
 }
 
-/// The check by axes would let this pass: 4.5 m/s² along each of three axes are 7.8 m/s².
+/// A check by axes would accept this: 4.5 m/s² along each of three axes are 7.8 m/s².
 #[test]
-fn three_axes_at_their_limit_are_too_much_together() {
+fn three_axes_at_their_limits_violate_norm() {
     let mut hand = Hand::home();
     let most = DESIRED.acceleration * PERIOD;
     hand.command.desired_twist = Vector6::new(most, most, most, 0.0, 0.0, 0.0);
@@ -315,7 +315,7 @@ fn three_axes_at_their_limit_are_too_much_together() {
 }
 
 #[test]
-fn a_joint_outside_has_to_return_unless_it_is_hindered() {
+fn joint_outside_must_return_unless_hindered() {
     let ticks_until_found = |returning| {
         let mut q = MOCA_HOME.to_vec();
         q[6] = 0.1; // the fourth joint of the arm ends at -0.0698 rad
@@ -326,9 +326,9 @@ fn a_joint_outside_has_to_return_unless_it_is_hindered() {
     assert_eq!(ticks_until_found(Return::Hindered), None);
 }
 
-/// Once within its range, a joint is like any other.
+/// A joint that has returned into its range is like any other.
 #[test]
-fn who_has_returned_may_not_leave_again() {
+fn returned_joint_may_not_leave_again() {
     let mut q = MOCA_HOME.to_vec();
     let mut hand = Hand::home();
     let JointLimits { upper, acceleration, .. } = hand.joints[6];

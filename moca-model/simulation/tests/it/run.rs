@@ -1,4 +1,4 @@
-//! Runs: on the walk that the repository ships as a recording, and on random ones.
+//! Runs on the shipped recording and on random ones.
 
 use std::{ops::ControlFlow, sync::LazyLock};
 
@@ -41,7 +41,7 @@ fn assert_sound_and_worth_it(scenario: &Scenario) -> [Summary; 2] {
     assert!(on.together > 30.0 && off.together > 30.0, "{} s, {} s", on.together, off.together);
     assert!(on.score_mean <= 0.3, "e_s with ergonomics: {}", on.score_mean);
     assert!(off.score_mean >= 3.0 * on.score_mean, "{} {}", off.score_mean, on.score_mean);
-    // Both begin to work together in the same place, which may be the worst.
+    // Both runs begin to work together in the same place, which may be the worst.
     assert!(off.reba_max >= on.reba_max, "{} {}", off.reba_max, on.reba_max);
     assert!(off.reba_mean >= 2.0 * on.reba_mean, "{} {}", off.reba_mean, on.reba_mean);
     assert_eq!((on.protective_stops, on.torque_violations), (0, Some(0)));
@@ -52,7 +52,7 @@ fn shipped() -> Scenario {
     Scenario::new(recorded(), &Person::average(), average_map().clone()).unwrap()
 }
 
-/// As shipped: at protective distances, under torques. The desired pose goes along with a robot that
+/// The settings are as shipped: protective distances and torques. The desired pose moves along with a robot that
 /// stands, so that it is outside the shared workspace for a while.
 #[test]
 fn ergonomics_pay_on_the_shipped_recording() {
@@ -64,8 +64,8 @@ fn ergonomics_pay_on_the_shipped_recording() {
     assert_eq!(off.protective_stops, 0);
 }
 
-/// Somebody else stands where the robot begins to follow the person to: it keeps away from them, too, and
-/// more of them than it has room for stop it.
+/// Another person stands where the robot begins to follow the person to. The robot also keeps away from them, and more
+/// people than it has room for stop it.
 #[test]
 fn others_in_a_recording_are_kept_away_from() {
     let mut scenario = shipped();
@@ -91,10 +91,10 @@ fn others_in_a_recording_are_kept_away_from() {
     let beside = among(&[standing_at(0.7, 0.7)]);
     assert_sound(&beside, "somebody beside the tool");
     assert_eq!(beside.separation_violations, 0);
-    // Somebody who stands is measured to stand: the robot comes all the same, and hardly sooner.
+    // A standing person is measured to stand. The robot still comes, and hardly sooner.
     assert!(beside.outside >= alone.outside - 0.1, "{} {}", beside.outside, alone.outside);
     assert!(beside.together <= alone.together + 0.1, "{} {}", beside.together, alone.together);
-    // Until they engage, the person is one of the others.
+    // The person is one of the others until they engage.
     let work = scenario
         .percepts
         .iter()
@@ -119,15 +119,15 @@ fn others_in_a_recording_are_kept_away_from() {
 #[test]
 fn ergonomics_pay_without_separation() {
     let [on, off] = assert_sound_and_worth_it(&shipped().without_separation());
-    // A person who works pushes a tool of some 2 N/mm with 20 N, at the end of a drill of 0.2 m.
+    // A working person pushes a tool of some 2 N/mm with 20 N, at the end of a drill of 0.2 m.
     assert!(on.tracking_error_rms_mm < 15.0, "{} mm", on.tracking_error_rms_mm);
-    // Both keep to the shared workspace but for its fastest moves.
+    // Both keep within the shared workspace except for its fastest motions.
     assert!(on.outside < 0.1 * on.together && off.outside < 0.2 * off.together);
 }
 
-/// Noise, dropped joints, vanishing people and jumps of two metres, people from 1.5 to 2 m: of each
-/// random recording another piece. `AHQP_CASES=500 cargo test --release -p moca-simulation --test it run::`
-/// plays as many as one likes.
+/// Each random recording contributes another piece. There are noise, dropped joints, vanishing people and jumps of two
+/// metres, with people from 1.5 to 2 m. Set the number of recordings with `AHQP_CASES=500 cargo test --release -p
+/// moca-simulation --test it run::`.
 fn assert_sound_on_random_recordings(goal: Goal) {
     static SCENARIOS: LazyLock<Vec<Scenario>> =
         LazyLock::new(|| (0..cases(10)).map(random_scenario).collect());
@@ -147,18 +147,18 @@ fn random_scenario(seed: u64) -> Scenario {
 }
 
 #[test]
-fn random_recordings_violate_no_limit_and_fail_no_solve() {
+fn random_recordings_keep_all_limits() {
     assert_sound_on_random_recordings(Goal::Ergonomics);
 }
 
 #[test]
-fn random_recordings_violate_no_limit_and_fail_no_solve_without_ergonomics() {
+fn random_recordings_keep_limits_without_ergonomics() {
     assert_sound_on_random_recordings(Goal::LeastMotion);
 }
 
-/// Joints that start outside their limits come back, without a failure on the way.
+/// Joints that start outside their limits return without a failure on the way.
 #[test]
-fn a_start_outside_the_limits_is_left_within_the_limits() {
+fn joints_return_from_outside_their_limits() {
     let mut scenario =
         Scenario::new(Walker::random(7).collect(), &Person::average(), average_map().clone())
             .unwrap()

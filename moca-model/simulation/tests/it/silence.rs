@@ -1,4 +1,4 @@
-//! Measurements that stop or freeze in the middle of `follow`, judged by the true joints of the simulated robot.
+//! Measurements stop or freeze in the middle of `follow`. The true joints of the simulated robot are judged.
 
 use ergo_map::Person;
 use moca_model::{Controller, MOCA_BASE_JOINTS};
@@ -8,19 +8,20 @@ use nalgebra::Vector3;
 
 use crate::support::{average_map, recorded};
 
-/// Moments of the run at which measurements stop.
+/// Number of moments of the run at which measurements stop.
 const MOMENTS: usize = 50;
-/// Ticks for which they may be missing without a fault, and in which one is named at the latest.
+/// Number of ticks without measurements that cause no fault, and number of ticks until a fault is reported at the
+/// latest.
 const BRIDGED: u32 = 3;
 const FAULT: u32 = 10;
-/// Ticks after which a loop halts a robot that it does not see.
+/// Number of ticks after which a loop halts a robot without measurements.
 const BLIND: u32 = 100;
 
-/// What a robot does whose measurements stop at a moment.
+/// The behaviour of a robot whose measurements stop at a moment.
 struct Outcome {
-    /// The most by which a joint is faster than 1.2 times as when it began, and 0.1 rad/s [rad/s].
+    /// Largest excess speed of a joint over 1.2 times its speed at the beginning plus 0.1 rad/s \[rad/s\].
     excess: f64,
-    /// In which tick the first fault is named.
+    /// Tick in which the first fault is reported.
     fault: Option<u32>,
 }
 
@@ -29,13 +30,13 @@ fn arm(plant: &Plant) -> Vec<f64> {
     velocity[MOCA_BASE_JOINTS..].iter().map(|velocity| velocity.abs()).collect()
 }
 
-/// For so many ticks the controller hears this; then for 0.1 s the robot again. After 0.1 s no command comes any more, as
-/// from a loop that halts a robot that it does not see.
+/// The controller gets this measurement for `ticks` ticks, then true ones for 0.1 s. After 0.1 s no command is sent, as
+/// by a loop that halts a robot without measurements.
 fn branch(plant: &Plant, begin: f64, heard: Heard, ticks: u32) -> Outcome {
     let mut plant = plant.clone();
     let before = arm(&plant);
     let mut outcome = Outcome { excess: f64::NEG_INFINITY, fault: None };
-    // What ends sooner than a fault is followed by whatever the robot is told.
+    // Disturbances that end before a fault are followed by any command.
     let judged = if ticks > FAULT { ticks + 100 } else { ticks };
     for tick in 1..=judged {
         let heard = if tick <= ticks { heard } else { Heard::Measurement };
@@ -54,8 +55,8 @@ fn branch(plant: &Plant, begin: f64, heard: Heard, ticks: u32) -> Outcome {
     outcome
 }
 
-/// 50 moments of the loop of `follow`, in which nobody pushes what the robot holds: under a push that lasts an arm that
-/// is not measured moves, whoever controls it.
+/// 50 moments of the loop of `follow` without a push on the held object. Under a lasting push an arm without
+/// measurements moves, whatever controls it.
 fn moments() -> Vec<(f64, Plant)> {
     let scenario = Scenario::new(recorded(), &Person::average(), average_map().clone()).unwrap();
     let Scenario { model, comfort, settings, start, torques, .. } = &scenario;
@@ -102,7 +103,7 @@ fn no_joint_runs_away_when_measurements_stop() {
                 worst = worst.max(excess);
                 latest = latest.max(fault.unwrap_or_default());
             }
-            // For the table of the book.
+            // This line is for the table of the book.
             println!("bound {heard:?} {ticks} ms: {worst:.4} rad/s, fault {latest} ms");
         }
     }

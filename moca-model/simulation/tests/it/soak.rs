@@ -1,4 +1,4 @@
-//! The closed loop under random people, workspaces and losses, for a short while.
+//! The closed loop under random people, workspaces and losses, for a short time.
 
 use std::ops::ControlFlow;
 
@@ -21,9 +21,9 @@ fn nothing_goes_wrong() {
     assert!(moving > 2_700, "the robot moves: {moving} ticks");
 }
 
-/// Each movement of one person, who works with the robot; the longer form is `soak --movements 100`.
+/// Each movement of a person who works with the robot. The longer form is `soak --movements 100`.
 #[test]
-fn nobody_who_moves_on_the_spot_is_approached_too_near() {
+fn people_moving_on_the_spot_are_safe() {
     let movements = Movements { seed: 1, people: 1, robot: PlantSettings::default() };
     let results = movements.run(|_| ControlFlow::Continue(())).unwrap();
     assert_eq!(results.wrong(), 0, "{:?}", results.findings);
@@ -32,7 +32,7 @@ fn nobody_who_moves_on_the_spot_is_approached_too_near() {
     assert!(speed < 0.35, "{speed} m/s within 5 cm");
 }
 
-/// One after the other goes wrong: cameras, clocks, measurements, a push.
+/// One thing after the other fails: cameras, clocks, measurements; and there is a push.
 #[test]
 fn disturbances_end_in_the_states_of_the_book() {
     let mut ended = 0;
@@ -48,13 +48,13 @@ fn disturbances_end_in_the_states_of_the_book() {
 }
 
 #[test]
-fn a_disturbance_asks_for_more_the_longer_it_lasts() {
+fn longer_disturbances_need_stricter_states() {
     for disturbance in Disturbance::ALL {
         let states = (0..200_u32).map(|tick| disturbance.least_state(0.01 * f64::from(tick)));
         assert!(states.is_sorted(), "{disturbance:?}");
         assert_eq!(disturbance.least_state(0.0), SafetyState::Normal);
-        // A camera that was moved cannot be noticed; a line that loses a third of the commands is bridged; ticks that
-        // are late now and then are no fault.
+        // A moved camera cannot be noticed. A line that loses a third of the commands is bridged. Occasional late ticks
+        // are no fault.
         let is_borne = matches!(
             disturbance,
             Disturbance::CameraMoved | Disturbance::CommandsThinned | Disturbance::TicksLate
@@ -75,7 +75,7 @@ fn a_seed_gives_the_same_ticks() {
 }
 
 #[test]
-fn the_last_line_is_one_json_object_with_the_names_of_the_book() {
+fn last_line_is_json_with_documented_names() {
     let line = serde_json::to_string(&run(2, 100)).unwrap();
     let value: serde_json::Value = serde_json::from_str(&line).unwrap();
     for key in [

@@ -1,4 +1,4 @@
-//! What the tests share.
+//! Data that the tests share.
 
 use std::sync::LazyLock;
 
@@ -15,7 +15,7 @@ pub(crate) fn average_map() -> &'static ErgonomicsMap {
     &MAP
 }
 
-/// The walk of the default settings, as a recording holds it.
+/// The walk of the default settings as a recording.
 pub(crate) fn recorded() -> Vec<Percept> {
     let walker = Walker::new(WalkerSettings::default()).unwrap();
     let mut writer = Writer::new(Vec::new(), &walker.header()).unwrap();
@@ -24,7 +24,7 @@ pub(crate) fn recorded() -> Vec<Percept> {
     Reader::new(&text[..]).unwrap().map(Result::unwrap).collect()
 }
 
-/// How many random cases to try: AHQP_CASES, or so many.
+/// Number of random cases: AHQP_CASES, or the default.
 pub(crate) fn cases(default: u64) -> u64 {
     std::env::var("AHQP_CASES").ok().and_then(|value| value.parse().ok()).unwrap_or(default)
 }

@@ -1,4 +1,4 @@
-//! The simulated person: reproducible, plausible, and as bad for a controller as asked.
+//! The simulated person is reproducible, plausible, and as hard for a controller as asked.
 
 use std::{collections::HashSet, f64::consts::TAU};
 
@@ -25,7 +25,7 @@ fn the_shipped_recording_tells_the_story() {
     let percepts = recorded();
     let last = percepts.last().unwrap().time;
     assert!((40.0..=60.0).contains(&last), "{last} s");
-    // What is recognised with confidence, one entry a change.
+    // Actions that are recognised with confidence, one entry for each change.
     let mut actions: Vec<Action> = percepts
         .iter()
         .filter_map(|percept| percept.action)
@@ -59,7 +59,7 @@ fn the_shipped_recording_tells_the_story() {
 }
 
 #[test]
-fn the_same_seed_gives_the_same_walk_and_another_seed_another() {
+fn walk_depends_only_on_its_seed() {
     let walk = |seed| Walker::random(seed).collect::<Vec<_>>();
     assert_eq!(walk(3), walk(3));
     assert_ne!(walk(3), walk(4));
@@ -94,7 +94,7 @@ fn people_walk_like_people_on_every_path() {
                 assert!(now.floor.x > 1.0, "{path:?}: not into the robot's first place");
             }
             directions.extend(now.action.walking_direction());
-            // Without noise the camera sees the truth.
+            // The camera without noise sees the truth.
             let hip = percept.as_ref().unwrap().body.as_ref().unwrap();
             let hip = hip.get(vision_models::Body25::MidHip).unwrap().position;
             assert!((hip.xy() - now.floor).norm() < 1e-9);
@@ -133,15 +133,14 @@ fn the_tracker_follows_the_shipped_walk() {
         };
         assert_ne!(pose.status, TrackStatus::Lost, "at {} s", truth.time);
         floor_error += (pose.floor - truth.floor).norm_squared();
-        // The person starts at half a turn: which way round it is measured is open.
+        // The person starts at half a turn, which may be measured with either sign.
         let turned = pose.heading - truth.heading;
         heading_error += (turned - TAU * (turned / TAU).round()).powi(2);
         count += 1.0;
     }
     let (floor_error, heading_error) =
         (f64::sqrt(floor_error / count), f64::sqrt(heading_error / count));
-    // The person works up to 3.4 m from the camera, where the depth of a joint has a
-    // standard deviation of 45 mm.
+    // The person works up to 3.4 m from the camera, where the depth of a joint has a standard deviation of 45 mm.
     assert!(floor_error < 0.04, "position: {floor_error} m RMS");
     assert!(heading_error < 0.1, "heading: {heading_error} rad RMS");
     let stature = tracker.stature().unwrap();
@@ -161,7 +160,7 @@ fn random_walks_vanish_and_jump() {
             jumped |= hip.is_some_and(|hip| (hip.position.xy() - truth.floor).norm() > 1.5);
         }
         assert!(longest >= 6, "seed {seed}: vanishes for 0.3 s at least, not {longest} frames");
-        // A jump may fall into a vanishing; then there is none to be seen.
+        // A jump may be within a vanishing, where it is not seen.
         assert!(jumped || longest > 6, "seed {seed} never jumps");
     }
 }

@@ -1,4 +1,4 @@
-//! The person who does what nobody expects, and the way of a frame to the controller.
+//! The person who behaves unexpectedly, and the transport of frames to the controller.
 
 use moca_simulation::people::{
     CameraSettings, FRAME_RATE, Joints, Perception, Person, Transport, Wanderer,
@@ -14,7 +14,7 @@ fn draw(seed: u64) -> ChaCha8Rng {
     ChaCha8Rng::seed_from_u64(seed)
 }
 
-/// What they work on.
+/// The object that they work on.
 const OBJECT: Point3<f64> = Point3::new(1.0, 0.0, 1.0);
 
 /// Twelve seconds of a wanderer around an object, tick by tick.
@@ -28,7 +28,7 @@ fn wander(seed: u64, mut each: impl FnMut(f64, &Wanderer)) {
 }
 
 #[test]
-fn no_joint_but_an_arms_is_faster_than_the_protective_distance_assumes() {
+fn only_arms_exceed_the_assumed_speed() {
     use Body25::{LeftElbow, LeftWrist, RightElbow, RightWrist};
     for seed in 0..40 {
         let mut before: Option<Joints> = None;
@@ -48,7 +48,7 @@ fn no_joint_but_an_arms_is_faster_than_the_protective_distance_assumes() {
     }
 }
 
-/// All that a soak is for happens: walking up to the tool, work, jumps, losses, long absences.
+/// A soak needs all of this to happen: walks up to the tool, work, jumps, losses and long absences.
 #[test]
 fn people_do_what_nobody_expects() {
     let (mut near, mut together, mut jumps, mut unseen, mut absent) = (0, 0, 0, 0, 0);
@@ -87,7 +87,7 @@ fn frames(settings: CameraSettings, seed: u64) -> Vec<(Person, Option<Percept>)>
 }
 
 #[test]
-fn no_joint_is_seen_farther_away_than_the_largest_error() {
+fn joint_errors_stay_below_the_largest() {
     for (largest, noise) in [(0.02, 1.0), (0.02, 5.0), (0.0, 1.0)] {
         let settings = CameraSettings {
             noise,
@@ -120,7 +120,7 @@ fn nobody_out_of_view_is_seen() {
 }
 
 proptest! {
-    /// Every frame that was sent arrives once, in order, 20 to 90 ms late or with the one before.
+    /// Every frame that was sent arrives once, in order, 20 to 90 ms late or together with the one before.
     #[test]
     fn frames_arrive_late_and_in_order(
         seed in any::<u64>(), sent in prop::collection::vec((0.001..0.2_f64, any::<bool>()), 1..60),

@@ -1,4 +1,4 @@
-//! What a tick measures, what is known of the robot by it, and who pushes.
+//! Measurements of a tick, prediction of the state, and external forces.
 
 use hrsw_safety::Fault;
 use nalgebra::Vector3;
@@ -7,7 +7,7 @@ use whole_body::torque::{JointState, MeasurementFault, SupportedMotion};
 use super::{Measured, TorqueController};
 use crate::error::Error;
 
-/// Which of the measurements of a tick can be used.
+/// Usability of the measurements of a tick.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Usable {
     pub(super) position: bool,
@@ -15,13 +15,13 @@ pub(super) struct Usable {
     pub(super) torque: Torques,
 }
 
-/// What is known of the torques that act on the driven joints.
+/// Usability of the measured torques of the joints with torque drives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Torques {
     Measured,
-    /// At least one joint measures none.
+    /// At least one joint has no torque sensor.
     NotMeasured,
-    /// At least one is no number.
+    /// At least one torque is not a usable number.
     Bad,
 }
 
@@ -31,10 +31,10 @@ impl Usable {
     }
 }
 
-/// Torques older than this do not say who pushes the robot now \[s\].
+/// Age up to which torques show the present external force \[s\].
 const FELT: f64 = 5e-3;
 
-/// Numbers above this are refused, as by [`Model::is_configuration`].
+/// Larger numbers are refused, as by [`Model::is_configuration`].
 const LARGEST: f64 = 1e12;
 
 fn is_sensible(value: f64) -> bool {
@@ -42,7 +42,7 @@ fn is_sensible(value: f64) -> bool {
 }
 
 impl TorqueController {
-    /// Where the robot is by now; a fault if that is not known well enough.
+    /// Predicts the present state of the robot. Reports a fault if it is not known well enough.
     pub(super) fn predict(&mut self, age: f64) {
         let period = self.controller.settings().period;
         let measured = JointState { position: &self.position, velocity: &self.velocity };
@@ -55,7 +55,7 @@ impl TorqueController {
             MeasurementFault::Missing => Fault::MissingMeasurement,
             MeasurementFault::Frozen => Fault::FrozenMeasurement,
         });
-        // Nothing is made up for when the robot is measured again.
+        // The commanded state restarts, so that no motion is made up for when measurements return.
         if fault.is_some() || self.is_lost {
             self.controller.restart();
         }
@@ -65,8 +65,8 @@ impl TorqueController {
         }
     }
 
-    /// Finds the force from outside by a new measurement, and tells the supervisor. Gravity is that of where the robot
-    /// is.
+    /// Estimates the external force by a new measurement and reports it to the supervisor. Gravity is that of the
+    /// predicted position.
     pub(super) fn feel(&mut self, usable: Usable, is_new: bool) {
         self.unobserved += self.elapsed;
         let observes = usable.torque == Torques::Measured && is_new;
@@ -81,11 +81,11 @@ impl TorqueController {
             self.controller.feel(self.force.norm());
         }
         self.weigh();
-        // The position is that of a configuration.
+        // The position is a valid configuration.
         let _ = self.support();
     }
 
-    /// Takes of what is measured what can be used.
+    /// Copies the usable parts of a measurement.
     pub(super) fn take(&mut self, measured: &Measured<'_>) -> Usable {
         let Measured { position, velocity, torque, .. } = *measured;
         let driven = || self.joints.iter().map(|joint| torque.get(*joint).copied().flatten());
@@ -118,7 +118,7 @@ impl TorqueController {
         usable
     }
 
-    /// Joints without a measured position move on at their velocities.
+    /// Moves joints without a measured position on at their velocities.
     fn move_on(&mut self, measured: &[f64]) {
         let period = self.controller.settings().period;
         let measured = measured.iter().copied().map(Some).chain(std::iter::repeat(None));
@@ -133,7 +133,7 @@ impl TorqueController {
         }
     }
 
-    /// Whether what pushes the robot is a weight.
+    /// Checks whether the external force is the weight of a payload.
     fn weigh(&mut self) {
         let gives_way = self.controller.safety().supervisor().gives_way();
         let force = Some(&self.force).filter(|_| gives_way);
@@ -143,7 +143,7 @@ impl TorqueController {
         }
     }
 
-    /// The force from outside since the last update of the observer.
+    /// Estimates the external force since the last update of the observer.
     fn observe_force(&mut self) -> Result<(), Error> {
         let model = self.controller.robot().model();
         let posed = self.data.pose(model, &self.position)?;
@@ -154,7 +154,7 @@ impl TorqueController {
         Ok(())
     }
 
-    /// What the arm needs beside spring and damper where it is, as it moves.
+    /// Computes the torques beside spring and damper for the predicted motion.
     pub(super) fn support(&mut self) -> Result<(), Error> {
         let model = self.controller.robot().model();
         let motion = SupportedMotion {

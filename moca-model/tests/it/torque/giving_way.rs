@@ -1,9 +1,9 @@
-//! Pushes and weights: the arm gives way, within bounds.
+//! The arm yields to pushes and weights within bounds.
 
 use super::*;
 
-/// An arm gives way to a push slowly, and not for ever. A joint that is pushed harder than its motor can hold is held by
-/// nothing: the wrist's 12 Nm are less than 80 N at the tool.
+/// An arm yields to a push slowly and by a limited distance. Nothing holds a joint that is pushed harder than its motor
+/// can hold. The wrist's 12 Nm are less than 80 N at the tool.
 #[test]
 fn giving_way_is_bounded_in_speed_and_travel() {
     for (force, travel) in [
@@ -30,16 +30,16 @@ fn giving_way_is_bounded_in_speed_and_travel() {
         assert_eq!(robot.cause(), Some(Fault::ContactForce));
         let gone = (robot.tool() - start).norm();
         assert!(gone > 0.15 && gone < travel, "{force}: {gone} m");
-        // It accelerates until the push is felt, then gives way at a tenth.
+        // The arm accelerates until the push is noticed, then yields at a tenth of its speed.
         assert!(fastest < 0.5, "{force}: {fastest} of its speed");
         let strong = [&is_overpowered[..4], &is_overpowered[6..]].concat();
         assert!(!strong.contains(&true), "{force}: {is_overpowered:?}");
     }
 }
 
-/// Five kilograms that nobody told of do not sink, and are named.
+/// An undeclared payload of five kilograms does not sink and is reported.
 #[test]
-fn a_weight_that_nobody_told_of_is_held_and_named() {
+fn undeclared_payload_is_held_and_reported() {
     let mut settings = ControllerSettings::default();
     settings.safety.supervisor.contact_force = 40.0;
     let mut robot = Loop::new(settings);

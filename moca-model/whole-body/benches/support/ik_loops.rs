@@ -1,4 +1,4 @@
-//! Stacks of three robots that move, for benchmarks of `Ik::step`.
+//! Stacks of three moving robots, for benchmarks of `Ik::step`.
 
 use nalgebra::{Isometry3, Point3, Vector3};
 use whole_body::limits::{FrameVelocityLimit, WheelLimit};
@@ -9,7 +9,7 @@ use whole_body::tasks::{
 };
 use whole_body::{Base, Description, Ik, Model};
 
-/// A stack whose hands go round on circles of 5 cm.
+/// A stack whose hands move on circles of 5 cm.
 pub(crate) struct Loop {
     pub(crate) ik: Ik,
     q: Vec<f64>,
@@ -63,7 +63,7 @@ pub(crate) fn panda() -> Loop {
     Loop { ik, q, hands: vec![(Hand::Position(position), start.translation.vector)], tick: 0 }
 }
 
-/// Wheels, both hands' positions, their orientations, the head, the base at its place, posture.
+/// Two arms on a base: wheels, positions of both hands, their orientations, the head, the base's place, posture.
 pub(crate) fn two_arms() -> Loop {
     let urdf = include_str!("../../examples/urdf/two_arms.urdf");
     let [linear, angular] = [(1.0, 1.0), (2.0, 3.0)].map(|(v, a)| LimitOverride::of_speed(v, a));
@@ -112,7 +112,7 @@ pub(crate) fn two_arms() -> Loop {
     Loop { ik, q, hands, tick: 0 }
 }
 
-/// Feet, the centre of mass, both hands, the head, posture; the hands are slow (12 rows), and 48
+/// A humanoid: feet, centre of mass, both hands, head, posture. The speed of the hands is limited (12 rows), and 48
 /// rows stand for distances to obstacles.
 pub(crate) fn humanoid() -> Loop {
     let urdf = include_str!("../../examples/urdf/humanoid.urdf");

@@ -1,4 +1,4 @@
-//! The time of a loop.
+//! Clocks that a control loop waits on.
 
 use std::cell::Cell;
 use std::rc::Rc;
@@ -14,7 +14,7 @@ pub trait Clock {
     fn sleep_until(&mut self, time: f64);
 }
 
-/// The system's monotonic clock, from when it was made.
+/// The system's monotonic clock. Its time begins at its construction.
 #[derive(Debug, Clone, Copy)]
 pub struct MonotonicClock {
     start: Instant,
@@ -22,8 +22,8 @@ pub struct MonotonicClock {
 }
 
 impl MonotonicClock {
-    /// A clock whose waits sleep, but for the last `spin` \[s\], which they spend awake: that wakes up more
-    /// exactly and keeps a processor busy. Zero only sleeps.
+    /// Creates a clock whose waits sleep until `spin` \[s\] before their end and spend the rest in a busy loop. That
+    /// wakes up more exactly and keeps a processor busy. Zero only sleeps.
     pub fn new(spin: f64) -> Self {
         Self { start: Instant::now(), spin: spin.max(0.0) }
     }
@@ -51,8 +51,8 @@ impl Clock for MonotonicClock {
     }
 }
 
-/// A clock that tests drive: it stands still but for waits and for what [`advance`](Self::advance) adds. Its
-/// clones are the same clock.
+/// A clock that tests drive. Its time passes only in waits and by [`advance`](Self::advance). Its clones share one
+/// time.
 ///
 /// ```
 /// use whole_body::control_loop::{Clock, ManualClock};
@@ -68,7 +68,7 @@ pub struct ManualClock {
 }
 
 impl ManualClock {
-    /// Lets time pass \[s\].
+    /// Advances the clock by `time` \[s\].
     pub fn advance(&self, time: f64) {
         self.now.set(self.now.get() + time);
     }

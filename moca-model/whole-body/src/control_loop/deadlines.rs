@@ -2,10 +2,10 @@
 
 /// Width of a bin \[s\].
 const WIDTH: f64 = 1e-6;
-/// What takes ten milliseconds or more is in the last bin.
+/// Number of bins. The last one counts all times of ten milliseconds and more.
 const BINS: usize = 10_001;
 
-/// A histogram of times, to a microsecond, of a size that does not grow.
+/// A histogram of times with bins of a microsecond. Its memory does not grow.
 ///
 /// ```
 /// use whole_body::control_loop::TimeHistogram;
@@ -21,7 +21,7 @@ pub struct TimeHistogram {
     longest: f64,
 }
 
-/// Empty.
+/// Creates an empty histogram.
 impl Default for TimeHistogram {
     fn default() -> Self {
         Self { bins: vec![0; BINS], count: 0, longest: 0.0 }
@@ -29,9 +29,9 @@ impl Default for TimeHistogram {
 }
 
 impl TimeHistogram {
-    /// Counts a time \[s\]; one of ten milliseconds or more as ten.
+    /// Counts a time \[s\]. Times above ten milliseconds count as ten milliseconds.
     pub fn push(&mut self, time: f64) {
-        // Negative and NaN become 0, and what is too long the last bin.
+        // Negative times and NaN count as 0, long ones in the last bin.
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "as above")]
         let bin = ((time / WIDTH) as usize).min(BINS - 1);
         if let Some(bin) = self.bins.get_mut(bin) {
@@ -41,17 +41,17 @@ impl TimeHistogram {
         self.longest = self.longest.max(time);
     }
 
-    /// How many times were counted.
+    /// The number of times that were counted.
     pub fn count(&self) -> u64 {
         self.count
     }
 
-    /// The longest \[s\].
+    /// The longest time \[s\].
     pub fn longest(&self) -> f64 {
         self.longest
     }
 
-    /// The time that a share of all, 0 to 1, do not exceed \[s\], to a microsecond; zero if there are none.
+    /// The quantile at `share`, 0 to 1, of the counted times \[s\], to a microsecond. Zero if nothing was counted.
     pub fn quantile(&self, share: f64) -> f64 {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share")]
         let rank = (share.clamp(0.0, 1.0) * self.count as f64).ceil().max(1.0) as u64;
@@ -66,12 +66,12 @@ impl TimeHistogram {
     }
 }
 
-/// How well a loop keeps its deadlines.
+/// Statistics of how well a loop keeps its deadlines.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DeadlineStatistics {
-    /// From when a tick is due to when it begins.
+    /// Times from when a tick is due until it begins.
     pub latency: TimeHistogram,
-    /// From when a tick begins to when its command is sent.
+    /// Times from when a tick begins until its command is sent.
     pub duration: TimeHistogram,
     /// Ticks that ran.
     pub ticks: u64,

@@ -1,16 +1,16 @@
-//! The controller as a loop sees it.
+//! The interface of a control law.
 
 use super::robot_side::{JointCommand, JointMeasurement};
 
-/// What a loop computes. No call but [`begin`](Self::begin) may allocate, wait or block.
+/// A control law, which turns measurements into commands. Only [`begin`](Self::begin) may allocate, wait or block.
 pub trait ControlLaw {
-    /// Misuse, so that the loop must end. What the law can handle it handles itself.
+    /// Misuse, after which the loop must end. The law handles everything else itself.
     type Error;
 
-    /// Takes the first measurement, before the first step. It may allocate and tell people, for nothing moves yet.
+    /// Takes the first measurement, before the first step. It may allocate and print messages, for nothing moves yet.
     ///
     /// # Errors
-    /// Why the law cannot move a robot that measures this; the loop then ends without a command.
+    /// The law cannot move a robot that measures this. The loop then ends without a command.
     fn begin(&mut self, measured: &JointMeasurement) -> Result<(), Self::Error> {
         let _ = measured;
         Ok(())
@@ -27,25 +27,24 @@ pub trait ControlLaw {
         command: &mut JointCommand,
     ) -> Result<(), Self::Error>;
 
-    /// The longest time between measurements at which it can control the robot \[s\]; none if it needs no measurements.
-    /// A loop refuses a robot that measures more seldom.
+    /// The longest time between measurements with which the law can control the robot \[s\]; `None` if it needs none. A
+    /// loop refuses a robot that measures less often.
     fn longest_interval(&self) -> Option<f64> {
         None
     }
 
-    /// How old what is known of the robot was at the last step \[s\]: that of the measurement, unless the law knows
-    /// better.
+    /// The age of the robot's measured state at the last step \[s\]. The default is the age of the measurement.
     fn measurement_age(&self, measured: &JointMeasurement) -> f64 {
         measured.age
     }
 
-    /// The age at the last step of the newest thing that was perceived \[s\], infinite before the first; none for a
-    /// law that perceives nothing.
+    /// The age of the newest perception at the last step \[s\], infinite before the first one. `None` for a law that
+    /// perceives nothing.
     fn perception_age(&self) -> Option<f64>;
 
-    /// From the next step on it brings the robot to rest within its limits, and keeps it there.
+    /// Asks the law to bring the robot to rest within its limits, from the next step on, and to keep it there.
     fn request_stop(&mut self);
 
-    /// Whether the robot is at rest, as measured, and told to be; none if that is not known.
+    /// Returns whether the robot is measured at rest and commanded to stay there; `None` if that is not known.
     fn is_at_rest(&self, measured: &JointMeasurement) -> Option<bool>;
 }

@@ -1,28 +1,28 @@
-//! The robot as a loop sees it.
+//! The interface of a robot.
 
 use crate::robot::model::Model;
 
-/// What a robot measures, one element an entry of q and q̇, and what it says of itself.
+/// Measurements of a robot, one element for each entry of q and q̇, and its status.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointMeasurement {
     /// q \[m or rad\].
     pub position: Vec<f64>,
     /// q̇ \[m/s or rad/s\].
     pub velocity: Vec<f64>,
-    /// Torques behind the gears \[N or Nm\]; none for a joint that measures none.
+    /// Torques at the output of the gears \[N or Nm\]; `None` for a joint without a torque sensor.
     pub torque: Vec<Option<f64>>,
-    /// What the robot says of itself.
+    /// The status that the robot reports.
     pub robot: RobotStatus,
-    /// Time since this came from the robot \[s\]: zero for a measurement of this tick. The loop writes it.
+    /// Time since this measurement came from the robot \[s\], zero if it came in this tick. The loop writes it.
     pub age: f64,
 }
 
-/// What a robot says of itself; none for what it does not say.
+/// The status that a robot reports. `None` stands for what it does not report.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct RobotStatus {
-    /// Whether it takes commands, or why it does not.
+    /// Whether the robot takes commands, or why it does not.
     pub mode: Option<RobotMode>,
-    /// Whether it took the command before this measurement.
+    /// Whether the robot took the last command before this measurement.
     pub took_command: Option<bool>,
 }
 
@@ -30,41 +30,41 @@ pub struct RobotStatus {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum RobotMode {
-    /// It takes commands.
+    /// The robot takes commands.
     Running,
-    /// It stopped by itself, for lost commands or an error of its own.
+    /// The robot stopped by itself because commands were lost or because of an internal error.
     Stopped,
-    /// It stopped by itself for a contact or a limit.
+    /// The robot stopped by itself because of a contact or a limit.
     Reflex,
-    /// Somebody stopped it, by an enabling device or an emergency stop.
+    /// Somebody stopped the robot by an enabling device or an emergency stop.
     UserStop,
 }
 
 impl RobotStatus {
-    /// Returns true if the robot says that it takes no commands.
+    /// Returns true if the robot reports that it takes no commands.
     pub fn is_stopped(self) -> bool {
         self.mode.is_some_and(|mode| mode != RobotMode::Running)
     }
 }
 
-/// What a robot is told, one element an entry of q and q̇. Which of them a joint follows is the robot's.
+/// A command to a robot, one element for each entry of q and q̇. The robot decides which of them each joint follows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointCommand {
     /// q* \[m or rad\].
     pub position: Vec<f64>,
     /// q̇* \[m/s or rad/s\].
     pub velocity: Vec<f64>,
-    /// Of joints that take none zero \[N or Nm\].
+    /// τ* \[N or Nm\]. Zero for joints that take no torque.
     pub torque: Vec<f64>,
 }
 
 impl JointMeasurement {
-    /// At rest at the neutral configuration, without torques.
+    /// Creates a command to rest at the neutral configuration without torques.
     pub fn at_rest(model: &Model) -> Self {
         Self::resting(model.neutral(), model.velocity_count())
     }
 
-    /// At rest at `position`, with `joints` entries of q̇, without torques and without a word of the robot's.
+    /// Creates a measurement at rest at `position`, with `joints` entries of q̇, without torques and without a status.
     pub fn resting(position: Vec<f64>, joints: usize) -> Self {
         Self {
             position,
@@ -77,7 +77,7 @@ impl JointMeasurement {
 }
 
 impl JointCommand {
-    /// To rest at a measured configuration, without torques.
+    /// Creates a command to rest at the measured configuration without torques.
     pub fn at_rest(measured: &JointMeasurement) -> Self {
         let none = vec![0.0; measured.velocity.len()];
         Self { position: measured.position.clone(), velocity: none.clone(), torque: none }
@@ -87,35 +87,35 @@ impl JointCommand {
 /// Whether a measurement has come.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Received {
-    /// A newer one than before.
+    /// A measurement newer than the last one.
     Fresh,
-    /// None.
+    /// No new measurement.
     Nothing,
 }
 
 /// The robot's side of a loop: a driver, a connection, a simulation.
 ///
-/// Calls come from one thread, once a period each, and must return well within it: neither may wait for the
+/// All calls come from one thread, once a period each. They must return well within the period and never wait for the
 /// robot.
 pub trait RobotSide {
-    /// What can go wrong with it, so that the loop must end.
+    /// A failure of the robot or the connection, after which the loop must end.
     type Error;
 
-    /// Writes the newest measurement that has come into `measured`.
+    /// Writes the newest measurement into `measured`, if one has come.
     ///
     /// # Errors
-    /// A robot that cannot be reached any more.
+    /// The robot cannot be reached.
     fn receive(&mut self, measured: &mut JointMeasurement) -> Result<Received, Self::Error>;
 
     /// Sends a command.
     ///
     /// # Errors
-    /// A robot that cannot be reached any more.
+    /// The robot cannot be reached.
     fn send(&mut self, command: &JointCommand) -> Result<(), Self::Error>;
 
-    /// No command comes any more: brakes, or whatever holds the robot without them. It is the last call.
+    /// Brings the robot to a halt by its brakes, or by whatever holds it without commands. This is the last call.
     ///
     /// # Errors
-    /// A robot that cannot be reached any more.
+    /// The robot cannot be reached.
     fn halt(&mut self) -> Result<(), Self::Error>;
 }

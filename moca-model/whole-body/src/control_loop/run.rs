@@ -1,4 +1,4 @@
-//! The loop.
+//! The control loop.
 
 use super::clock::Clock;
 use super::deadlines::DeadlineStatistics;
@@ -11,9 +11,9 @@ use crate::error::Error;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum StopCause {
-    /// It was asked to.
+    /// A stop was requested.
     Requested,
-    /// The robot measured nothing for too long.
+    /// The robot sent no measurement for too long.
     RobotSilent,
     /// Nothing was perceived for too long.
     PerceptionSilent,
@@ -24,12 +24,12 @@ pub enum StopCause {
 pub struct LoopEnding {
     /// Why it stopped.
     pub cause: StopCause,
-    /// Whether the robot was at rest when it was halted, as measured; none if that was not known. If it was not, the
-    /// time to stop within had passed.
+    /// Whether the robot was measured at rest when it was halted; `None` if that was not known. If it was not at rest,
+    /// the time allowed for stopping had passed.
     pub at_rest: Option<bool>,
 }
 
-/// Why a loop broke off.
+/// Why a loop failed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LoopError<R, L> {
@@ -39,39 +39,40 @@ pub enum LoopError<R, L> {
     /// The control law refused what it was given.
     #[error("the control law: {0}")]
     Law(L),
-    /// The robot has measured nothing since the loop began.
+    /// The robot has sent no measurement since the loop began.
     #[error("the robot has measured nothing for {waited} s; check that it is on and connected")]
     NoMeasurement {
         /// How long the loop waited \[s\].
         waited: f64,
     },
-    /// The robot measures too seldom to be controlled.
+    /// The robot measures too seldom for this control law.
     #[error(
         "the robot measures every {:.1} ms; this control law needs a measurement every {:.1} ms at least, so set the \
          interface to {:.0} Hz or more",
         1e3 * interval, 1e3 * needed, (1.0 / needed).ceil()
     )]
     MeasuresTooSeldom {
-        /// The mean time between measurements \[s\].
+        /// Mean time between measurements \[s\].
         interval: f64,
-        /// The longest that the law allows \[s\].
+        /// Longest time between measurements that the law allows \[s\].
         needed: f64,
     },
 }
 
-/// Ticks that are due less than this share of the period after one begins are missed: no two come at once, and
-/// rounding does not decide.
+/// Share of the period within which a tick counts as due. So no two ticks run in quick succession, and rounding does
+/// not decide which ones are missed.
 const NEAR: f64 = 0.05;
 
-/// A loop of a fixed period between a robot and a control law.
+/// A loop with a fixed period between a robot and a control law.
 ///
-/// Ticks are due at multiples of the period. A tick that has not begun when the next is due, or a twentieth of the
-/// period before, is missed: it is counted and left out. So no two ticks run in one period, and after a late
-/// one the next begins when it is due. The loop ends when it is asked to, or
-/// when robot or perception are silent for too long; it then asks the law to stop, goes on until the robot is
-/// measured at rest, and halts it. A robot that is not measured meanwhile is halted soon. Before the first command
-/// the loop listens how often the robot measures, and refuses one that the law cannot control. After construction
-/// it allocates nothing.
+/// Ticks are due at multiples of the period. A tick is missed if it has not begun a twentieth of the period before the
+/// next one is due. Missed ticks are counted and left out. So no two ticks run in one period, and after a late one the
+/// next begins when it is due.
+///
+/// Before the first command the loop measures how often measurements come, and refuses a robot that the law cannot
+/// control. It ends on request, or when robot or perception are silent for too long. It then asks the law to stop, goes
+/// on until the robot is measured at rest, and halts it. If measurements fail meanwhile, it halts the robot soon. After
+/// construction it allocates nothing.
 ///
 /// ```
 /// # use std::convert::Infallible;
@@ -144,17 +145,17 @@ pub struct ControlLoop {
     statistics: DeadlineStatistics,
 }
 
-/// What a loop remembers from tick to tick.
+/// State of a run, kept from tick to tick.
 struct Progress {
-    /// When it began, and when the last measurement came \[s\].
+    /// When the run began, and when the last measurement came \[s\].
     begun: f64,
     fresh: f64,
-    /// Why and when it began to stop \[s\].
+    /// Why the run is stopping, and since when \[s\].
     stopping: Option<(StopCause, f64)>,
 }
 
 impl ControlLoop {
-    /// For measurements of the shape of `measured`.
+    /// Creates a loop for measurements of the shape of `measured`.
     ///
     /// # Errors
     /// [`Error::Value`] for settings out of range.
@@ -164,26 +165,26 @@ impl ControlLoop {
         Ok(Self { settings, measured, command, statistics: DeadlineStatistics::new() })
     }
 
-    /// How well the deadlines were kept so far.
+    /// Statistics of the deadlines so far.
     pub fn statistics(&self) -> &DeadlineStatistics {
         &self.statistics
     }
 
-    /// What was measured last.
+    /// The last measurement.
     pub fn measured(&self) -> &JointMeasurement {
         &self.measured
     }
 
-    /// What was sent last.
+    /// The last command.
     pub fn command(&self) -> &JointCommand {
         &self.command
     }
 
-    /// Runs until `stop`, which is asked once a tick, returns true, or until the robot or the perception are
-    /// silent. Nothing is sent before the first measurement. However it ends, the robot is halted.
+    /// Runs until `stop` returns true, or until the robot or the perception are silent. `stop` is asked once a tick.
+    /// Nothing is sent before the first measurement. In every case the robot is halted at the end.
     ///
     /// # Errors
-    /// [`LoopError`]; the robot was then halted as it moved.
+    /// [`LoopError`]. The robot was then halted in its motion.
     pub fn run<R: RobotSide, L: ControlLaw>(
         &mut self,
         robot: &mut R,
@@ -215,7 +216,7 @@ impl ControlLoop {
         };
         law.begin(&self.measured).map_err(LoopError::Law)?;
         let mut progress = Progress { begun, fresh, stopping: None };
-        // The first tick comes at once, and all others are due from then on.
+        // The first tick comes at once. All others are due at multiples of the period from then on.
         let first = clock.now();
         let (mut tick, mut now) = (0_u64, first);
         loop {
@@ -271,7 +272,7 @@ impl ControlLoop {
         }
     }
 
-    /// Listens how often the robot measures; returns when the last measurement came, or none if a stop is requested.
+    /// Measures how often the robot measures. Returns when the last measurement came, or `None` if a stop is requested.
     fn listen<R: RobotSide, L: ControlLaw>(
         &mut self,
         robot: &mut R,
@@ -294,7 +295,7 @@ impl ControlLoop {
                 return Ok(None);
             }
             if now - begun >= self.settings.listening {
-                // Those that came late count as the first one does.
+                // Measurements count at the ticks that read them, and so does the first one.
                 let interval = if count > 0.0 { (last - begun) / count } else { now - begun };
                 let allowed = needed * (1.0 + JITTER);
                 return if interval > allowed {
@@ -306,15 +307,15 @@ impl ControlLoop {
         }
     }
 
-    /// Waits until the tick is due; returns how many ticks are missed by the time at which it begins, and that time:
-    /// those that are due before, or so soon after that the tick that begins stands for them.
+    /// Waits until the tick is due. Returns how many ticks are missed and the time at which this tick begins. Missed
+    /// are the ticks that are due before that time or shortly after it.
     fn pace(&mut self, first: f64, tick: u64, clock: &mut impl Clock) -> (u64, f64) {
         let period = self.settings.period;
         let due = first + tick as f64 * period;
         clock.sleep_until(due);
         let now = clock.now();
         let late = now - due;
-        // A number that is not negative, and far below 2^53.
+        // The value is not negative and far below 2^53.
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "as above")]
         let missed = (late / period + NEAR).floor().max(0.0) as u64;
         self.statistics.latency.push(late);
@@ -330,7 +331,7 @@ impl ControlLoop {
         law: &L,
         stop: &mut impl FnMut() -> bool,
     ) -> Option<StopCause> {
-        // What was never perceived is as old as the loop.
+        // Perception that has never come counts from the beginning of the loop.
         let age = law.perception_age().map(|age| age.min(now - progress.begun));
         if stop() {
             Some(StopCause::Requested)
@@ -344,7 +345,7 @@ impl ControlLoop {
     }
 }
 
-/// By which share measurements may come more seldom than a law needs them, since some are lost.
+/// Share by which measurements may come less often than the law needs them, since some are lost.
 const JITTER: f64 = 0.15;
 
 /// How the wait for the first measurement ended.

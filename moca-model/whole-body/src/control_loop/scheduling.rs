@@ -1,4 +1,4 @@
-//! What the system does for a thread that must be in time.
+//! Scheduling of a thread that must keep deadlines.
 
 use rustix::mm::{MlockAllFlags, mlockall};
 use thread_priority::{
@@ -8,7 +8,7 @@ use thread_priority::{
 
 use crate::error::Error;
 
-/// The priority of a thread and the memory of its process. The default leaves both as they are.
+/// Priority of a thread and memory locking of its process. The default changes neither.
 ///
 /// ```
 /// use whole_body::control_loop::Scheduling;
@@ -18,19 +18,19 @@ use crate::error::Error;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Scheduling {
-    /// The thread's priority under SCHED_FIFO, 1 to 99, above every thread without one. Needs the right to it:
-    /// CAP_SYS_NICE, or a limit `rtprio`. Default none: as other threads.
+    /// Priority of the thread under SCHED_FIFO, 1 to 99, above every thread without one. It needs CAP_SYS_NICE or a
+    /// limit `rtprio`. Default `None`, which leaves the scheduling as it is.
     pub priority: Option<u8>,
-    /// Whether all memory of the process, present and future, stays in memory and is never paged out. Needs
-    /// CAP_IPC_LOCK, or a limit `memlock`. Default false.
+    /// Whether all memory of the process, present and future, stays in memory and is never paged out. It needs
+    /// CAP_IPC_LOCK or a limit `memlock`. Default false.
     pub lock_memory: bool,
 }
 
 impl Scheduling {
-    /// Asks the system for it, for the thread that calls.
+    /// Applies the settings to the calling thread and its process.
     ///
     /// # Errors
-    /// [`Error::Refused`] says what the system does not grant; [`Error::Value`] for a priority that is none.
+    /// [`Error::Refused`] says what the system does not grant; [`Error::Value`] for a priority out of range.
     pub fn apply(&self) -> Result<(), Error> {
         if self.lock_memory {
             mlockall(MlockAllFlags::CURRENT | MlockAllFlags::FUTURE).map_err(|error| {

@@ -1,8 +1,8 @@
-//! When a loop waits, and when it ends.
+//! Times of a control loop.
 
 use crate::error::Error;
 
-/// The times of a loop.
+/// The times of a control loop: its period and its timeouts.
 ///
 /// ```
 /// use whole_body::control_loop::LoopSettings;
@@ -16,17 +16,18 @@ pub struct LoopSettings {
     pub period: f64,
     /// How long the loop waits for the first measurement before it gives up \[s\]. Default 5.
     pub first_measurement: f64,
-    /// How long the loop then listens how often the robot measures \[s\]; see
+    /// How long the loop then measures how often measurements come \[s\]; see
     /// [`ControlLaw::longest_interval`](crate::control_loop::ControlLaw::longest_interval). Default 0.05.
     pub listening: f64,
-    /// Without a measurement for this long the loop stops and ends \[s\]. Default 0.02.
+    /// The loop stops and ends after this time without a measurement \[s\]. Default 0.02.
     pub robot_timeout: f64,
-    /// Without anything perceived for this long the loop stops and ends \[s\]; before that it is the law that
-    /// slows the robot down. Infinite for a loop that waits for ever. Default 30.
+    /// The loop stops and ends after this time without perception \[s\]. Before that the law slows the robot down.
+    /// Infinity waits for ever. Default 30.
     pub perception_timeout: f64,
-    /// A robot that is not at rest this long after it should have begun to stop is halted \[s\]. Default 3.
+    /// Time after the beginning of a stop at which a robot that is not at rest is halted \[s\]. Default 3.
     pub stop_within: f64,
-    /// A robot that is not measured for this long is halted \[s\]: only its own brakes know how it moves. Default 0.1.
+    /// A robot without measurements for this long is halted \[s\], since only its own brakes know how it moves. Default
+    /// 0.1.
     pub blind_within: f64,
 }
 

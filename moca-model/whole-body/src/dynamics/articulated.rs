@@ -1,4 +1,4 @@
-//! Articulated bodies: the mass matrix divided by, joint by joint.
+//! The articulated-body algorithm, which divides by the mass matrix joint by joint.
 
 use nalgebra::Vector6;
 
@@ -9,19 +9,19 @@ use crate::robot::description::Base;
 use crate::spatial::{Motion, Spatial};
 use crate::state::posed::Posed;
 
-/// How an entry of q̇ takes part where forces become accelerations.
+/// The role of an entry of q̇ where forces become accelerations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Part {
-    /// It is free, and what turns in front of its gear adds this inertia \[kg m² or kg\].
+    /// The entry is free. The rotor before its gear adds this inertia \[kg m² or kg\].
     Free { rotor_inertia: f64 },
-    /// Its acceleration is prescribed: of x it is zero.
+    /// The acceleration is prescribed. The entry of x is zero.
     Prescribed,
 }
 
 impl Posed<'_> {
-    /// Solves M x = b in place: articulated-body inertias and what is left of b go from the tips to
-    /// the root, accelerations come back (Featherstone 2008, Sec. 7.3 without velocities), in world
-    /// axes. Not for models with mimic joints. Without `parts` all entries are free, without rotors.
+    /// Solves M x = b in place by articulated-body inertias (Featherstone 2008, Sec. 7.3 without velocities), in world
+    /// axes. Inertias and remainders of b go from the tips to the root, accelerations come back. An empty `parts`
+    /// leaves all entries free and without rotors. Models with mimic joints are not supported.
     pub(super) fn solve_by_articulated_bodies(
         &mut self,
         b: &mut [f64],
@@ -33,7 +33,7 @@ impl Posed<'_> {
         Ok(())
     }
 
-    /// Takes out one joint after the other, the last first.
+    /// Eliminates one joint after the other, the last first.
     fn eliminate(&mut self, b: &mut [f64], parts: &[Part]) -> Result<(), Error> {
         let (model, data) = (self.model, &mut *self.data);
         let (scratch, poses) = (&mut data.scratch, &data.poses);
@@ -47,12 +47,12 @@ impl Posed<'_> {
             let own = &scratch.articulated[index + 1];
             let (force, pivot) = own.along(mover.motion, &pose.axis());
             let inverse = match parts.get(mover.velocity) {
-                // A joint that does not give way.
+                // The joint does not yield to forces.
                 Some(Part::Prescribed) => 0.0,
                 Some(Part::Free { rotor_inertia }) if *rotor_inertia > 0.0 => {
                     1.0 / (pivot + rotor_inertia)
                 }
-                // No more than the rounding of the pivot's own sum.
+                // The pivot is no larger than the rounding of its own sum.
                 _ if pivot <= 8.0 * f64::EPSILON * own.size(mover.motion) || pivot.is_nan() => {
                     return Err(self.no_inertia(mover.velocity));
                 }

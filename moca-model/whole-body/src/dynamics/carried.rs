@@ -1,10 +1,9 @@
-//! Mass and first moment of what each body carries.
+//! Mass and first moment of the subtree of each body.
 
 use crate::state::posed::Posed;
 
 impl Posed<'_> {
-    /// Sums up m and Σ m (c − p) of each body at p with all that it carries, from the tips to the
-    /// root.
+    /// Sums up m and Σ m (c − p) of the subtree of each body at p, from the tips to the root.
     pub(super) fn sum_up_carried(&mut self) {
         let data = &mut *self.data;
         let carried = &mut data.scratch.carried;

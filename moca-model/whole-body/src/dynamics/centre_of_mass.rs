@@ -15,10 +15,10 @@ impl Posed<'_> {
         if mass > 0.0 { Point3::from(moment / mass) } else { Point3::origin() }
     }
 
-    /// Its Jacobian, 3 × the size of q̇, in world axes \[m/s\].
+    /// The Jacobian of the centre of mass, 3 × the size of q̇, in world axes \[m/s\].
     ///
-    /// Column i is zᵢ × Σ mₖ(cₖ − pᵢ) / m for a turning joint, and zᵢ Σ mₖ / m for a sliding one,
-    /// over the links k that the joint carries.
+    /// Column i is zᵢ × Σ mₖ(cₖ − pᵢ) / m for a revolute joint, and zᵢ Σ mₖ / m for a prismatic one. The sums are over
+    /// the links k that the joint moves.
     ///
     /// # Errors
     /// [`Error::WrongSize`] unless `out` has as many columns as q̇ entries.

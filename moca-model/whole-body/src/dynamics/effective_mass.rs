@@ -1,4 +1,4 @@
-//! How heavy the robot is at a point in a direction.
+//! Effective mass of the robot at a point in a direction.
 
 use nalgebra::{UnitVector3, Vector3};
 
@@ -9,11 +9,11 @@ use crate::spatial::Motion;
 use crate::state::posed::Posed;
 
 impl Posed<'_> {
-    /// The mass that someone feels who pushes the frame's origin along `direction`, in world axes
-    /// \[kg\]: 1 / (nᵀ J M⁻¹ Jᵀ n) with J the linear Jacobian (Khatib, "Inertial properties in
-    /// robotic manipulation", 1995, eq. 26). Infinite where no joint gives way.
+    /// The effective mass at the frame's origin along `direction`, in world axes \[kg\].
     ///
-    /// ISO/TS 15066 takes it for the transfer of energy in contact with a person.
+    /// It is 1 / (nᵀ J M⁻¹ Jᵀ n) with J the linear Jacobian (Khatib, "Inertial properties in robotic manipulation",
+    /// 1995, eq. 26), and infinite where no joint yields. ISO/TS 15066 uses it for the transfer of energy in contact
+    /// with a person.
     ///
     /// # Errors
     /// [`Error::ForeignId`]; [`Error::NoInertia`] for a joint that moves nothing.

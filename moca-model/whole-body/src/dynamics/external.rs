@@ -1,4 +1,4 @@
-//! Forces from outside.
+//! External forces on the robot.
 
 use nalgebra::Vector6;
 
@@ -7,7 +7,7 @@ use crate::robot::frame::FrameId;
 use crate::spatial::Spatial;
 use crate::state::posed::Posed;
 
-/// What the world does to a link: a contact, a push, a weight on a rope.
+/// An external wrench on a link: a contact, a push, a weight on a rope.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ExternalWrench {
     /// The frame at whose origin it acts.
@@ -17,7 +17,7 @@ pub struct ExternalWrench {
 }
 
 impl Posed<'_> {
-    /// Takes forces from outside off what the joints must give each body.
+    /// Subtracts external wrenches from the wrenches that the joints must exert on each body.
     pub(super) fn relieve(&mut self, external: &[ExternalWrench]) -> Result<(), Error> {
         for ExternalWrench { frame, wrench } in external {
             for value in wrench {

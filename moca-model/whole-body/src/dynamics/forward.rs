@@ -6,14 +6,12 @@ use crate::state::moving::Moving;
 use crate::state::posed::Posed;
 
 impl Moving<'_> {
-    /// The acceleration q̈ that the torques and forces `torque` cause, against gravity and with what
-    /// acts from outside, of the size of q̇ \[rad/s² or m/s²\]: M(q) q̈ = τ − C(q, q̇) q̇ − g(q) +
-    /// Σ Jₖᵀ wₖ.
+    /// The acceleration q̈ that the torques and forces `torque` and the external wrenches cause, of the size of q̇
+    /// \[rad/s² or m/s²\]: M(q) q̈ = τ − C(q, q̇) q̇ − g(q) + Σ Jₖᵀ wₖ.
     ///
-    /// The articulated-body algorithm (Featherstone 2008, Sec. 7.3), its velocity-dependent part
-    /// being that of the recursive Newton-Euler algorithm. With mimic joints, where no joint can be
-    /// eliminated for itself, the mass matrix is factorised by Cholesky instead. Friction has no
-    /// part: subtract [`friction_into`](Self::friction_into) from the torque.
+    /// The articulated-body algorithm (Featherstone 2008, Sec. 7.3), with the velocity-dependent part of the recursive
+    /// Newton-Euler algorithm. Mimic joints cannot be eliminated one by one, so models with them factorise the mass
+    /// matrix by Cholesky. Friction is left out: subtract [`friction_into`](Self::friction_into) from the torque.
     ///
     /// # Errors
     /// [`Error::WrongSize`], [`Error::Value`], [`Error::ForeignId`]; [`Error::NoInertia`] for a
@@ -48,8 +46,8 @@ impl Posed<'_> {
     }
 }
 
-/// Solves A x = b in place by A = L Lᵀ, A column after column; the number of the pivot that is not
-/// positive if there is one.
+/// Solves A x = b in place by A = L Lᵀ, stored by columns. Returns the index of the first pivot that is not positive,
+/// if there is one.
 fn solve_by_cholesky(a: &mut [f64], b: &mut [f64]) -> Result<(), usize> {
     let n = b.len();
     for j in 0..n {

@@ -4,11 +4,11 @@ use crate::error::{Error, check_size};
 use crate::state::moving::Moving;
 
 impl Moving<'_> {
-    /// What friction asks of the motors beside the forces of a frictionless robot, of the size of q̇
-    /// \[Nm or N\]; zero for joints of which the [`Description`](crate::Description) states none.
+    /// The friction in the joints, of the size of q̇ \[Nm or N\]. Zero for joints of which the
+    /// [`Description`](crate::Description) states none.
     ///
-    /// Inverse and forward dynamics leave friction out: add this to what a motor must give, and
-    /// subtract it from what moves a robot.
+    /// Inverse and forward dynamics leave friction out. Add this to the torques that motors must give, and subtract it
+    /// from the torques that move the robot.
     ///
     /// # Errors
     /// [`Error::WrongSize`].

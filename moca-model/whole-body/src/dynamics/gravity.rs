@@ -1,4 +1,4 @@
-//! What gravity asks of the joints.
+//! Gravity forces and potential energy.
 
 use crate::error::{Error, check_size};
 use crate::robot::description::Base;
@@ -6,12 +6,11 @@ use crate::spatial::Motion;
 use crate::state::posed::Posed;
 
 impl Posed<'_> {
-    /// The torques and forces that hold the robot still against gravity, of the size of q̇
-    /// \[Nm or N\]; of a floating base the force and the moment about its origin.
+    /// The torques and forces that hold the robot still against gravity, of the size of q̇ \[Nm or N\]. A floating base
+    /// has the force and the moment about its origin.
     ///
-    /// The potential energy is U = −gᵀ Σ mₖ cₖ, with cₖ the centres of mass. Its derivative sees
-    /// only what joint i carries: ∂U/∂qᵢ = −gᵀ (zᵢ × Σ mₖ(cₖ − pᵢ)) for a turning joint and
-    /// −gᵀzᵢ Σ mₖ for a sliding one.
+    /// The potential energy is U = −gᵀ Σ mₖ cₖ, with cₖ the centres of mass. Its derivative depends only on the links
+    /// that joint i moves: ∂U/∂qᵢ = −gᵀ (zᵢ × Σ mₖ(cₖ − pᵢ)) for a revolute joint and −gᵀzᵢ Σ mₖ for a prismatic one.
     ///
     /// # Errors
     /// [`Error::WrongSize`].
@@ -35,8 +34,8 @@ impl Posed<'_> {
         Ok(())
     }
 
-    /// Potential energy of the links that move \[J\], zero where their common centre of mass is at
-    /// the world's origin.
+    /// The potential energy of the links that move \[J\]. It is zero where their centre of mass is at the world's
+    /// origin.
     pub fn potential_energy(&self) -> f64 {
         -self.model.gravity.dot(&self.mass_and_moment().1)
     }

@@ -1,4 +1,4 @@
-//! Hybrid dynamics: some joints move as they are told, the others as forces make them.
+//! Hybrid dynamics: some joints have prescribed accelerations, forces move the others.
 
 use super::articulated::Part;
 use super::external::ExternalWrench;
@@ -6,12 +6,12 @@ use crate::error::Error;
 use crate::state::moving::Moving;
 
 impl Moving<'_> {
-    /// Accelerations where those of some entries of q̇ are prescribed: `acceleration` holds these at
-    /// first, and all of them afterwards. `torque` counts where entries are free, with friction taken
-    /// off. (Featherstone 2008, Sec. 9.2: the prescribed accelerations are part of the bias force, and
-    /// their joints are then as good as locked.)
+    /// Computes the accelerations of all entries of q̇, where those of some are prescribed (Featherstone 2008, Sec.
+    /// 9.2). `acceleration` holds the prescribed entries before and all of them afterwards. `torque` counts for free
+    /// entries, with friction already subtracted. The prescribed accelerations are part of the bias force, and their
+    /// joints count as locked.
     ///
-    /// The sizes must be that of q̇, and the model without mimic joints.
+    /// The sizes must be that of q̇, and the model must have no mimic joints.
     pub(crate) fn hybrid_dynamics_into(
         &mut self,
         torque: &[f64],

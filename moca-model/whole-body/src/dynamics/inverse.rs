@@ -1,4 +1,4 @@
-//! Inverse dynamics: the forces that a motion asks for.
+//! Inverse dynamics: the forces that a motion needs.
 
 use nalgebra::Vector3;
 
@@ -11,14 +11,12 @@ use crate::state::data::BodyMotion;
 use crate::state::moving::Moving;
 
 impl Moving<'_> {
-    /// The torques and forces τ that give the robot the `acceleration` q̈ against gravity and what
-    /// acts from outside, of the size of q̇ \[Nm or N\]:
-    /// τ = M(q) q̈ + C(q, q̇) q̇ + g(q) − Σ Jₖᵀ wₖ.
+    /// The torques and forces τ that give the robot the `acceleration` q̈ against gravity and external wrenches, of the
+    /// size of q̇ \[Nm or N\]: τ = M(q) q̈ + C(q, q̇) q̇ + g(q) − Σ Jₖᵀ wₖ.
     ///
-    /// The recursive Newton-Euler algorithm (Luh, Walker, Paul 1980; Siciliano et al. 2009, eqs.
-    /// 7.107-7.114) in world axes: the accelerations of the bodies go out from the root, the forces
-    /// that they ask for come back. Gravity is an acceleration of the root. Friction has no part;
-    /// see [`friction_into`](Self::friction_into).
+    /// The recursive Newton-Euler algorithm (Luh, Walker, Paul 1980; Siciliano et al. 2009, eqs. 7.107-7.114) in world
+    /// axes. Accelerations of the bodies go from the root to the tips, forces come back. Gravity is an acceleration of
+    /// the root. Friction is left out; see [`friction_into`](Self::friction_into).
     ///
     /// # Errors
     /// [`Error::WrongSize`], [`Error::Value`], [`Error::ForeignId`].
@@ -37,7 +35,7 @@ impl Moving<'_> {
         Ok(())
     }
 
-    /// C(q, q̇) q̇ + g(q): what keeps the robot moving as it does, of the size of q̇ \[Nm or N\].
+    /// The bias forces C(q, q̇) q̇ + g(q), of the size of q̇ \[Nm or N\].
     ///
     /// # Errors
     /// [`Error::WrongSize`].
@@ -48,7 +46,7 @@ impl Moving<'_> {
         Ok(())
     }
 
-    /// The wrench that each body asks for, about its origin, without what it carries.
+    /// Computes the wrench that each body alone needs, about its origin.
     pub(super) fn forces(&mut self, acceleration: Option<&[f64]>) {
         let (model, data) = (self.posed.model, &mut *self.posed.data);
         let (accelerations, wrenches) =
@@ -66,7 +64,7 @@ impl Moving<'_> {
         for (index, mover) in model.movers.iter().enumerate() {
             let body = index + 1;
             let pose = &data.poses[body];
-            // Without acceleration all bodies have the root's, that of gravity.
+            // All bodies have the acceleration of the root, that of gravity, if q̈ is zero.
             let mut own = root;
             if let Some(acceleration) = acceleration {
                 let apart = pose.position - data.poses[mover.parent].position;
@@ -83,7 +81,7 @@ impl Moving<'_> {
         }
     }
 
-    /// Hands the wrenches of the bodies down to the root, and takes each joint's share.
+    /// Sums the wrenches of the bodies towards the root and writes each joint's share.
     pub(super) fn collect(&mut self, out: &mut [f64]) {
         let (model, data) = (self.posed.model, &mut *self.posed.data);
         let wrenches = &mut data.scratch.wrenches;

@@ -1,4 +1,4 @@
-//! The momentum of the joints, and how it changes.
+//! The generalised momentum and its rate.
 
 use crate::error::{Error, check_size};
 use crate::robot::description::Base;
@@ -6,16 +6,15 @@ use crate::spatial::{Motion, Spatial};
 use crate::state::moving::Moving;
 
 impl Moving<'_> {
-    /// The momentum of the joints p = M(q) q̇, and β = C(q, q̇)ᵀ q̇ − g(q), with which it changes:
-    /// ṗ = τ + β + Σ Jₖᵀ wₖ. Both are of the size of q̇ \[Nm s or N s; Nm or N\].
+    /// The generalised momentum p = M(q) q̇ and β = C(q, q̇)ᵀ q̇ − g(q), both of the size of q̇ \[Nm s or N s; Nm or
+    /// N\]. The rate is ṗ = τ + β + Σ Jₖᵀ wₖ.
     ///
-    /// (Cᵀ q̇)ᵢ is the derivative of the kinetic energy along qᵢ. Turning joint i turns all that it
-    /// carries against the velocity V of what carries it, so that (Cᵀ q̇)ᵢ = hᵢ · (Vᵢ × sᵢ), with hᵢ
-    /// the momentum of all that the joint carries, Vᵢ its body's twist and sᵢ its axis: all from one
-    /// pass, without the matrices. (Spatial cross product: Featherstone 2008, eq. 2.31. Ṁ = C + Cᵀ:
-    /// Siciliano et al. 2009, Sec. 7.2.1.)
+    /// The entry (Cᵀ q̇)ᵢ is the derivative of the kinetic energy along qᵢ. A revolute joint i turns its subtree
+    /// against the twist Vᵢ of the body that carries it, so that (Cᵀ q̇)ᵢ = hᵢ · (Vᵢ × sᵢ). Here hᵢ is the momentum of
+    /// the subtree and sᵢ the joint's axis. One pass gives all entries without the matrices. (Spatial cross product:
+    /// Featherstone 2008, eq. 2.31. Ṁ = C + Cᵀ: Siciliano et al. 2009, Sec. 7.2.1.)
     ///
-    /// Friction has no part; see [`friction_into`](Self::friction_into).
+    /// Friction is left out; see [`friction_into`](Self::friction_into).
     ///
     /// # Errors
     /// [`Error::WrongSize`].
@@ -62,7 +61,7 @@ impl Moving<'_> {
         Ok(())
     }
 
-    /// Of each body about its origin, without what it carries.
+    /// Computes the momentum of each body alone about its origin.
     fn momenta_of_bodies(&mut self) {
         let data = &mut *self.posed.data;
         let states = data.poses.iter().zip(&data.motions);

@@ -8,12 +8,11 @@ use crate::robot::description::Base;
 use crate::state::posed::Posed;
 
 impl Posed<'_> {
-    /// The mass matrix M(q), symmetric and positive definite, of the size of q̇ squared:
-    /// q̇ᵀ M q̇ / 2 is the kinetic energy.
+    /// The mass matrix M(q), symmetric and positive definite, of the size of q̇ squared. The kinetic energy is q̇ᵀ M q̇
+    /// / 2.
     ///
-    /// The composite-rigid-body algorithm (Walker, Orin 1982; Featherstone 2008, Sec. 6.2) in world
-    /// axes: column i is the force that all which joint i carries asks of the joints below it,
-    /// where joint i alone accelerates.
+    /// The composite-rigid-body algorithm (Walker, Orin 1982; Featherstone 2008, Sec. 6.2) in world axes. Column i
+    /// holds the forces for a unit acceleration of joint i alone, which moves its whole subtree.
     ///
     /// # Errors
     /// [`Error::WrongSize`] unless `out` is square of the size of q̇.
@@ -24,7 +23,7 @@ impl Posed<'_> {
         Ok(())
     }
 
-    /// Writes M column after column.
+    /// Writes M by columns.
     pub(super) fn fill_mass_matrix(&mut self, out: &mut [f64]) {
         let (model, data) = (self.model, &mut *self.data);
         let size = model.velocities;
@@ -50,7 +49,7 @@ impl Posed<'_> {
                 force.angular += apart.cross(&force.linear);
                 let (other, pose) = (&model.movers[carrier], &data.poses[below]);
                 let value = other.ratio * other.motion.part(&pose.axis(), &force);
-                // Two joints that move as one count both ways round on the diagonal.
+                // Two joints that share an entry of q̇ count in both orders on the diagonal.
                 let twice = if other.velocity == mover.velocity { 2.0 } else { 1.0 };
                 add(other.velocity, twice * value);
                 apart = pose.position - data.poses[other.parent].position;
@@ -73,7 +72,7 @@ impl Posed<'_> {
     }
 }
 
-/// The upper triangle of the floating base's own block, of all bodies about its origin.
+/// Writes the upper triangle of the floating base's own block, for all bodies about its origin.
 fn add_base(all: &WorldInertia, size: usize, out: &mut [f64]) {
     let WorldInertia { mass, moment, inertia } = all;
     let coupling = -moment.cross_matrix();

@@ -1,4 +1,4 @@
-//! What can be wrong with a URDF.
+//! Errors of a URDF.
 
 use thiserror::Error;
 
@@ -8,12 +8,12 @@ use thiserror::Error;
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum UrdfError {
-    /// The text is no well-formed XML.
+    /// The text is not well-formed XML.
     #[error("line {line}: the XML is broken: {reason}")]
     Xml {
-        /// Where.
+        /// The line.
         line: usize,
-        /// What the reader said.
+        /// What the XML reader reported.
         reason: String,
     },
 
@@ -29,20 +29,20 @@ pub enum UrdfError {
     /// The document has no robot, or something beside it.
     #[error("line {line}: {found}; a URDF is one <robot> element")]
     NotAUrdf {
-        /// Where.
+        /// The line.
         line: usize,
         /// What stands there.
         found: String,
     },
 
-    /// The file is not of UTF-8 text.
+    /// The file is not UTF-8 text.
     #[error("the file is {found} text; save it as UTF-8")]
     Encoding {
         /// What it is.
         found: &'static str,
     },
 
-    /// An element or attribute that is needed is not there.
+    /// A required element or attribute is missing.
     #[error("line {line}: {owner} has no {missing}")]
     Missing {
         /// Where the owner begins.
@@ -53,16 +53,16 @@ pub enum UrdfError {
         missing: &'static str,
     },
 
-    /// An attribute is not what it must be.
+    /// An attribute has a wrong value.
     #[error("line {line}: {what} is \"{value}\"; it must be {expected}")]
     Attribute {
-        /// Where.
+        /// The line.
         line: usize,
-        /// Which one, of which element.
+        /// Which attribute of which element.
         what: String,
-        /// What it is.
+        /// Its value.
         value: String,
-        /// What it must be.
+        /// What is expected.
         expected: &'static str,
     },
 
@@ -82,7 +82,7 @@ pub enum UrdfError {
         second: String,
     },
 
-    /// The joints go round in a circle.
+    /// The joints form a loop.
     #[error(
         "line {line}: the joints above link `{link}` form a loop, joint `{joint}` among them; a \
          robot is a tree"
@@ -90,7 +90,7 @@ pub enum UrdfError {
     Loop {
         /// Where the joint begins.
         line: usize,
-        /// A link from which going up does not end.
+        /// A link of the loop.
         link: String,
         /// The joint that carries it.
         joint: String,
@@ -103,7 +103,7 @@ pub enum UrdfError {
         robot: String,
     },
 
-    /// Two links hang on no joint.
+    /// Two links have no parent joint.
     #[error(
         "links `{first}` (line {first_line}) and `{second}` (line {second_line}) both hang on no \
          joint; join them, or name the one to start from as the description's `root`"
@@ -119,7 +119,7 @@ pub enum UrdfError {
         second_line: usize,
     },
 
-    /// A joint's type is none that this crate can move.
+    /// A joint has a type that this crate does not move.
     #[error(
         "line {line}: joint `{joint}` is {kind}; use fixed, prismatic, revolute and continuous \
          joints, hold the joint at a position, or start from the link that it carries with a \
@@ -134,7 +134,7 @@ pub enum UrdfError {
         kind: String,
     },
 
-    /// A joint mimics one that, in the end, mimics it.
+    /// A joint mimics itself by way of others.
     #[error("line {line}: joint `{joint}` mimics itself; a mimic joint follows a joint that moves")]
     MimicLoop {
         /// Where the joint begins.
@@ -143,7 +143,7 @@ pub enum UrdfError {
         joint: String,
     },
 
-    /// A joint's axis has no direction.
+    /// A joint's axis is zero.
     #[error(
         "line {line}: the axis of joint `{joint}` is zero; give it a direction, such as \
          xyz=\"0 0 1\""
@@ -155,7 +155,7 @@ pub enum UrdfError {
         joint: String,
     },
 
-    /// A joint has no limits, neither in the URDF nor in the description.
+    /// A joint has limits neither in the URDF nor in the description.
     #[error(
         "line {line}: joint `{joint}` has no {missing}; add <limit lower=… upper=… velocity=… \
          effort=…/> to the URDF, or give the limit in the description"
@@ -165,7 +165,7 @@ pub enum UrdfError {
         line: usize,
         /// The joint.
         joint: String,
-        /// Which limit.
+        /// Which limit is missing.
         missing: &'static str,
     },
 }

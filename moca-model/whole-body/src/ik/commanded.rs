@@ -1,4 +1,4 @@
-//! A control loop for real robots: commands that the robot can follow, and that wait for it.
+//! Commands that a real robot can follow, with a limited following error.
 
 use ahqp_core::Status;
 
@@ -6,14 +6,13 @@ use super::differential::{Ik, check_period};
 use super::leash::{Leash, LeashIntervals};
 use crate::error::Error;
 
-/// The commanded state of a robot: tasks are computed at it, and it is held to the measured one.
+/// The commanded state of a robot. Tasks are computed at it, and it stays near the measured state.
 ///
-/// - Commands obey the position, velocity, acceleration and jerk limits whatever the tasks ask,
-///   and whatever is measured; a joint that starts outside its limits returns.
-/// - No joint's command is farther from the measured position than the [`Leash`] once the robot is
-///   held, and never farther than [`Leash::bound`], which adds what a robot that stops suddenly at
-///   full speed is overrun by.
-/// - A tick that cannot be computed brakes every joint within acceleration and jerk, and says why.
+/// - Commands obey the position, velocity, acceleration and jerk limits whatever the tasks ask and whatever is
+///   measured. A joint that starts outside its limits returns.
+/// - The command of a held joint is at most the [`Leash`] away from the measured position. The distance never exceeds
+///   [`Leash::bound`], which adds the overrun of a robot that stops suddenly at full speed.
+/// - A tick that cannot be computed brakes every joint within acceleration and jerk, and reports the fault.
 ///
 /// ```
 /// use whole_body::ik::{Commanded, Leash};
@@ -46,23 +45,23 @@ pub struct Commanded {
     status: Status,
 }
 
-/// What the robot is to do in the next period.
+/// A command for the next period.
 #[derive(Debug, Clone, Copy)]
 pub struct Command<'a> {
-    /// Where it is to be at the end of the period, a whole q.
+    /// q at the end of the period.
     pub position: &'a [f64],
     /// q̇ for the period \[rad/s, m/s\].
     pub velocity: &'a [f64],
-    /// \[rad/s², m/s²\]
+    /// q̈ for the period \[rad/s², m/s²\].
     pub acceleration: &'a [f64],
-    /// How the solve ended; that of the last solve, where there is a fault.
+    /// How the last solve ended; in case of a fault, the solve before it.
     pub status: Status,
     /// Why the robot brakes, if it does.
     pub fault: Option<&'a Error>,
 }
 
 impl Commanded {
-    /// A robot at rest at the `measured` configuration.
+    /// Creates a robot at rest at the `measured` configuration.
     ///
     /// # Errors
     /// [`Error::Value`] for a leash out of range; those of [`Model::integrate`](crate::Model::integrate)
@@ -75,16 +74,15 @@ impl Commanded {
         Ok(Self { ik, position: measured.to_vec(), leash, fault: None, status: Status::Solved })
     }
 
-    /// The command for the next `period` \[s\], with the robot at the `measured` configuration.
-    /// Allocates nothing, unless there is a fault.
+    /// Computes the command for the next `period` \[s\], with the robot at the `measured` configuration. Allocates
+    /// nothing, unless there is a fault.
     ///
-    /// The period is how long the command lasts: the time until the next one is sent, in a slow loop that of the slow
-    /// loop. A robot that takes velocities and gets the next command later than that goes on by the difference
-    /// times its velocity, beyond a position limit too; positions stay within their limits.
+    /// The period is the time until the next command is sent. If the next command comes later, a robot that takes
+    /// velocities moves on by the delay times its velocity, even beyond a position limit. A robot that takes positions
+    /// stays within its limits.
     ///
-    /// A measurement or a period that cannot be used, and every error of [`Ik::step`], is a
-    /// [fault](Command::fault): the robot then brakes. With a period that is no positive number
-    /// nothing moves.
+    /// A [fault](Command::fault) is a measurement or a period that cannot be used, or an error of [`Ik::step`]. The
+    /// robot then brakes. If the period is not a positive number, nothing moves.
     pub fn step(&mut self, measured: &[f64], period: f64) -> Command<'_> {
         match self.advance(measured, period) {
             Ok(status) => {
@@ -114,10 +112,10 @@ impl Commanded {
         Ok(step.status())
     }
 
-    /// Brakes; what cannot be computed leaves the position where it is.
+    /// Brakes. If that cannot be computed, the position stays.
     fn halt(&mut self, period: f64) {
         if self.ik.brake(period).is_ok() {
-            // The position is one of the model's and the displacement finite: no error is possible.
+            // The position belongs to the model and the displacement is finite, so no error is possible.
             let _ = self.ik.model().integrate(&mut self.position, &self.ik.displacement);
         }
     }
@@ -127,12 +125,12 @@ impl Commanded {
         &self.position
     }
 
-    /// The inverse kinematics: what the last step was like.
+    /// The inverse kinematics, to read what the last step was like.
     pub fn ik(&self) -> &Ik {
         &self.ik
     }
 
-    /// The same, to set targets and change the stack.
+    /// The inverse kinematics, to set targets and change the stack.
     pub fn ik_mut(&mut self) -> &mut Ik {
         &mut self.ik
     }

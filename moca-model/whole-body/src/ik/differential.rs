@@ -23,14 +23,13 @@ use crate::state::data::Data;
 pub use builder::IkBuilder;
 pub use step::{ActiveLimit, ActiveRow, LevelReport, Step};
 
-/// Differential inverse kinematics of one robot: velocities that do what levels of tasks ask, each
-/// level as well as those above it allow, within the limits of all joints.
+/// Differential inverse kinematics of one robot. It computes velocities within the limits of all joints that serve
+/// levels of tasks, each level as well as the levels above it allow.
 ///
-/// Lexicographically minimise, highest priority first, ½ Σ wᵢ dᵢ² of each level, dᵢ being the
-/// distance of aᵢ q̇ to the range that a task asks for; subject to the position, velocity,
-/// acceleration and jerk limits of the model and to further [limits](IkBuilder::limit). What no
-/// level determines takes the least norm. Limits never contradict each other, from any start, and
-/// after construction a step allocates nothing.
+/// Minimises ½ Σ wᵢ dᵢ² of each level lexicographically, highest priority first. The distance of aᵢ q̇ to the range
+/// that a task asks for is dᵢ. Constraints are the position, velocity, acceleration and jerk limits of the model, and
+/// further [limits](IkBuilder::limit). Among equal optima the velocity of least norm is taken. Limits never contradict
+/// each other, from any start, and after construction a step allocates nothing.
 ///
 /// ```
 /// use nalgebra::Point3;
@@ -81,41 +80,41 @@ pub struct Ik {
     pub(super) intervals: JointIntervals,
     pub(super) velocity: Vec<f64>,
     pub(super) acceleration: Vec<f64>,
-    /// Of the step before.
+    /// q̈ of the step before the last.
     pub(super) last_acceleration: Vec<f64>,
     pub(super) displacement: Vec<f64>,
     pub(super) period: f64,
     pub(super) singularity: SingularityDamping,
-    /// What the levels ask that the damping looks at, from the first to the last damped one.
+    /// The rows of each level from the first to the last damped one, before damping.
     asked: Vec<AskedRows>,
     anticipation: Anticipation,
-    /// The yaw of a base that moves along its heading alone, if that is a limit \[rad\].
+    /// The yaw of a base that only moves along its heading, if that is a limit \[rad\].
     heading: Option<f64>,
-    /// By entry of q̇: the time in which accelerations fade, where limits of rows need that \[s\].
+    /// Time in which the acceleration of each entry of q̇ fades, where limits of rows need that \[s\].
     fading: Vec<f64>,
-    /// Joints at the ends of their ranges beyond which levels would move them.
+    /// Joints at the ends of their ranges that levels would move beyond them.
     held: Vec<usize>,
     /// A velocity that all limits admit.
     admitted: Vec<f64>,
-    /// Of the rows of the limits.
+    /// Values of the rows of the limits.
     limit_values: Vec<f64>,
 }
 
-/// The rows of a level as its tasks wrote them, where damping has changed them.
+/// The rows of a level before damping.
 #[derive(Debug, Clone)]
 pub(super) struct AskedRows {
     rows: Rows,
-    /// How many of them are of tasks.
+    /// The number of rows that belong to tasks.
     count: usize,
-    /// Where they stand among the rows that are damped.
+    /// The places of the rows among those that are damped.
     span: Range<usize>,
     counts: bool,
-    /// Whether rows of curvature stand behind them.
+    /// Whether rows of curvature follow them.
     bends: bool,
 }
 
 impl Ik {
-    /// Collects levels of tasks for a robot.
+    /// Creates a builder that collects levels of tasks for a robot.
     pub fn builder(model: &Model) -> IkBuilder {
         IkBuilder::new(model)
     }
@@ -152,7 +151,7 @@ impl Ik {
         Ok(ik)
     }
 
-    /// Sizes limits and damping for the levels that there are.
+    /// Sizes limits and damping for the levels of the stack.
     fn make_room(&mut self) {
         let limits = self.stack.levels().next().filter(|_| self.has_limits);
         let keeps_heading = limits.is_some_and(|(tasks, _)| tasks.keeps_heading());
@@ -173,17 +172,17 @@ impl Ik {
             SingularityDamping::new(threshold, &counts, columns, self.velocity.len());
         let asked = sizes.into_iter().map(|(count, all, bends)| {
             let mut rows = Rows::zeros(all, columns);
-            // Of the right size and positive: no error is possible. The room for them is there then.
+            // The size is right and the weights positive, so no error is possible. This makes the room for them.
             let _ = rows.set_weights(&vec![1.0; all]);
             AskedRows { rows, count, span: 0..0, counts: false, bends }
         });
         self.asked = asked.collect();
     }
 
-    /// The velocities for the next `period` \[s\], with the robot at the configuration `q` and the
-    /// velocity of the last step. Allocates nothing, unless it returns an error.
+    /// Computes the velocities for the next `period` \[s\], with the robot at the configuration `q` and the velocity of
+    /// the last step. Allocates nothing, unless it returns an error.
     ///
-    /// A robot that is not at rest at the first step begins with [`reset`](Self::reset).
+    /// Call [`reset`](Self::reset) before the first step of a robot that is already in motion.
     ///
     /// # Errors
     /// [`Error::Value`] for a period that is not positive; those of [`Data::pose`] on q;
@@ -193,9 +192,9 @@ impl Ik {
         self.step_within(q, period, &[])
     }
 
-    /// The same with velocities that also lie within `intervals`, one an entry of q̇ or none: of a
-    /// leash, of a speed limit that a safety layer sets. Where an interval has nothing in common
-    /// with the joint's limits, the limits win.
+    /// Computes a step whose velocities also lie within `intervals`, one for each entry of q̇ or none at all. They may
+    /// come from a following-error limit or from a speed limit of a safety layer. Where an interval contradicts a
+    /// joint's limits, the limits win.
     ///
     /// # Errors
     /// Those of [`step`](Self::step); [`Error::WrongSize`] and [`Error::Value`] for intervals.
@@ -224,7 +223,7 @@ impl Ik {
         Ok(Step { ik: self })
     }
 
-    /// Bounds of the variables, limits, tasks, damping.
+    /// Writes the bounds of the variables, limits and tasks, and damps levels.
     fn write(
         &mut self,
         q: &[f64],
@@ -272,7 +271,7 @@ impl Ik {
             }
         })?;
         singularity.factorise();
-        // Joints that are held, and rows of curvature, stand between the levels.
+        // Rows for held joints and rows of curvature stand between the levels.
         let (mut moved, mut ends) = (0, false);
         self.held.clear();
         let limits = self.model.limits();
@@ -286,8 +285,8 @@ impl Ik {
             let (span, counts) = (&mut asked.span, &mut asked.counts);
             *counts = false;
             let Some(rows) = self.stack.rows_mut(index) else { continue };
-            // Further limits may forbid a joint to stand. Below a level that reaches its targets the solver knows
-            // what to do with joints at their ends.
+            // Further limits may forbid a joint to stand still, so none is held. The solver itself handles joints at
+            // their ends below a level that reaches its targets.
             if has_rows && !has_limits && (ends || span.start == 0) {
                 let hold = |entry| self.held.push(entry);
                 let added = singularity.hold_ends(span, rows, room.clone(), hold);
@@ -313,7 +312,7 @@ impl Ik {
             moved += bent;
             ends |= bent > 0;
             if !ends {
-                // As it does where this one reaches them.
+                // Levels that reach their targets leave the ends of joints to the solver.
                 let added = self.held.len() - above;
                 self.held.truncate(above);
                 singularity.release(span, added);
@@ -347,8 +346,8 @@ impl Ik {
         self.period = period;
     }
 
-    /// Brakes every joint for a period, at the limits of acceleration and jerk: where
-    /// [`step`](Self::step) fails. A joint without such limits stops at once.
+    /// Brakes every joint for a period within the limits of acceleration and jerk. Use it where [`step`](Self::step)
+    /// fails. A joint without such limits stops at once.
     ///
     /// # Errors
     /// [`Error::Value`] for a period that is not positive.
@@ -356,7 +355,7 @@ impl Ik {
         check_period(period)?;
         self.intervals.brake(&self.velocity, &self.acceleration, period, &mut self.admitted);
         if let Some(yaw) = &mut self.heading {
-            // Where the last step has turned it.
+            // The last step turned the base by this angle.
             *yaw += self.displacement.get(2).copied().unwrap_or_default();
             self.intervals.brake_along(*yaw, &self.velocity, period, &mut self.admitted);
         }
@@ -372,7 +371,7 @@ impl Ik {
         Ok(&self.velocity)
     }
 
-    /// Says that the robot moves at `velocity` now, not accelerating.
+    /// Sets the robot's present velocity, with zero acceleration.
     ///
     /// # Errors
     /// [`Error::WrongSize`], [`Error::Value`]; nothing has changed then.
@@ -383,7 +382,7 @@ impl Ik {
         Ok(())
     }
 
-    /// A task or limit, to set its target.
+    /// A task or limit, for setting its target.
     ///
     /// # Errors
     /// [`Error::UnknownTask`] for the id of another stack.
@@ -391,8 +390,8 @@ impl Ik {
         self.stack.task_mut(id)
     }
 
-    /// Lets tasks whose targets were never set keep what they find at the configuration `q`: the
-    /// pose that a frame has there, that posture.
+    /// Sets targets that were never set to the present state at the configuration `q`, such as the pose of a frame or
+    /// the posture.
     ///
     /// # Errors
     /// Those of [`Data::pose`] on q; [`Error::InTask`].
@@ -401,7 +400,7 @@ impl Ik {
         self.stack.hold(&mut posed)
     }
 
-    /// Where a frame is in the world at a configuration: for a target to start from.
+    /// The pose of a frame in the world at the configuration `q`, for example as a first target.
     ///
     /// # Errors
     /// Those of [`Data::pose`] on q; [`Error::ForeignId`].
@@ -429,7 +428,7 @@ impl Ik {
         &self.settings
     }
 
-    /// The rows that the tasks of a level ask for; nothing for other levels.
+    /// The rows that the tasks of a level ask for, before damping. `None` for levels of quadratics.
     pub(super) fn asked_rows<'a>(&'a self, index: usize, level: &'a Level) -> Option<&'a Rows> {
         match (self.asked.get(index), level.objective()) {
             (Some(asked), _) if asked.counts => Some(&asked.rows),
@@ -445,7 +444,7 @@ fn write_bounds((lower, upper): (&mut [f64], &mut [f64]), intervals: &[VelocityI
     }
 }
 
-/// An error unless the period is a positive number.
+/// Returns an error unless the period is a positive number.
 pub(super) fn check_period(period: f64) -> Result<(), Error> {
     if period > 0.0 && period.is_finite() {
         Ok(())

@@ -1,4 +1,4 @@
-//! How far the commanded state may run ahead of the measured one.
+//! The limit on the following error between commanded and measured state.
 
 use ahqp_core::{AcceleratedState, JerkLimits, Limits, VelocityInterval};
 
@@ -8,21 +8,21 @@ use crate::robot::joint::JointKind;
 use crate::robot::limits::JointLimits;
 use crate::robot::model::Model;
 
-/// The largest following errors, |q* − q| of each joint.
+/// The largest following errors |q* − q| of joints.
 ///
-/// A robot that follows late by a time T is behind by T times its speed, and one under impedance
-/// control gives way by the torque over its stiffness: the leash must leave room for both.
+/// A robot that follows with a delay T is behind by T times its speed. A robot under impedance control yields by the
+/// torque over its stiffness. The leash must leave room for both.
 ///
-/// A floating base has the leash along and about the world's axes. It is estimated, and estimates
-/// drift and jump: at the end of the leash its command waits, and goes no farther, but is never drawn
-/// back or taken along. Turned about several axes at once it goes up to 5 % farther.
+/// A floating base has the leash along and about the world's axes. Its measured pose is an estimate, which drifts and
+/// jumps. At the end of the leash its command waits, but is never drawn back or taken along. A rotation about several
+/// axes at once may go up to 5 % beyond the leash.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Leash {
-    /// Of joints that turn, and a floating base's rotation \[rad\]. Default 0.1.
+    /// Leash of revolute joints and of a floating base's rotation \[rad\]. Default 0.1.
     pub revolute: f64,
-    /// Of joints that slide, and a floating base's position \[m\]. Default 0.1.
+    /// Leash of prismatic joints and of a floating base's position \[m\]. Default 0.1.
     pub prismatic: f64,
-    /// Time constant with which the measured velocity is estimated \[s\]. Default 0.02.
+    /// Time constant of the estimate of the measured velocity \[s\]. Default 0.02.
     pub filter_time: f64,
 }
 
@@ -33,11 +33,11 @@ impl Default for Leash {
 }
 
 impl Leash {
-    /// How far the command of a joint with these limits can be from the measured position, whatever
-    /// the robot does \[rad or m\]: the leash, and for a robot that stops suddenly at full speed v what
-    /// is covered until that is known, v · filter time, and until the command has come to rest,
-    /// v²/(2a) + v a/j. Infinite where the speed or the acceleration is not limited, and for floating
-    /// bases, which only stop at the leash.
+    /// The largest possible following error of a joint with these limits, whatever the robot does \[rad or m\].
+    ///
+    /// It is the leash and the overrun of a robot that stops suddenly at full speed v. The overrun is v · filter time
+    /// until the stop is known, and v²/(2a) + v a/j until the command is at rest. The bound is infinite where speed or
+    /// acceleration is not limited, and for floating bases, whose commands only wait at the leash.
     ///
     /// ```
     /// use whole_body::ik::Leash;
@@ -81,19 +81,17 @@ impl Leash {
 
 /// The velocities that keep each joint within its leash.
 ///
-/// Seen from the measured joint, the commanded one is a motion between the ends of the leash: its
-/// velocity against the measured one is such that it can still come to rest in front of the end. A
-/// robot that follows is not held back, however fast; one that is held lets the command run to the
-/// end of the leash and wait there.
+/// Relative to the measured joint, the commanded joint moves between the ends of the leash. Its velocity relative to
+/// the measured one must allow it to come to rest before the end. So a robot that follows is never slowed down. The
+/// command of a held robot runs to the end of the leash and waits there.
 #[derive(Debug, Clone)]
 pub(super) struct LeashIntervals {
     leash: Leash,
     joints: Vec<LeashedJoint>,
-    /// Of each entry of q̇, as estimated.
+    /// Estimated measured q̇.
     measured_velocity: Vec<f64>,
     last: Vec<f64>,
-    /// By entry of q̇: from the measured configuration to the commanded one, and from the last measured
-    /// one to this.
+    /// Displacements from the measured configuration to the commanded one, and from the last measured one to this one.
     apart: Vec<f64>,
     moved: Vec<f64>,
     pub(super) intervals: Vec<VelocityInterval>,
@@ -102,11 +100,11 @@ pub(super) struct LeashIntervals {
 #[derive(Debug, Clone, Copy)]
 struct LeashedJoint {
     limits: JerkLimits,
-    /// Whether the command comes back where the joint is beyond the leash.
+    /// Whether the command returns where the joint is beyond the leash.
     returns: bool,
 }
 
-/// What stands for limits that there are not.
+/// Values that stand for missing limits.
 const FREE_VELOCITY: f64 = 1e9;
 const FREE_ACCELERATION: f64 = 1e14;
 

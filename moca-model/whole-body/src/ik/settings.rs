@@ -1,20 +1,20 @@
-//! The few parameters of the inverse kinematics.
+//! Parameters of the inverse kinematics.
 
 use ahqp_core::{Budget, Settings};
 
 use crate::error::Error;
 
-/// How tasks and limits become velocities.
+/// Settings of the inverse kinematics.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct IkSettings {
-    /// Of the solver.
+    /// Settings of the solver.
     pub solver: Settings,
-    /// What one step may cost. Default: the solver's iterations, in any time.
+    /// Budget of one step. The default limits the solver's iterations but not its time.
     pub budget: Budget,
-    /// Singular value below which speeds are bounded, from 0 (never) to 1 \[-\]. It is one of the
-    /// rows of a level, scaled to norm one and without what the levels above decide: 1 where the
-    /// rows are at right angles to each other and to those above, 0 where one cannot be met.
-    /// Default 0.1.
+    /// Singular value below which speeds are bounded, from 0 (never) to 1 \[-\]. Default 0.1.
+    ///
+    /// The rows of a level are scaled to norm one and projected on what the levels above leave. The singular value is 1
+    /// where the rows are orthogonal to each other and to those above, and 0 where a row cannot be met.
     pub singularity_threshold: f64,
 }
 

@@ -16,105 +16,110 @@ use crate::tasks::curvature::Curvature;
 use crate::tasks::feedback::Feedback;
 use crate::vector::{dot, subtract};
 
-/// Takes from the targets of levels what their rows reach only by very large velocities, and hands
-/// directions that a level loses over to the levels below.
+/// Damps the targets of levels that are reachable only by very large velocities. Directions that a level loses are left
+/// to the levels below.
 ///
-/// Level by level, highest priority first, the rows are scaled to norm one (small ones to less) and
-/// freed of what the rows above determine; G = P Pᵀ then has the squared singular values σ² of what is
-/// left to the level, and p² = 1/tr G⁻¹ is a lower bound of the least. Where p is above the threshold
-/// σ₀ nothing changes. Below, with W the weights of the scaled rows over the largest, uₖ, σₖ² and vₖ
-/// are the eigenvectors and eigenvalues of W^½ G W^½ and the directions of the joints that belong to
-/// them, rₖ is what is missing to the targets along uₖ, and cₖ = −uₖ · y″(vₖ, vₖ) sign rₖ, y being what
-/// the rows control. Along each uₖ by itself the joints move at up to
+/// Levels are treated one by one, highest priority first. Their rows are scaled to norm one (small rows to less) and
+/// projected on what the rows above leave, which gives P. The eigenvalues of G = P Pᵀ are the squared singular values
+/// σ², and p² = 1/tr G⁻¹ is a lower bound of the least. A level with p above the threshold σ₀ is left as it is. The
+/// others are damped with these quantities:
+///
+/// - W are the weights of the scaled rows over the largest;
+/// - uₖ, σₖ² and vₖ are the eigenvectors and eigenvalues of W^½ G W^½ and the matching directions of the joints;
+/// - rₖ is the residual of the targets along uₖ;
+/// - y is what the rows control, and cₖ = −uₖ · y″(vₖ, vₖ) sign rₖ.
+///
+/// Along each uₖ alone the joints move at up to
 ///
 /// > min(5 rad/s, 100 |rₖ|) / (1 − σₖ²/σ₀²)
 ///
-/// and the rest of rₖ is given up, where they leave the singular configuration (cₖ ≤ 0). Where they
-/// come to the end of the reach (cₖ > 0) the speed at which they can stop within σₖ/cₖ, at 20 1/s and
-/// 5 rad/s², stands in place of 100 |rₖ|. There the rest gₖ is not given up: rows √λ dᵀ q̇ = 0 stand
-/// against it, λ and d being the positive eigenvalues and the eigenvectors of −Σ gₖ uₖ · y″ / (20 1/s),
-/// freed of what the level and those above have. That is Newton's step towards the least distance, at
-/// which the level stands without swinging.
+/// where they leave the singular configuration (cₖ ≤ 0). The rest of rₖ is given up.
 ///
-/// Where y″ is not known the part (μ²/(σₖ² + μ²))³ of rₖ is given up: damped least squares
-/// (Nakamura and Hanafusa, Journal of Dynamic Systems, Measurement and Control 108, 1986), iterated twice so that well-conditioned directions keep all but (μ/σ)⁶ of
-/// their targets (King and Chillingworth, Numerical Functional Analysis and Optimization 1(5), 1979),
+/// Where they come to the end of the reach (cₖ > 0), 100 |rₖ| is replaced by a speed. It is the speed from which they
+/// can stop within σₖ/cₖ, at 20 1/s and 5 rad/s². There the rest gₖ is not given up. Instead rows √λ dᵀ q̇ = 0 are
+/// added. The pairs λ, d are the positive eigenvalues and the eigenvectors of −Σ gₖ uₖ · y″ / (20 1/s). Directions of
+/// this level and those above are removed from them. That is Newton's step towards the least distance, at which the
+/// level rests without oscillating.
 ///
-/// > μ² = ((σ₀/12)² + ((‖r‖/2v)² + ‖r‖/κ) max(0, 1 − v²/s²)) (1 − p²/σ₀²),
+/// Where y″ is not known, the part (μ²/(σₖ² + μ²))³ of rₖ is given up. This is damped least squares (Nakamura and
+/// Hanafusa, Journal of Dynamic Systems, Measurement and Control 108, 1986), iterated twice. Well-conditioned
+/// directions then keep all but (μ/σ)⁶ of their targets (King and Chillingworth, Numerical Functional Analysis and
+/// Optimization 1(5), 1979). The damping is
 ///
-/// r being what is missing to the scaled targets, s = ‖L⁻¹r‖ the speed that they take, v = 1 rad/s and
-/// κ = 5 1/s. Rows that contradict each other keep their weighted compromise.
+/// > μ² = ((σ₀/12)² + ((‖r‖/2v)² + ‖r‖/κ) max(0, 1 − v²/s²)) (1 − p²/σ₀²).
 ///
-/// A level that keeps a direction as an equality up to σ = 0 would let go of it at once there, and
-/// take it back as soon as the levels below have moved: the robot trembles. So where p < 3σ₀/10 the
-/// rows are turned along the uₖ, which leaves the weighted squares as they are, and those of σₖ < σ₀/10
-/// become ranges, within which the levels below move at up to v_f (1 − 10 σₖ/σ₀), v_f = 0.05 rad/s,
-/// times min(1, (9 − 100 p²/σ₀²)/8). Nothing here remembers an earlier step.
+/// Here r is the residual of the scaled targets, s = ‖L⁻¹r‖ the speed that they need, v = 1 rad/s and κ = 5 1/s. Rows
+/// that contradict each other keep their weighted compromise.
 ///
-/// The levels stay rows with other targets: priorities and limits are not touched.
+/// A level that keeps a direction as an equality down to σ = 0 would release it abruptly there. It would take the
+/// direction back as soon as the levels below have moved, and the robot would tremble. So where p < 3σ₀/10, the rows
+/// are rotated to the uₖ, which keeps the weighted squares. Rows with σₖ < σ₀/10 become ranges. Within them the levels
+/// below move at up to v_f (1 − 10 σₖ/σ₀) min(1, (9 − 100 p²/σ₀²)/8), v_f = 0.05 rad/s. The damping has no memory of
+/// earlier steps.
+///
+/// Levels stay rows with other targets, so that priorities and limits are not affected.
 #[derive(Debug, Clone)]
 pub(super) struct SingularityDamping {
     threshold: f64,
     directions: Directions,
-    /// p²/σ₀² of the level at hand: below one where it is singular.
+    /// p²/σ₀² of the present level, below one where it is singular.
     closeness: f64,
-    /// The largest weight of its scaled rows.
+    /// The largest weight of the level's scaled rows.
     heaviest: f64,
-    /// √(weight · norm² over the largest).
+    /// √(weight · norm² over the largest) of each row.
     scales: Vec<f64>,
     gram: Vec<f64>,
     given_up: Vec<f64>,
-    /// By direction uₖ: its coordinates along the rows.
+    /// Coordinates of each direction uₖ along the rows.
     vectors: Vec<f64>,
-    /// By direction: σₖ, and the direction vₖ of the joints.
+    /// σₖ of each direction uₖ, and its direction vₖ of the joints.
     sigmas: Vec<f64>,
     joints: Vec<f64>,
     columns: usize,
-    /// By direction: what is not had along uₖ, and the part of it that is given up.
+    /// The missing part along each uₖ, and the share of it that is given up.
     parts: Vec<f64>,
     given_up_parts: Vec<f64>,
     had: Vec<f64>,
-    /// What the rows control, along one direction; and the rows of all.
+    /// Curvature of what the rows control: along one direction, and the rows of all.
     curvature: Curvature,
     bent: CurvatureRows,
-    /// The rows along the directions uₖ, and their targets.
+    /// Rows rotated to the directions uₖ, and their targets.
     turned: Vec<f64>,
     turned_targets: Vec<f64>,
-    /// Weights of turned rows: theirs are in the rows.
+    /// Weights of rotated rows, which contain the original weights.
     unit_weights: Vec<f64>,
 }
 
-/// Of the largest weight, what the others count as at least here.
+/// Smallest weight over the largest one that a row counts with here.
 const LIGHTEST: f64 = 1e-12;
-/// Norm of velocities above which a singular level is damped more than it must be at least
-/// \[rad/s, m/s\].
+/// Norm of velocities above which a singular level is damped more than the least \[rad/s, m/s\].
 const SPEED: f64 = 1.0;
-/// How fast a singular direction may come and go \[1/s\]; with an order of 3, three times as fast.
+/// Rate at which a singular direction may come and go \[1/s\]; with an order of 3, three times this rate.
 const RATE: f64 = 5.0;
-/// Of the threshold, the least damping of a singular level.
+/// Least damping of a singular level over the threshold.
 const LEAST: f64 = 1.0 / 12.0;
-/// How often the damping is applied.
+/// Number of times that the damping is applied.
 const ORDER: i32 = 3;
-/// How fast joints leave a singular configuration at most \[rad/s, m/s\].
+/// Largest speed of joints that leave a singular configuration \[rad/s, m/s\].
 const SPEED_AWAY: f64 = 5.0;
-/// The same over what is missing: what is nearly there does not make joints race.
+/// Largest speed over the residual \[1/s\], so that a small residual does not cause fast joints.
 const QUICKNESS: f64 = 100.0;
-/// How fast they come to rest at the end of the reach.
+/// Feedback by which joints come to rest at the end of the reach.
 const END: Feedback = Feedback { gain: 20.0, deceleration: 5.0 };
-/// A singular value below which the way away is not known, and one below which there is none.
+/// Singular values below which the way out is not known, and below which there is none.
 const UNKNOWN: f64 = 1e-6;
 const NONE: f64 = 1e-12;
-/// Of the threshold, the singular value below which a direction is handed over.
+/// Singular value over the threshold below which a direction is left to the levels below.
 const HANDOVER: f64 = 0.1;
-/// Of that, where p is when rows begin to be turned.
+/// Value of p over that singular value at which rows begin to be rotated.
 const GATE: f64 = 3.0;
-/// A joint this near to the end of its range is there \[rad, m\].
+/// Distance to the end of its range within which a joint counts as at the end \[rad, m\].
 const AT_END: f64 = 1e-4;
-/// How fast levels below may move along a direction that is lost \[rad/s, m/s\].
+/// Largest speed of the levels below along a direction that is lost \[rad/s, m/s\].
 const FREE_SPEED: f64 = 0.05;
 
 impl SingularityDamping {
-    /// For levels of so many rows each, over so many variables.
+    /// Creates the damping for levels of these numbers of rows over `columns` variables.
     pub(super) fn new(threshold: f64, levels: &[usize], columns: usize, velocities: usize) -> Self {
         let (total, most): (usize, _) =
             (levels.iter().sum(), levels.iter().copied().max().unwrap_or(0));
@@ -148,22 +153,22 @@ impl SingularityDamping {
         self.bent.curvature.clear();
     }
 
-    /// Takes the next level, highest priority first, of whose rows the first `m` count; returns their
-    /// places among the rows of all levels. A level with ranges has none, and is left as it is.
+    /// Loads the next level, highest priority first, with its first `m` rows. Returns their places among the rows of
+    /// all levels. A level with ranges gets no places and is left as it is.
     pub(super) fn load(&mut self, rows: &Rows, m: usize) -> Range<usize> {
         let fits = self.threshold > 0.0 && m <= self.scales.len() && m <= rows.len();
         let equalities = rows.lower().iter().zip(rows.upper()).take(m).all(|(l, u)| l == u);
         self.directions.push(rows, if fits && equalities { m } else { 0 })
     }
 
-    /// Finds out what each level determines, when all are loaded.
+    /// Computes what each level determines, after all are loaded.
     pub(super) fn factorise(&mut self) {
         self.directions.factorise();
     }
 
-    /// Holds joints at the ends of their ranges beyond which the next level, whose rows have these
-    /// places, would move them, as what is decided above it; returns how many. `room` is what a joint
-    /// has left below and above.
+    /// Holds joints at the ends of their ranges where the next level, at these places, would move them further. The
+    /// level then counts the hold as a decision above it. `room` is the distance of each joint to its lower and upper
+    /// limit. Returns how many joints are held.
     pub(super) fn hold_ends(
         &mut self,
         span: &Range<usize>,
@@ -196,7 +201,7 @@ impl SingularityDamping {
         held
     }
 
-    /// Lets go of so many joints that are held for the level whose rows have these places.
+    /// Releases `count` joints that are held for the level at these places.
     pub(super) fn release(&mut self, span: &Range<usize>, count: usize) {
         if count > 0 {
             self.directions.remove(span.start - count..span.start);
@@ -204,8 +209,7 @@ impl SingularityDamping {
         }
     }
 
-    /// Looks at the next level, highest priority first, whose rows have these places. Returns true if
-    /// it is singular.
+    /// Examines the next level, highest priority first, at these places. Returns true if it is singular.
     pub(super) fn examine(&mut self, span: &Range<usize>, rows: &Rows) -> bool {
         let trace = self.directions.inverse_trace(span);
         self.closeness = 1.0 / (trace * self.threshold * self.threshold);
@@ -222,7 +226,7 @@ impl SingularityDamping {
             factors.for_each(|((factor, part), scale)| *factor = part * scale);
             let joints = &mut self.joints[k * self.columns..][..self.columns];
             self.directions.combine(span, &self.given_up[..m], joints);
-            // More exact than the root of the eigenvalue.
+            // The norm is more exact than the root of the eigenvalue.
             let norm = dot(joints, joints).sqrt();
             self.sigmas[k] = norm;
             let scale = if norm > NONE { 1.0 / norm } else { 0.0 };
@@ -233,14 +237,14 @@ impl SingularityDamping {
         true
     }
 
-    /// Of what is missing to a level that was [examined](Self::examine): the part along uₖ.
+    /// The residual along uₖ of a level that was [examined](Self::examine).
     fn missing(&self, span: &Range<usize>, k: usize) -> f64 {
         let vector = &self.vectors[k * span.len()..][..span.len()];
         let weighted = vector.iter().zip(self.directions.residual(span)).zip(&self.scales);
         weighted.map(|((u, r), scale)| u * r * scale).sum()
     }
 
-    /// Damps a level that is singular, all directions alike.
+    /// Damps a singular level in all directions alike.
     pub(super) fn damp(&mut self, span: &Range<usize>) {
         let square = self.damping(span) * (1.0 - self.closeness);
         for k in 0..span.len() {
@@ -250,8 +254,8 @@ impl SingularityDamping {
         }
     }
 
-    /// Bounds the speeds of a level that is singular, each direction by itself, by the curvature that
-    /// `add_curvature` adds for factors of its rows.
+    /// Bounds the speed of a singular level in each direction by its curvature, which `add_curvature` adds for given
+    /// factors of its rows.
     pub(super) fn bound(
         &mut self,
         span: &Range<usize>,
@@ -288,7 +292,7 @@ impl SingularityDamping {
             let part = (missing.abs() - speed * sigma).max(0.0);
             self.parts[k] = part.copysign(missing);
             self.had[k] = 1.0 - part / missing.abs();
-            // What rows of curvature hold is not given up.
+            // The share that rows of curvature hold is not given up.
             let held = part * towards.max(0.0) / END.gain;
             let had = if sigma > UNKNOWN { most * (sigma + held / sigma) } else { 0.0 };
             self.given_up_parts[k] = (missing.abs() - had).max(0.0).copysign(missing);
@@ -301,7 +305,7 @@ impl SingularityDamping {
         Ok(())
     }
 
-    /// Writes what was found for a level that was [examined](Self::examine) and is singular.
+    /// Writes the damped targets of a singular level that was [examined](Self::examine).
     pub(super) fn give_up(&mut self, span: &Range<usize>, rows: &mut Rows) {
         let m = span.len();
         self.sum(span, false);
@@ -318,7 +322,7 @@ impl SingularityDamping {
         }
     }
 
-    /// What is not had, or the part of that which is given up, by scaled row.
+    /// Sums by scaled row what is missing, or the share of it that is given up.
     fn sum(&mut self, span: &Range<usize>, is_given_up: bool) {
         let m = span.len();
         let parts = if is_given_up { &self.given_up_parts } else { &self.parts };
@@ -330,8 +334,8 @@ impl SingularityDamping {
         given_up.iter_mut().zip(&self.scales).for_each(|(part, scale)| *part /= scale);
     }
 
-    /// Writes the rows of curvature of the level that was examined last, from `first` on; returns how
-    /// many stand among the rows of all levels now, behind the level.
+    /// Writes the rows of curvature of the level that was examined last, from row `first` on. Returns how many were
+    /// added behind the level.
     pub(super) fn write_curvature(
         &mut self,
         span: &Range<usize>,
@@ -343,7 +347,8 @@ impl SingularityDamping {
             return 0;
         }
         let size = self.bent.curvature.size();
-        // What the rows have is decided by them. Where a direction is lost exactly, nothing says what they have of it.
+        // Directions that the rows determine are theirs. Where a direction is lost exactly, their share in it is not
+        // known.
         if self.sigmas[..first].iter().all(|sigma| *sigma > UNKNOWN) {
             for (joints, had) in self.joints.chunks_exact(self.columns).zip(&self.had[..first]) {
                 self.bent.curvature.take_out(joints, *had);
@@ -370,14 +375,14 @@ impl SingularityDamping {
         added
     }
 
-    /// Takes from the targets below what a level does by itself.
+    /// Subtracts what a level does by itself from the targets below.
     pub(super) fn take(&mut self, span: &Range<usize>) {
         self.directions.take(span);
     }
 
-    /// μ² of a level that is singular.
+    /// μ² of a singular level.
     fn damping(&mut self, span: &Range<usize>) -> f64 {
-        // (s/v)², s being the norm of the velocities that the targets take.
+        // (s/v)², where s is the norm of the velocities that the targets need.
         let room = &mut self.given_up[..span.len()];
         let excess = self.directions.square_of_speed(span, room) / (SPEED * SPEED);
         let residual = self.directions.residual(span);
@@ -387,8 +392,8 @@ impl SingularityDamping {
         least * least + bound * (1.0 - 1.0 / excess.max(1.0))
     }
 
-    /// Turns the rows along the directions, and makes ranges of those that are lost, so wide as a
-    /// `share` says.
+    /// Rotates the rows to the directions uₖ. Rows of lost directions become ranges whose width is proportional to
+    /// `share`.
     fn hand_over(&mut self, span: &Range<usize>, heaviest: f64, share: f64, rows: &mut Rows) {
         let (m, columns, root) = (span.len(), rows.columns(), heaviest.sqrt());
         let norms = self.directions.norms(span);
@@ -419,11 +424,11 @@ impl SingularityDamping {
             }
             (rows.lower_mut()[k], rows.upper_mut()[k]) = (target - room, target + room);
         }
-        // Of the size of the rows, and positive: no error is possible.
+        // The size is that of the rows and the weights are positive, so no error is possible.
         let _ = rows.set_weights(&self.unit_weights[..rows.len()]);
     }
 
-    /// Weighs G, and returns the largest weight of a scaled row.
+    /// Weights G, and returns the largest weight of a scaled row.
     fn weigh(&mut self, span: &Range<usize>, rows: &Rows) -> f64 {
         let (m, norms) = (span.len(), self.directions.norms(span));
         let heaviness = |row: usize| rows.weight(row) * norms[row] * norms[row];

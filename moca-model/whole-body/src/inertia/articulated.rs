@@ -6,8 +6,8 @@ use super::symmetric::Symmetric3;
 use super::world::WorldInertia;
 use crate::spatial::{Motion, Spatial};
 
-/// The inertia that a body shows with all that it carries free to move: the force and moment
-/// [F; N] = [M C; Cᵀ I] [v; ω] at its origin.
+/// The inertia of a body whose subtree is free to move. It gives the force and moment [F; N] = [M C; Cᵀ I] [v; ω] at
+/// the body's origin.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ArticulatedInertia {
     mass: Symmetric3,
@@ -41,8 +41,8 @@ impl ArticulatedInertia {
         }
     }
 
-    /// The force for a unit acceleration along or about an axis through the origin, and its part
-    /// along or about that axis.
+    /// The force for a unit acceleration along or about an axis through the origin, and its component along or about
+    /// that axis.
     #[inline]
     pub(crate) fn along(&self, motion: Motion, axis: &Vector3<f64>) -> (Spatial, f64) {
         match motion {
@@ -57,7 +57,7 @@ impl ArticulatedInertia {
         }
     }
 
-    /// The largest that the part along an axis can be.
+    /// The largest possible value of the component along an axis.
     #[inline]
     pub(crate) fn size(&self, motion: Motion) -> f64 {
         match motion {
@@ -66,7 +66,7 @@ impl ArticulatedInertia {
         }
     }
 
-    /// What is left where a joint gives way for which `along` was `joint`.
+    /// The inertia that remains beyond a free joint, which was computed by `along`.
     #[inline]
     pub(crate) fn without(&self, joint: &ArticulatedJoint) -> Self {
         let (linear, angular) = (&joint.force.linear, &joint.force.angular);
@@ -80,7 +80,7 @@ impl ArticulatedInertia {
     /// Adds the inertia of a body whose origin is `apart` from this one's.
     #[inline]
     pub(crate) fn add(&mut self, other: &Self, apart: &Vector3<f64>) {
-        // With v' = v − [d]ω and N = N' + [d]F: C = C' − M'[d], I = I' + [d]C − C'ᵀ[d].
+        // v' = v − [d]ω and N = N' + [d]F give C = C' − M'[d], I = I' + [d]C − C'ᵀ[d].
         let coupling = other.coupling - other.mass.times_cross(apart);
         let (left, right) = (cross_times(apart, &coupling), cross_times(apart, &other.coupling));
         let moved = Symmetric3 {

@@ -12,7 +12,7 @@ pub(crate) struct BodyInertia {
     pub(crate) mass: f64,
     /// \[m\]
     pub(crate) centre: Vector3<f64>,
-    /// About the centre of mass \[kg m²\].
+    /// Inertia about the centre of mass \[kg m²\].
     pub(crate) inertia: Matrix3<f64>,
 }
 
@@ -21,7 +21,7 @@ impl BodyInertia {
         Self { mass: 0.0, centre: Vector3::zeros(), inertia: Matrix3::zeros() }
     }
 
-    /// The same in the frame where the body's own stands at `pose`.
+    /// The same inertia in the frame in which the body's own frame is at `pose`.
     pub(crate) fn placed(&self, pose: &Pose) -> Self {
         Self {
             mass: self.mass,
@@ -30,7 +30,7 @@ impl BodyInertia {
         }
     }
 
-    /// Both bodies as one.
+    /// The inertia of both bodies as one.
     pub(crate) fn joined(&self, other: &Self) -> Self {
         let mass = self.mass + other.mass;
         let inertia = self.inertia + other.inertia;

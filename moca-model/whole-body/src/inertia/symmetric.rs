@@ -1,4 +1,4 @@
-//! Symmetric 3 × 3 matrices, of which half is stored and computed.
+//! Symmetric 3 × 3 matrices that store and compute one half.
 
 use nalgebra::{Matrix3, Vector3};
 

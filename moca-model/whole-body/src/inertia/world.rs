@@ -13,7 +13,7 @@ pub(crate) struct WorldInertia {
     pub(crate) mass: f64,
     /// Σ m (c − point) \[kg m\].
     pub(crate) moment: Vector3<f64>,
-    /// About the point \[kg m²\].
+    /// Inertia about the point \[kg m²\].
     pub(crate) inertia: Symmetric3,
 }
 
@@ -21,7 +21,7 @@ impl WorldInertia {
     pub(crate) const ZERO: Self =
         Self { mass: 0.0, moment: Vector3::new(0.0, 0.0, 0.0), inertia: Symmetric3::ZERO };
 
-    /// Of one body about its origin.
+    /// The inertia of one body about its origin.
     #[inline]
     pub(crate) fn of_body(body: &BodyInertia, pose: &Pose) -> Self {
         let centre = pose.rotation * body.centre;
@@ -55,8 +55,7 @@ impl WorldInertia {
         self.mass += other.mass;
     }
 
-    /// The force and moment at the point that a unit acceleration along or about an axis through
-    /// it asks for.
+    /// The force and moment at the point for a unit acceleration along or about an axis through it.
     #[inline]
     pub(crate) fn along(&self, motion: Motion, axis: &Vector3<f64>) -> Spatial {
         match motion {

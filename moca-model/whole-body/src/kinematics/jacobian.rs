@@ -8,24 +8,23 @@ use crate::robot::frame::FrameId;
 use crate::spatial::{Motion, Spatial};
 use crate::state::posed::Posed;
 
-/// In which axes twists, Jacobians and accelerations of a frame are; always of its origin.
+/// The axes of twists, Jacobians and accelerations of a frame, which always refer to its origin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Axes {
-    /// Parallel to the world's.
+    /// Axes parallel to the world's.
     #[default]
     World,
-    /// The frame's own. Rates are then those of the components in axes that turn along.
+    /// The frame's own axes. Rates are those of the components in these rotating axes.
     Local,
 }
 
 impl Posed<'_> {
-    /// The Jacobian of a frame, 6 × the size of q̇: its twist for q̇, linear rows \[m/s\] then
-    /// angular ones \[rad/s\]. Columns that do not move the frame are zero.
+    /// The Jacobian of a frame, 6 × the size of q̇, which maps q̇ to its twist: linear rows \[m/s\], then angular ones
+    /// \[rad/s\]. Columns of joints that do not move the frame are zero.
     ///
-    /// Column i is [zᵢ × (p − pᵢ); zᵢ] for a turning joint and [zᵢ; 0] for a sliding one, zᵢ being
-    /// its axis, pᵢ its origin and p the frame's (Siciliano, Sciavicco, Villani, Oriolo, *Robotics:
-    /// Modelling, Planning and Control*, 2009, eq. 3.30). A mimic joint adds to the column of the
-    /// joint that it follows.
+    /// Column i is [zᵢ × (p − pᵢ); zᵢ] for a revolute joint and [zᵢ; 0] for a prismatic one. Here zᵢ is its axis, pᵢ
+    /// its origin and p the frame's origin (Siciliano, Sciavicco, Villani, Oriolo, *Robotics: Modelling, Planning and
+    /// Control*, 2009, eq. 3.30). A mimic joint adds to the column of the joint that it follows.
     ///
     /// # Errors
     /// [`Error::ForeignId`]; [`Error::WrongSize`] unless `out` has as many columns as q̇ entries.
@@ -47,7 +46,7 @@ impl Posed<'_> {
         Ok(())
     }
 
-    /// Adds what each joint moves of a point on a body, times `factor`.
+    /// Adds the columns of a point on a body, times `factor`.
     pub(super) fn add_columns(
         &self,
         body: usize,
@@ -88,7 +87,7 @@ fn add(column: &mut [f64; 6], by: &Spatial) {
     (*d, *e, *f) = (*d + by.angular.x, *e + by.angular.y, *f + by.angular.z);
 }
 
-/// Takes columns from world axes to those of a frame that stands at `rotation`.
+/// Transforms columns from world axes to those of a frame with this `rotation`.
 pub(super) fn turn_columns(rotation: &Matrix3<f64>, out: &mut Matrix6xX<f64>) {
     for column in out.as_mut_slice().as_chunks_mut::<6>().0 {
         let [a, b, c, d, e, f] = *column;

@@ -8,7 +8,7 @@ use crate::spatial::Pose;
 use crate::state::posed::Posed;
 
 impl Posed<'_> {
-    /// Pose of a frame in the world.
+    /// The pose of a frame in the world.
     ///
     /// # Errors
     /// [`Error::ForeignId`].
@@ -16,8 +16,7 @@ impl Posed<'_> {
         Ok(self.pose_of(self.model.frame(frame)?).to_isometry())
     }
 
-    /// The same with a rotation matrix, which is what the robot's own poses are: no quaternion is
-    /// computed.
+    /// The pose of a frame in the world with a rotation matrix, as the robot stores it. No quaternion is computed.
     ///
     /// # Errors
     /// [`Error::ForeignId`].
@@ -25,10 +24,10 @@ impl Posed<'_> {
         Ok(self.pose_of(self.model.frame(frame)?).to_isometry_matrix())
     }
 
-    /// Poses of all frames in the world, in the order of [`Model::frames`](crate::Model::frames).
+    /// Writes the poses of all frames in the world, in the order of [`Model::frames`](crate::Model::frames).
     ///
     /// # Errors
-    /// [`Error::WrongSize`] unless there is one place a frame.
+    /// [`Error::WrongSize`] unless `out` has one element for each frame.
     pub fn placements_into(&self, out: &mut [IsometryMatrix3<f64>]) -> Result<(), Error> {
         check_size("the list of placements", out.len(), self.model.frames.len())?;
         for (out, frame) in out.iter_mut().zip(&self.model.frames) {

@@ -1,4 +1,4 @@
-//! One frame seen from another.
+//! Poses and Jacobians of one frame relative to another.
 
 use nalgebra::{Isometry3, Matrix6xX};
 
@@ -8,7 +8,7 @@ use crate::robot::frame::FrameId;
 use crate::state::posed::Posed;
 
 impl Posed<'_> {
-    /// Pose of `frame` in `reference`.
+    /// The pose of `frame` in `reference`.
     ///
     /// # Errors
     /// [`Error::ForeignId`].
@@ -27,11 +27,11 @@ impl Posed<'_> {
         .to_isometry())
     }
 
-    /// The Jacobian of `frame` seen from `reference`, 6 × the size of q̇: the rate at which its
-    /// origin and its axes move in the axes of the reference. Joints that carry both are zero.
+    /// The Jacobian of `frame` relative to `reference`, 6 × the size of q̇. It maps q̇ to the rate of the frame's
+    /// origin and axes in the axes of the reference. Columns of joints that move both frames alike are zero.
     ///
-    /// A joint between them moves the frame as in [`jacobian_into`](Self::jacobian_into); one below
-    /// the reference moves it the other way.
+    /// A joint between them moves the frame as in [`jacobian_into`](Self::jacobian_into). A joint that only moves the
+    /// reference has the opposite sign.
     ///
     /// # Errors
     /// [`Error::ForeignId`]; [`Error::WrongSize`] unless `out` has as many columns as q̇ entries.

@@ -23,10 +23,10 @@ impl Moving<'_> {
         .to_vector())
     }
 
-    /// J̇ q̇, so that J q̈ + J̇ q̇ is the rate of [`twist`](Self::twist) in the same axes: linear
-    /// \[m/s²\] then angular \[rad/s²\].
+    /// J̇ q̇, so that J q̈ + J̇ q̇ is the rate of [`twist`](Self::twist) in the same axes: linear \[m/s²\], then
+    /// angular \[rad/s²\].
     ///
-    /// In local axes it lacks ω × v, by which turning axes change the components of the velocity.
+    /// In local axes it does not contain ω × v, by which rotating axes change the components of the velocity.
     ///
     /// # Errors
     /// [`Error::ForeignId`].

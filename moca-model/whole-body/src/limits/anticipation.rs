@@ -1,59 +1,58 @@
-//! Room in front of a limit for accelerations that cannot end at once.
+//! Limits on velocities in front of a bound, for accelerations that cannot end at once.
 
 use ahqp_core::Rows;
 
 use super::joint_intervals::JointIntervals;
 use crate::vector::dot_of_sizes;
 
-/// Of a limit, how much a row may turn while the robot comes to stand. The rest is for accelerations that change
-/// at once, and for rows that turn faster on the way.
+/// Share of a limit by which a row may change while the robot comes to rest. The remainder is for accelerations that
+/// change at once, and for rows that change faster on the way.
 const KEPT: f64 = 0.5;
 
-/// Narrows the rows of limits so that their values come to rest at the limit, and not beyond it,
-/// where jerks are limited.
+/// Narrows the rows of limits so that under jerk limits their values come to rest at the limit and not beyond it.
 ///
-/// A value s = Σ cᵢ q̇ᵢ grows by Σ cᵢ q̈ᵢ²/(2jᵢ), over the joints that drive it towards its limit,
-/// while these bring their accelerations to zero. With the jerk j of s for which that is S²/(2j),
-/// S = Σ cᵢ q̈ᵢ, the acceleration α allowed next is that of a single joint in front of its velocity
-/// limit: α Δt + α²/(2j) = limit − s. Without jerk limits nothing changes.
+/// A value s = Σ cᵢ q̇ᵢ grows by Σ cᵢ q̈ᵢ²/(2jᵢ) while the joints that drive it towards its limit bring their
+/// accelerations to zero. The jerk j of s is the one for which that is S²/(2j), S = Σ cᵢ q̈ᵢ. The next acceleration α
+/// is then that of a single joint in front of its velocity limit: α Δt + α²/(2j) = limit − s. Rows of joints without
+/// jerk limits are left as they are.
 #[derive(Debug, Clone)]
 pub(crate) struct Anticipation {
-    /// By entry of q̇: the time in which its acceleration ends, half of it \[s\].
+    /// Half the time in which the acceleration of each entry of q̇ ends \[s\].
     ends: Vec<f64>,
-    /// By row: whether that is taken care of.
+    /// Whether each row anticipates by itself.
     done: Vec<bool>,
-    /// By entry of q̇: by how much it can grow at most until then \[rad/s or m/s\].
+    /// Largest growth of each entry of q̇ until then \[rad/s or m/s\].
     growth: Vec<f64>,
-    /// The coefficients of the rows in the last period, one row after another; empty before the first.
+    /// Coefficients of the rows in the last period, row by row; empty before the first.
     past: Vec<f64>,
-    /// The longest time in which the velocities may shrink evenly to zero \[s\].
+    /// The longest time of an even stop \[s\].
     stop_time: f64,
 }
 
 impl Anticipation {
-    /// For rows of which some take care of that themselves.
+    /// Creates the anticipation for rows, some of which anticipate by themselves (`done`).
     pub(crate) fn new(velocities: usize, done: Vec<bool>) -> Self {
         let past = Vec::with_capacity(done.len() * velocities);
         let (ends, growth) = (vec![0.0; velocities], vec![0.0; velocities]);
         Self { ends, growth, done, past, stop_time: f64::INFINITY }
     }
 
-    /// The longest time in which the velocities may shrink evenly to zero so that the rows hold on the way, as
-    /// it was in the last period \[s\]; infinite for no rows of speeds.
+    /// The longest time in which the velocities may shrink evenly to zero while the rows hold \[s\]. It is computed
+    /// from the last period, and infinite without rows of speeds.
     pub(crate) fn stop_time(&self) -> f64 {
         self.stop_time
     }
 
-    /// Computes that time from how much the rows have changed since the last period.
+    /// Computes the stop time from the change of the rows since the last period.
     ///
-    /// The value s of a row changes by b = J̇q̇ a second at constant velocities. While velocities shrink evenly to
-    /// zero in T it shrinks by s/T and grows by no more than b: with |b| T below the limit it stays within.
+    /// At constant velocities the value s of a row changes at the rate b = J̇q̇. While velocities shrink evenly to zero
+    /// in a time T, s shrinks at s/T and grows at most at b. If |b| T is below the limit, s stays within it.
     fn observe_turning(&mut self, rows: &Rows, velocity: &[f64], period: f64) {
         let columns = velocity.len();
         self.stop_time = f64::INFINITY;
         let past = self.past.chunks_exact(columns.max(1));
-        // Rows of distances have one side. Rows that hold a value at zero leave nothing to turn in: with them the
-        // robot could only stand.
+        // Rows of distances have one side. Rows that hold a value at zero leave no room, and the robot could only
+        // stand.
         let of_speeds = |range: &(&[f64], f64, f64)| range.2 > 0.0 && range.1 == -range.2;
         for ((row, _, upper), past) in rows.iter().zip(past).filter(|(row, _)| of_speeds(row)) {
             let turned = row.iter().zip(past).zip(velocity);
@@ -67,13 +66,13 @@ impl Anticipation {
         self.past.extend(rows.iter().flat_map(|(row, ..)| row.iter().take(columns)));
     }
 
-    /// Returns true if there are rows that do not take care of that themselves.
+    /// Returns true if some rows do not anticipate by themselves.
     pub(crate) fn is_needed(&self) -> bool {
         self.done.iter().any(|done| !done)
     }
 
-    /// Narrows the rows for the velocities and accelerations commanded last; `values` is room for a
-    /// number a row.
+    /// Narrows the rows for the last commanded velocities and accelerations. `values` is scratch memory of one number a
+    /// row.
     pub(crate) fn narrow(
         &mut self,
         rows: &mut Rows,
@@ -131,7 +130,7 @@ struct Row<'a> {
 }
 
 impl Row<'_> {
-    /// The bound for the next period in front of an upper limit (`sign` 1) or a lower one (−1).
+    /// The bound for the next period, for an upper limit (`sign` 1) or a lower one (−1).
     fn narrowed(&self, limit: f64, sign: f64) -> f64 {
         let (mut driving, mut overrun) = (0.0, 0.0);
         let entries = self.coefficients.iter().zip(self.acceleration).zip(self.ends);
@@ -159,7 +158,7 @@ mod tests {
 
     use super::*;
 
-    /// The time after a row has turned from x to y while the second joint moves.
+    /// The stop time after a row has changed from x to y while the second joint moves.
     fn stop_time(lower: f64, upper: f64) -> f64 {
         let mut anticipation = Anticipation::new(2, vec![false]);
         for row in [dmatrix![1.0, 0.0], dmatrix![1.0, 0.01]] {
@@ -171,7 +170,7 @@ mod tests {
 
     #[test]
     fn only_rows_of_speeds_shorten_the_stop() {
-        // It turns by 20 m/s² beside a limit of 4 m/s, of which half counts.
+        // The row changes at 20 m/s² beside a limit of 4 m/s, of which half counts.
         assert!((stop_time(-4.0, 4.0) - 0.1).abs() < 1e-12);
         for (lower, upper) in [(0.0, 0.0), (f64::NEG_INFINITY, 0.0), (-1.0, f64::INFINITY)] {
             assert_eq!(stop_time(lower, upper), f64::INFINITY);

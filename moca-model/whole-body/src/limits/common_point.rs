@@ -5,21 +5,22 @@ use ahqp_core::{Rows, VelocityInterval};
 use super::joint_intervals::nearest_to_rest;
 use crate::vector::dot;
 
-/// Rounds of going back within the rows. Where they do not suffice the rows are widened by more
-/// than they must.
+/// Largest number of rounds of projections. If they do not suffice, rows are widened more than necessary.
 const ROUNDS: usize = 20;
 /// Share of the sizes of a row's products that counts as rounding.
 const ROUNDING: f64 = 1e-12;
 
 /// Widens rows as far as the intervals of the joints make it necessary.
 ///
-/// The rows of limits admit rest, but a joint that moves cannot always be at rest in the next
-/// period. Mostly they admit that accelerations fade, which gives the entries the velocities `faded`.
-/// Else the point starts as near to rest as the intervals allow, is moved onto each row that it
-/// violates in turn and back within the intervals (projections onto convex sets: Bregman, USSR
-/// Computational Mathematics and Mathematical Physics 7(3), 1967), those that leave no choice last,
-/// and then every row is widened until it admits the point. Intervals and rows have that point in
-/// common: they are feasible. `values` is room for a number a row.
+/// The rows of limits admit rest, but a moving joint cannot always be at rest in the next period. Usually they admit
+/// that accelerations fade, which gives the velocities `faded`. Otherwise a common point is searched:
+///
+/// 1. It starts as near to rest as the intervals allow.
+/// 2. It is projected in turn on each row that it violates and back into the intervals, equalities last (projections
+///    onto convex sets: Bregman, USSR Computational Mathematics and Mathematical Physics 7(3), 1967).
+/// 3. Every row is widened until it admits the point.
+///
+/// So intervals and rows have a point in common. `values` is scratch memory of one number a row.
 pub(crate) fn widen(
     rows: &mut Rows,
     intervals: &[VelocityInterval],
@@ -53,7 +54,7 @@ pub(crate) fn widen(
     admit(rows, point);
 }
 
-/// Moves a point onto a row and back within the intervals, and returns true unless it is there already.
+/// Projects a point on a row and back into the intervals. Returns true if the row was violated.
 fn moved_onto(
     (row, lower, upper): (&[f64], f64, f64),
     intervals: &[VelocityInterval],
@@ -72,7 +73,7 @@ fn moved_onto(
     true
 }
 
-/// Widens the rows that do not admit a point; what a sum rounds to in another order is admitted too.
+/// Widens the rows that do not admit a point, with room for the rounding of another order of summation.
 fn admit(rows: &mut Rows, point: &[f64]) {
     for index in 0..rows.len() {
         let row = rows.row(index).unwrap_or_default();
@@ -90,7 +91,7 @@ fn admit(rows: &mut Rows, point: &[f64]) {
     }
 }
 
-/// What counts as rounding of the sum of a row's products.
+/// The bound on the rounding of the sum of a row's products.
 fn rounding(row: &[f64], point: &[f64]) -> f64 {
     ROUNDING * row.iter().zip(point).map(|(a, b)| (a * b).abs()).sum::<f64>()
 }

@@ -1,4 +1,4 @@
-//! Limits of a frame's velocity.
+//! Velocity limits of a frame.
 
 use nalgebra::{Vector3, Vector6};
 
@@ -10,13 +10,13 @@ use crate::tasks::input::TaskInput;
 use crate::tasks::rows::TaskRows;
 use crate::tasks::task::{Limit, Task};
 
-/// Limits how fast a frame moves along, and turns about, each of three axes: |Jᵢ q̇| ≤ limitᵢ.
+/// Limits the velocity of a frame along and about each of three axes: |Jᵢ q̇| ≤ limitᵢ.
 ///
-/// A speed limit s of any direction is met by s/√3 along each axis.
+/// A limit s on the speed in any direction is met by s/√3 along each axis.
 ///
-/// Axes turn as the robot moves, and joints need time to change their accelerations: 5 % of the limit
-/// are kept for what is added until they have. Joints that are fast together and cancel at the frame stay so slow
-/// that all can stop evenly, before one comes to its position limit and while the axes turn.
+/// Axes rotate as the robot moves, and joints need time to change their accelerations. Therefore 5 % of the limit are
+/// kept in reserve. Fast joints may cancel each other at the frame. They stay slow enough that all can stop evenly
+/// while the axes rotate and before one of them reaches its position limit.
 #[derive(Debug, Clone)]
 pub struct FrameVelocityLimit {
     frame: FrameId,
@@ -25,13 +25,13 @@ pub struct FrameVelocityLimit {
 }
 
 impl FrameVelocityLimit {
-    /// Of `frame` along the world's axes \[m/s\] and about them \[rad/s\]; infinite for none.
+    /// Creates the limit for `frame` along the world's axes \[m/s\] and about them \[rad/s\]; infinity means no limit.
     pub fn new(frame: FrameId, linear: Vector3<f64>, angular: Vector3<f64>) -> Self {
         let limits = Vector6::new(linear.x, linear.y, linear.z, angular.x, angular.y, angular.z);
         Self { frame, axes: Axes::World, limits }
     }
 
-    /// Along and about the frame's own axes.
+    /// Applies the limits along and about the frame's own axes.
     #[must_use]
     pub fn in_local_axes(mut self) -> Self {
         self.axes = Axes::Local;
@@ -43,7 +43,7 @@ impl FrameVelocityLimit {
     }
 }
 
-/// Of a limit, what tasks may use.
+/// Share of a limit that tasks may use.
 const USED: f64 = 0.95;
 
 fn check(limits: &Vector6<f64>) -> Result<(), Error> {

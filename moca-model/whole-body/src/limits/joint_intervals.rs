@@ -1,4 +1,4 @@
-//! The velocities that position, velocity, acceleration and jerk limits leave to each joint.
+//! Velocity intervals of joints from limits of position, velocity, acceleration and jerk.
 
 pub(crate) mod heading;
 
@@ -8,50 +8,49 @@ use crate::error::Error;
 use crate::robot::limits::JointLimits;
 use crate::robot::model::Model;
 
-/// Of what has no limit.
+/// The interval of an entry without limits.
 const FREE: VelocityInterval = VelocityInterval { lower: f64::NEG_INFINITY, upper: f64::INFINITY };
-/// What stands for a velocity limit that there is not \[rad/s or m/s\].
+/// Value that stands for a missing velocity limit \[rad/s or m/s\].
 const FREE_VELOCITY: f64 = 1e9;
-/// What stands for an acceleration limit that there is not \[rad/s² or m/s²\].
+/// Value that stands for a missing acceleration limit \[rad/s² or m/s²\].
 const FREE_ACCELERATION: f64 = 1e14;
 
-/// The intervals of all entries of q̇, from limits that never contradict each other: see
-/// [`Limits`] and [`JerkLimits`].
+/// The velocity intervals of all entries of q̇, which are never empty: see [`Limits`] and [`JerkLimits`].
 #[derive(Debug, Clone)]
 pub(crate) struct JointIntervals {
     joints: Vec<Joint>,
-    /// What each entry of q̇ may be in the next period.
+    /// Interval of each entry of q̇ for the next period.
     pub(crate) now: Vec<VelocityInterval>,
 }
 
 #[derive(Debug, Clone, Copy)]
 struct Joint {
     limits: Option<JerkLimits>,
-    /// The same without position limits.
+    /// The same limits without those of the position.
     braking: Option<JerkLimits>,
-    /// Its place in q; nothing for a floating base, which has no position limits.
+    /// Index in q; `None` for a floating base, which has no position limits.
     position: Option<usize>,
 }
 
 impl Joint {
-    /// The inverse of its acceleration limit; zero for none.
+    /// The inverse of the acceleration limit; zero without a limit.
     fn slowness(&self) -> f64 {
         self.limits.map_or(0.0, |limits| limits.limits().acceleration().recip())
     }
 
-    /// Its acceleration limit; infinite for none.
+    /// The acceleration limit; infinite if there is none.
     fn acceleration(&self) -> f64 {
         let limit = self.limits.map_or(f64::INFINITY, |limits| limits.limits().acceleration());
         if limit < FREE_ACCELERATION { limit } else { f64::INFINITY }
     }
 
-    /// Its velocity limit; infinite for none.
+    /// The velocity limit; infinite if there is none.
     fn velocity(&self) -> f64 {
         let limit = self.limits.map_or(f64::INFINITY, |limits| limits.limits().velocity());
         if limit < FREE_VELOCITY { limit } else { f64::INFINITY }
     }
 
-    /// Whether its position is limited there.
+    /// Whether its position has a limit at this end.
     fn has_end(&self, end: End) -> bool {
         let (Some(limits), Some(_)) = (self.limits, self.position) else { return false };
         match end {
@@ -60,7 +59,7 @@ impl Joint {
         }
     }
 
-    /// How far it may go down and up after this period at `velocity`; infinite for what has no limits.
+    /// The distances to the lower and upper limit after this period at `velocity`; infinite without limits.
     fn room(&self, q: &[f64], velocity: f64, period: f64) -> [f64; 2] {
         let (Some(limits), Some(index)) = (self.limits, self.position) else {
             return [f64::INFINITY; 2];
@@ -74,15 +73,15 @@ impl Joint {
 /// A limit of one joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum LimitKind {
-    /// Of the position, with room to brake in front of it.
+    /// The position limit, with room to brake in front of it.
     Position,
-    /// Of the velocity.
+    /// The velocity limit.
     Velocity,
-    /// Of the acceleration.
+    /// The acceleration limit.
     Acceleration,
-    /// Of the jerk.
+    /// The jerk limit.
     Jerk,
-    /// What the caller asked for beside the robot's limits.
+    /// A limit of the caller's beside those of the robot.
     Caller,
 }
 
@@ -103,8 +102,7 @@ impl JointIntervals {
         Ok(Self { now: vec![FREE; joints.len()], joints })
     }
 
-    /// Computes the intervals for the configuration q, and for the velocity and acceleration that
-    /// were commanded last.
+    /// Computes the intervals for the configuration q and the last commanded velocity and acceleration.
     pub(crate) fn update(&mut self, q: &[f64], v: &[f64], a: &[f64], period: f64) {
         let motion = v.iter().zip(a);
         for ((joint, (&velocity, &acceleration)), now) in
@@ -120,15 +118,17 @@ impl JointIntervals {
         }
     }
 
-    /// Keeps the robot able to stop along a straight line of velocities: q̇ shrinks evenly to zero in the time
-    /// T = max |q̇ᵢ|/aᵢ, and no joint meets a position limit on the way. What is linear in q̇ then shrinks
-    /// evenly too. Joints that brake each on its own break limits of their sums, where fast ones cancel.
+    /// Narrows the intervals so that the robot can stop evenly, in a straight line of velocities.
     ///
-    /// With q̇ᵢ T/2 no farther than the joint may go that holds now. So that it holds in the next period T may
-    /// grow only as far as every joint, shrinking evenly, leaves the room; and to no more than `longest` \[s\].
+    /// In an even stop q̇ shrinks linearly to zero in the time T = max |q̇ᵢ|/aᵢ, and no joint meets a position limit.
+    /// Values that are linear in q̇ then shrink evenly too. If joints braked independently, limits on sums of fast
+    /// joints that cancel each other would be violated.
     ///
-    /// A base that moves along its heading takes `base` \[s\] to stop, none for other bases; where it goes is left to
-    /// [`keep_heading`](Self::keep_heading). Returns T in the next period.
+    /// The condition holds now if q̇ᵢ T/2 is within each joint's room. It must also hold in the next period. So T may
+    /// only grow as far as the rooms allow for joints that shrink evenly, and at most to `longest` \[s\].
+    ///
+    /// A base that moves along its heading needs `base` \[s\] to stop; other bases give `None`. Its path is left to
+    /// [`keep_heading`](Self::keep_heading). Returns T of the next period.
     pub(crate) fn keep_even_stop(
         &mut self,
         q: &[f64],
@@ -163,7 +163,7 @@ impl JointIntervals {
         next
     }
 
-    /// Takes only what lies within `intervals` too; where nothing does, what is nearest.
+    /// Intersects with `intervals`. Where nothing is common, the nearest velocity remains.
     pub(crate) fn narrow(&mut self, intervals: &[VelocityInterval]) {
         for (own, other) in self.now.iter_mut().zip(intervals) {
             let within = |velocity: f64| velocity.max(own.lower).min(own.upper);
@@ -171,8 +171,7 @@ impl JointIntervals {
         }
     }
 
-    /// Writes velocities that brake within the limits of acceleration and jerk, wherever the joints
-    /// are.
+    /// Writes velocities that brake within the limits of acceleration and jerk, whatever the positions.
     pub(crate) fn brake(&self, v: &[f64], a: &[f64], period: f64, out: &mut [f64]) {
         let motion = v.iter().zip(a);
         for ((joint, (&velocity, &acceleration)), out) in self.joints.iter().zip(motion).zip(out) {
@@ -183,13 +182,13 @@ impl JointIntervals {
         }
     }
 
-    /// The jerk limit of an entry of q̇; infinite for none.
+    /// The jerk limit of an entry of q̇; infinite if there is none.
     pub(crate) fn jerk(&self, entry: usize) -> f64 {
         let joint = self.joints.get(entry);
         joint.and_then(|joint| joint.limits).map_or(f64::INFINITY, |limits| limits.jerk())
     }
 
-    /// Which limit ends the interval of an entry there, if one does.
+    /// The kind of the limit that sets this end of an entry's interval.
     pub(crate) fn kind(&self, entry: usize, end: End, last: Last, period: f64) -> LimitKind {
         let Some(limits) = self.joints[entry].limits else { return LimitKind::Caller };
         let velocity = end.of(&self.now[entry]);
@@ -214,9 +213,9 @@ impl JointIntervals {
 /// One end of an interval.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum End {
-    /// The lower one.
+    /// The lower end.
     Lower,
-    /// The upper one.
+    /// The upper end.
     Upper,
 }
 
@@ -229,14 +228,14 @@ impl End {
     }
 }
 
-/// How one entry of q̇ was commanded last.
+/// The last command of one entry of q̇.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Last {
     pub(crate) velocity: f64,
     pub(crate) acceleration: f64,
 }
 
-/// The limits in the form of ahqp-core; nothing if there are none.
+/// The limits in the form of ahqp-core; `None` if there are none.
 fn accelerated_limits(limits: &JointLimits) -> Result<Option<JerkLimits>, Error> {
     let JointLimits { lower, upper, velocity, acceleration, jerk, .. } = *limits;
     if lower.is_infinite() && upper.is_infinite() && velocity.min(acceleration).is_infinite() {
@@ -251,7 +250,7 @@ fn accelerated_limits(limits: &JointLimits) -> Result<Option<JerkLimits>, Error>
     Ok(Some(finite.with_jerk(jerk)?))
 }
 
-/// The interval without ends that only stand for a limit that there is not.
+/// The interval with infinite ends in place of those that stand for a missing limit.
 fn opened(interval: VelocityInterval) -> VelocityInterval {
     let VelocityInterval { lower, upper } = interval;
     VelocityInterval {

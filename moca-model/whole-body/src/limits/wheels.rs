@@ -1,4 +1,4 @@
-//! Limits of wheels under a base that moves on a plane.
+//! Wheel speed limits of a base that moves on a plane.
 
 use nalgebra::Vector3;
 
@@ -10,25 +10,23 @@ use crate::tasks::input::TaskInput;
 use crate::tasks::rows::TaskRows;
 use crate::tasks::task::{Limit, Task};
 
-/// Limits how fast each wheel of a planar base turns: |c · (v_x, v_y, ω)| ≤ speed, the velocity
-/// being in the base's own axes.
+/// Limits the speed of each wheel of a planar base: |c · (v_x, v_y, ω)| ≤ speed, with the velocity in the base's own
+/// axes.
 ///
-/// Jerk limits along the world's axes keep a base that turns from taking its velocity along at
-/// once. Where the base's joints have them, the limit is therefore one that turning does not change:
-/// every wheel keeps its speed whichever way the base looks, |c_xy| ‖v_xy‖ + |c_ω ω| ≤ speed, by a
-/// polygon of 16 sides. Mecanum wheels then lose up to 30 % of their speed along the base's axes. A
-/// base that cannot move sideways cannot have such joints: it is refused.
+/// **Jerk limits.** Jerk limits along the world's axes prevent a base that rotates from rotating its velocity at once.
+/// If the base's joints have them, a stricter limit is used that holds at every yaw: |c_xy| ‖v_xy‖ + |c_ω ω| ≤ speed. A
+/// polygon of 16 sides approximates the norm. Mecanum wheels then lose up to 30 % of their speed along the base's axes.
+/// A base that cannot move sideways cannot have such joints and is refused.
 ///
-/// A velocity v along the heading turns with the base: the accelerations of its joints along x and y have to bring
-/// that about. Such a base therefore keeps |v ω| ≤ 0.6 a, a being the smaller of the two limits, by rows
-/// |v/v₀ ± ω/ω₀| ≤ 2 with v₀ ω₀ = 0.6 a, which is enough: the geometric mean is no larger than the arithmetic one.
-/// v₀/ω₀ is what the base may have next. It never slides.
+/// The polygon is approached so that all accelerations of the base can fade together in front of it: a ← a T/(T + Δt).
+/// Here T is the longest time a/j that one of its joints needs. If v and v + T a are within the limit, all following
+/// velocities are. The limit then holds exactly, and the distance to it shrinks by at most the share Δt/(T + Δt) a
+/// step.
 ///
-/// With jerk limits the polygon is approached so that all accelerations of the base can fade together
-/// in front of it, a ← a T/(T + Δt), T being the longest that one of
-/// its joints needs, a/j: where v and v + T a are
-/// within, all that follows is. The limit then holds exactly; what is missing to it shrinks by no more
-/// than Δt/(T + Δt) a step.
+/// **Bases that cannot move sideways.** A velocity v along the heading rotates with the base, which takes accelerations
+/// of its joints along x and y. Such a base keeps |v ω| ≤ 0.6 a, where a is the smaller of the two limits, and never
+/// slides. The rows |v/v₀ ± ω/ω₀| ≤ 2 with v₀ ω₀ = 0.6 a suffice, because the geometric mean is at most the arithmetic
+/// one. The ratio v₀/ω₀ is that of the largest values in the next period.
 ///
 /// ```
 /// use whole_body::limits::WheelLimit;
@@ -55,9 +53,10 @@ struct Wheel {
 }
 
 impl WheelLimit {
-    /// Of four mecanum wheels whose rims reach `speed` \[m/s\]: |v_x| + |v_y| + lever |ω| ≤ speed,
-    /// `lever` \[m\] being half the wheelbase and half the track together (Taheri, Qiao, Ghaeminezhad,
-    /// "Kinematic model of a four mecanum wheeled mobile robot", 2015, eq. 20).
+    /// Creates the limit of four mecanum wheels whose rims reach `speed` \[m/s\]: |v_x| + |v_y| + lever |ω| ≤ speed.
+    ///
+    /// `lever` \[m\] is half the sum of wheelbase and track (Taheri, Qiao, Ghaeminezhad, "Kinematic model of a four
+    /// mecanum wheeled mobile robot", 2015, eq. 20).
     pub fn mecanum(speed: f64, lever: f64) -> Self {
         let signs = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
         let wheel = |(y, turn): (f64, f64)| Wheel {
@@ -67,10 +66,11 @@ impl WheelLimit {
         Self { wheels: signs.map(wheel).to_vec() }
     }
 
-    /// Of omni wheels whose rims reach `speed` \[m/s\], at a distance of `radius` \[m\] from the
-    /// centre in the directions `angles` \[rad, from the base's x axis\], driving at right angles to
-    /// them (Siegwart, Nourbakhsh, Scaramuzza, *Introduction to Autonomous Mobile Robots*, 2011,
-    /// Sec. 3.2.3).
+    /// Creates the limit of omni wheels whose rims reach `speed` \[m/s\].
+    ///
+    /// The wheels are `radius` \[m\] from the centre in the directions `angles` \[rad, from the base's x axis\]. They
+    /// drive at right angles to these (Siegwart, Nourbakhsh, Scaramuzza, *Introduction to Autonomous Mobile Robots*,
+    /// 2011, Sec. 3.2.3).
     pub fn omni(speed: f64, radius: f64, angles: &[f64]) -> Self {
         let wheel = |angle: &f64| Wheel {
             coefficients: Vector3::new(-angle.sin(), angle.cos(), radius),
@@ -79,8 +79,8 @@ impl WheelLimit {
         Self { wheels: angles.iter().map(wheel).collect() }
     }
 
-    /// Of two driven wheels on the base's y axis, `track` \[m\] apart, whose rims reach `speed`
-    /// \[m/s\]; the base does not move sideways.
+    /// Creates the limit of two driven wheels on the base's y axis, `track` \[m\] apart, whose rims reach `speed`
+    /// \[m/s\]. The base does not move sideways.
     pub fn differential(speed: f64, track: f64) -> Self {
         let half = 0.5 * track;
         let sideways = Wheel { coefficients: Vector3::new(0.0, 1.0, 0.0), speed: 0.0 };
@@ -90,7 +90,7 @@ impl WheelLimit {
     }
 }
 
-/// Sides of the polygon that stands for a circle, half of them: its rows have two sides.
+/// Half the number of sides of the polygon that approximates a circle. Each row has two sides.
 const SIDES: u32 = 8;
 
 /// Whether joints of the base have jerk limits.
@@ -99,9 +99,9 @@ fn has_jerk_limits(model: &Model) -> bool {
 }
 
 impl WheelLimit {
-    /// Rows that hold for every yaw, in world axes, each with its bound.
+    /// The rows that hold for every yaw, in world axes, each with its bound.
     fn rows_of_any_yaw(&self) -> impl Iterator<Item = (Vector3<f64>, f64)> {
-        // Of all wheels the one that is at its limit first, going straight and turning.
+        // The wheel that reaches its limit first counts, for translation and for rotation.
         let most = |part: fn(&Vector3<f64>) -> f64| {
             let parts = self.wheels.iter().map(|wheel| part(&wheel.coefficients) / wheel.speed);
             parts.fold(0.0, f64::max)
@@ -115,7 +115,7 @@ impl WheelLimit {
         })
     }
 
-    /// Writes the two rows of a base that turns its velocity with it.
+    /// Writes the two rows of a base whose velocity rotates with it.
     fn write_turning(
         &self,
         input: &TaskInput<'_, '_>,
@@ -128,7 +128,7 @@ impl WheelLimit {
             return;
         };
         let product = turning_acceleration(x.acceleration.min(y.acceleration));
-        // What the wheels can do at most, going straight and turning.
+        // The largest speeds that the wheels allow, for translation and for rotation.
         let fastest = |part: fn(&Vector3<f64>) -> f64| {
             let driven = self.wheels.iter().filter(|wheel| wheel.speed > 0.0);
             let speeds = driven.map(|wheel| wheel.speed / part(&wheel.coefficients));
@@ -157,7 +157,7 @@ impl WheelLimit {
         for (row, (coefficients, speed)) in self.rows_of_any_yaw().chain(axes).enumerate() {
             rows.set_coefficients(row, coefficients.iter());
             let value: f64 = coefficients.iter().zip(v).map(|(c, v)| c * v).sum();
-            // From beyond the limit, back to it at once as far as the joints can.
+            // A value beyond the limit returns to it as fast as the joints allow.
             let value = value.max(-speed).min(speed);
             let towards = |bound: f64| value + (bound - value) * share;
             rows.set_range(row, towards(-speed), towards(speed));

@@ -1,4 +1,4 @@
-//! What is added to a model while it is made.
+//! Parts that are added to a model during its construction.
 
 use nalgebra::{Isometry3, UnitQuaternion};
 
@@ -34,7 +34,7 @@ impl Model {
         self.add_frame(frame)
     }
 
-    /// Warns of joints of which what they move has neither mass nor inertia.
+    /// Warns of joints that move neither mass nor inertia.
     pub(super) fn warn_of_massless(&mut self) {
         let mut carried: Vec<bool> =
             self.inertias.iter().map(|own| own.mass > 0.0 || own.inertia.norm() > 0.0).collect();

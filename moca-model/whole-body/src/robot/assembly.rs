@@ -1,4 +1,4 @@
-//! From the selected joints of a URDF to a model: fixed and held joints are folded into bodies.
+//! Assembly of a model from the selected joints of a URDF. Fixed and held joints are merged into bodies.
 
 use std::collections::HashMap;
 
@@ -21,7 +21,7 @@ use crate::spatial::{Motion, Pose};
 use crate::urdf::document::{self, Document, Kind, Origin};
 use crate::urdf::tree::Tree;
 
-/// Assembles the robot that `description` sees in `document`.
+/// Assembles the part of `document` that `description` selects.
 pub(super) fn assemble(document: &Document, description: &Description) -> Result<Model, Error> {
     check_numbers(description)?;
     let tree = Tree::new(document)?;
@@ -44,11 +44,11 @@ struct Assembly<'a, 'b> {
     selection: &'a Selection,
     description: &'a Description,
     origins: HashMap<&'a str, &'a Isometry3<f64>>,
-    /// By link: the body that carries it, and its pose there.
+    /// The body that carries each link, and the link's pose on it.
     placed: Vec<(usize, Isometry3<f64>)>,
-    /// By free joint: where its entries of q and q̇ are.
+    /// First entries of each free joint in q and q̇.
     entries: Vec<(usize, usize)>,
-    /// By joint that follows another one: its limits, and where it begins.
+    /// Limits of each joint that follows another one, and the line where it begins.
     followers: Vec<(JointLimits, usize)>,
     model: Model,
 }
@@ -93,7 +93,7 @@ impl<'a, 'b> Assembly<'a, 'b> {
         }
     }
 
-    /// The joints of the base, and the root link.
+    /// Adds the joints of the base and the root link.
     fn base(&mut self) -> Result<(), Error> {
         let root = self.selection.root;
         let child = self.next_frame();
@@ -108,7 +108,7 @@ impl<'a, 'b> Assembly<'a, 'b> {
                 for (index, (name, axis, kind)) in joints.into_iter().enumerate() {
                     let limits = limit_rules::of_base(name, self.description)?;
                     self.add_joint(name, kind, child, (index, index), None, limits)?;
-                    // Each stands in the world's axes where it is at zero.
+                    // Each joint is along the world's axes while it is at zero.
                     let before = self.placed[root];
                     self.placed[root] =
                         self.add_mover(&before, &Isometry3::identity(), &axis, kind, index, index);
@@ -123,7 +123,7 @@ impl<'a, 'b> Assembly<'a, 'b> {
         self.add_link(root)
     }
 
-    /// All joints below the root, with the links that they carry.
+    /// Adds all joints below the root, with the links that they carry.
     fn joints(&mut self) -> Result<(), Error> {
         let document = self.tree.document;
         for &index in &self.selection.order {
@@ -167,7 +167,7 @@ impl<'a, 'b> Assembly<'a, 'b> {
         Ok(())
     }
 
-    /// The free joint of this number: the base's come first.
+    /// The id of the free joint of this number. The base's joints come first.
     fn joint_id(&self, free: usize) -> JointId {
         let base = match self.description.base {
             Base::Fixed => 0,
@@ -208,8 +208,8 @@ impl<'a, 'b> Assembly<'a, 'b> {
         Ok(())
     }
 
-    /// Adds a body that moves against the carrier; the pose of its link is that of its frame
-    /// without the turn that makes the axis z.
+    /// Adds a body that moves relative to its carrier. Its link's pose is that of its frame without the rotation that
+    /// makes the axis z.
     fn add_mover(
         &mut self,
         carrier: &(usize, Isometry3<f64>),
@@ -234,7 +234,7 @@ impl<'a, 'b> Assembly<'a, 'b> {
         (self.model.movers.len(), align.inverse())
     }
 
-    /// Gives a link's frame and inertia to the body that carries it.
+    /// Adds a link's frame and inertia to the body that carries it.
     fn add_link(&mut self, link: usize) -> Result<(), Error> {
         let (body, pose) = self.placed[link];
         let link = &self.tree.document.links[link];
@@ -242,7 +242,7 @@ impl<'a, 'b> Assembly<'a, 'b> {
             Pose::from_isometry(&(pose * isometry(&inertial.origin)))
         };
         let inertia = inertia::of_link(link, own, &mut self.model.warnings)?;
-        // What stands still in the world has no part in motion.
+        // Links that are fixed in the world do not count in the dynamics.
         if body > 0 || self.description.base == Base::Floating {
             let carried = &mut self.model.inertias[body];
             *carried = carried.joined(&inertia);
@@ -292,7 +292,7 @@ fn axis(joint: &document::Joint) -> Result<UnitVector3<f64>, Error> {
     })
 }
 
-/// A rotation that takes z to `axis`; none if `axis` is z.
+/// A rotation that takes z to `axis`; the identity if `axis` is z.
 fn rotation_from_z(axis: &UnitVector3<f64>) -> Isometry3<f64> {
     let up = if axis.y.abs() < 0.9 { Vector3::y() } else { Vector3::x() };
     turn(UnitQuaternion::face_towards(axis, &up))
@@ -302,7 +302,7 @@ fn turn(rotation: UnitQuaternion<f64>) -> Isometry3<f64> {
     Isometry3::from_parts(Translation3::identity(), rotation)
 }
 
-/// Where a joint at `position` holds its child.
+/// The pose of a joint's child with the joint at `position`.
 fn displacement(joint: &document::Joint, position: f64) -> Result<Isometry3<f64>, Error> {
     Ok(match joint.kind {
         Kind::Fixed | Kind::Other(_) => Isometry3::identity(),

@@ -1,4 +1,4 @@
-//! What a description must be before it is used.
+//! Checks of a description.
 
 use nalgebra::Isometry3;
 
@@ -7,7 +7,7 @@ use super::limits::MissingAcceleration;
 use crate::error::{Error, check_finite};
 use crate::urdf::tree::Tree;
 
-/// Every number in the description but the limits must be finite.
+/// Returns an error unless every number in the description, except limits, is finite.
 pub(super) fn check_numbers(description: &Description) -> Result<(), Error> {
     for value in &description.gravity {
         check_finite(*value, || "a component of gravity".to_owned())?;
@@ -36,7 +36,7 @@ pub(super) fn check_pose(pose: &Isometry3<f64>, what: impl Fn() -> String) -> Re
     values.into_iter().try_for_each(|value| check_finite(*value, &what))
 }
 
-/// Every joint that the description names must exist.
+/// Returns an error unless every joint that the description names exists.
 pub(super) fn check_names(tree: &Tree, description: &Description) -> Result<(), Error> {
     let is_base = |name: &str| {
         description.base == Base::Planar && ["base_x", "base_y", "base_yaw"].contains(&name)

@@ -1,4 +1,4 @@
-//! Configurations q: neutral, moved along a velocity, and their difference.
+//! Configurations q: neutral configuration, integration and difference.
 
 use ahqp_core::rotation_log;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
@@ -7,7 +7,7 @@ use super::description::Base;
 use super::model::Model;
 use crate::error::{Error, check_size, is_sensible};
 
-/// How far the norm of a quaternion may be from 1.
+/// Largest deviation of a quaternion's norm from 1.
 const UNIT: f64 = 1e-6;
 
 impl Model {
@@ -20,10 +20,10 @@ impl Model {
         q
     }
 
-    /// Moves q by the displacement v·Δt, of the size of q̇ \[rad or m\].
+    /// Adds the displacement v·Δt to q, of the size of q̇ \[rad or m\].
     ///
-    /// A floating base moves along straight lines in the world, and turns about the world's axis
-    /// of its angular part: R ← exp(ω Δt) R. All else is a sum. The quaternion stays a unit one.
+    /// A floating base moves along straight lines in the world and rotates about the world's axis of its angular part:
+    /// R ← exp(ω Δt) R. All other entries are sums. The quaternion stays a unit one.
     ///
     /// ```
     /// # use whole_body::{Base, Description, Model};
@@ -39,7 +39,7 @@ impl Model {
     /// ```
     ///
     /// # Errors
-    /// [`Error::WrongSize`], [`Error::Value`], [`Error::Value`]; q is then as before.
+    /// [`Error::WrongSize`], [`Error::Value`]; q is then unchanged.
     pub fn integrate(&self, q: &mut [f64], displacement: &[f64]) -> Result<(), Error> {
         self.check_configuration(q)?;
         self.check_velocity("the displacement", displacement)?;
@@ -61,11 +61,11 @@ impl Model {
         Ok(())
     }
 
-    /// The displacement that [`integrate`](Self::integrate) must add to go from `start` to `end`,
-    /// of the size of q̇; the base turns by half a turn at most.
+    /// The displacement with which [`integrate`](Self::integrate) goes from `start` to `end`, of the size of q̇. The
+    /// base turns by at most half a turn.
     ///
     /// # Errors
-    /// [`Error::WrongSize`], [`Error::Value`], [`Error::Value`]; `out` is then as before.
+    /// [`Error::WrongSize`], [`Error::Value`]; `out` is then unchanged.
     pub fn difference(&self, start: &[f64], end: &[f64], out: &mut [f64]) -> Result<(), Error> {
         self.check_configuration(start)?;
         self.check_configuration(end)?;
@@ -85,17 +85,17 @@ impl Model {
         Ok(())
     }
 
-    /// Returns true if [`Data::pose`](crate::Data::pose) takes `q`: of the right size, of finite
-    /// numbers of sensible size, with a unit quaternion.
+    /// Returns true if [`Data::pose`](crate::Data::pose) accepts `q`: right size, finite numbers of sensible size and a
+    /// unit quaternion.
     ///
-    /// For control loops: it allocates nothing, where an error allocates its message.
+    /// It allocates nothing and so suits control loops. An error would allocate its message.
     pub fn is_configuration(&self, q: &[f64]) -> bool {
         q.len() == self.positions
             && q.iter().all(|value| is_sensible(*value))
             && self.quaternion_norm(q).is_none_or(is_unit)
     }
 
-    /// An error unless q has the right size, finite numbers and a unit quaternion.
+    /// Returns an error unless q has the right size, finite numbers and a unit quaternion.
     pub(crate) fn check_configuration(&self, q: &[f64]) -> Result<(), Error> {
         check_size("q", q.len(), self.positions)?;
         if let Some(entry) = q.iter().position(|value| !is_sensible(*value)) {
@@ -121,7 +121,7 @@ impl Model {
         }
     }
 
-    /// An error unless `v` has the size of q̇ and finite numbers.
+    /// Returns an error unless `v` has the size of q̇ and finite numbers.
     pub(crate) fn check_velocity(&self, what: &'static str, v: &[f64]) -> Result<(), Error> {
         check_size(what, v.len(), self.velocities)?;
         match v.iter().position(|value| !is_sensible(*value)) {
@@ -144,12 +144,12 @@ impl Model {
     }
 }
 
-/// Returns true for the norm of a rotation's quaternion.
+/// Returns true if this is the norm of a rotation's quaternion.
 fn is_unit(norm: f64) -> bool {
     (norm - 1.0).abs() <= UNIT
 }
 
-/// The orientation of a floating base, with the rounding of its norm taken out.
+/// The orientation of a floating base, normalised.
 pub(crate) fn orientation(q: &[f64]) -> UnitQuaternion<f64> {
     match q {
         [_, _, _, i, j, k, w, ..] => UnitQuaternion::new_normalize(Quaternion::new(*w, *i, *j, *k)),

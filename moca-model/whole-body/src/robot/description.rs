@@ -1,11 +1,11 @@
-//! Which part of a URDF is the robot, and what a URDF cannot say about it.
+//! The description: which part of a URDF is the robot, and what a URDF cannot say about it.
 
 use nalgebra::{Isometry3, Vector3};
 
 use super::friction::JointFriction;
 use super::limits::{LimitOverride, MissingAcceleration, UnusableLimits};
 
-/// Which part of a URDF is the robot, and what a URDF cannot say about it.
+/// A description of the robot: which part of a URDF it is, and what a URDF cannot say about it.
 ///
 /// The default is the whole URDF on a fixed base.
 ///
@@ -27,38 +27,36 @@ use super::limits::{LimitOverride, MissingAcceleration, UnusableLimits};
 pub struct Description {
     /// How the root link moves in the world.
     pub base: Base,
-    /// The link to start from: its frame is the world, or that of the moving base. `None` takes
-    /// the URDF's root link. What does not hang below it is left out.
+    /// The link to start from, whose frame is the world or the moving base. `None` takes the URDF's root link. Links
+    /// that are not below it are left out.
     pub root: Option<String>,
-    /// The links that are to move. A joint that is not on the way to one of them stays where
-    /// [`held`](Self::held) puts it, or at zero, and its links are part of what carries them.
-    /// Empty: all joints move.
+    /// Links that are to move; all joints move if there are none. Joints that move none of these links stay at
+    /// [`held`](Self::held) or at zero, and their links merge with the link that carries them.
     pub tips: Vec<String>,
-    /// The URDF's joints that make q, in their order, without the base's. Listing them makes sure
-    /// that q is what the caller thinks it is; empty takes those that move.
+    /// The URDF's joints of q in their order, without the base's. The list ensures that q is what the caller expects.
+    /// An empty list takes the joints that move.
     pub joints: Vec<String>,
-    /// Joints that stay at a position \[rad or m\]: fingers, a lift.
+    /// Joints that stay at a position \[rad or m\], such as fingers or a lift.
     pub held: Vec<(String, f64)>,
-    /// Joint origins (parent link to joint) that replace the URDF's: where an arm is mounted, how
-    /// long a tool is.
+    /// Joint origins (parent link to joint) that replace the URDF's, such as the mount of an arm or the length of a
+    /// tool.
     pub origins: Vec<(String, Isometry3<f64>)>,
-    /// Limits that replace or complete the URDF's; those of a planar base have the names
-    /// `base_x`, `base_y`, `base_yaw`.
+    /// Limits that replace or complete the URDF's. A planar base has `base_x`, `base_y` and `base_yaw`.
     pub limits: Vec<(String, LimitOverride)>,
-    /// The acceleration limit of joints that state none.
+    /// Acceleration limit of joints that state none.
     pub missing_acceleration: MissingAcceleration,
-    /// What becomes of limits that cannot be meant.
+    /// Treatment of limits that cannot be meant.
     pub unusable_limits: UnusableLimits,
     /// Friction of joints, for [`Moving::friction_into`](crate::Moving::friction_into).
     pub friction: Vec<(String, JointFriction)>,
-    /// Frames beside the links.
+    /// Frames besides the links.
     pub frames: Vec<AddedFrame>,
-    /// Acceleration of free fall in the world frame \[m/s²\].
+    /// Acceleration of gravity in the world frame \[m/s²\].
     pub gravity: Vector3<f64>,
 }
 
 impl Description {
-    /// The whole URDF on a planar base with these limits along x and y, and of its yaw.
+    /// Describes the whole URDF on a planar base with these limits along x and y, and of its yaw.
     ///
     /// ```
     /// use whole_body::robot::LimitOverride;
@@ -98,28 +96,27 @@ impl Default for Description {
 /// How the root link moves in the world.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Base {
-    /// Not at all.
+    /// The root link is fixed in the world.
     #[default]
     Fixed,
-    /// On the plane z = 0: three joints x, y \[m\] and yaw \[rad\] along and about the world's axes,
-    /// yaw a plain angle that is not wrapped. q̇ is their rate, so that its first two entries are
-    /// the velocity in the world's axes, not in the base's own.
+    /// The root link moves on the plane z = 0 by three joints: x, y \[m\] and yaw \[rad\] along and about the world's
+    /// axes. Yaw is a plain angle that is not wrapped. The first two entries of q̇ are the velocity in the world's
+    /// axes, not in the base's own.
     Planar,
-    /// Freely. q begins with the root link's position \[m\] and its orientation as a unit
-    /// quaternion x, y, z, w; q̇ with the velocity of its origin \[m/s\] and its angular velocity
-    /// \[rad/s\], **both in the world's axes**, as all twists of this crate are. (Pinocchio takes
-    /// the base's own axes.) Forces on the base are a force and a moment about its origin in the
-    /// same axes.
+    /// The root link moves freely. q begins with its position \[m\] and its orientation as a unit quaternion x, y, z,
+    /// w. q̇ begins with the velocity of its origin \[m/s\] and its angular velocity \[rad/s\]. Both are **in the
+    /// world's axes**, as all twists of this crate are. (Pinocchio takes the base's own axes.) Forces on the base are a
+    /// force and a moment about its origin in the same axes.
     Floating,
 }
 
-/// A frame beside the links: a tool, a sensor, a contact.
+/// A frame besides the links, such as a tool, a sensor or a contact.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AddedFrame {
     /// Its name, different from all links'.
     pub name: String,
-    /// The link or frame that carries it; frames may stand on frames that are added before them.
+    /// The link, or an earlier added frame, that carries it.
     pub on: String,
-    /// Its pose there.
+    /// Its pose on that link or frame.
     pub pose: Isometry3<f64>,
 }

@@ -1,4 +1,4 @@
-//! Limits of joints that follow others, as limits of the joints that they follow.
+//! Limits of mimic joints, as limits of the joints that they follow.
 
 use super::description::Description;
 use super::joint::MimicJoint;
@@ -7,7 +7,7 @@ use super::model::Model;
 use super::warning::Warning;
 use crate::limits::joint_intervals::{End, LimitKind};
 
-/// The joint that follows an entry of q̇ and whose limit is in force, by its number among these.
+/// The mimic joints whose limits are in force for an entry of q̇, by their indices.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct LimitSources {
     position: [Option<usize>; 2],
@@ -17,7 +17,7 @@ pub(crate) struct LimitSources {
 }
 
 impl Model {
-    /// Narrows the limits of the joint that a mimic joint follows to what leaves that one within its own.
+    /// Narrows the limits of a joint so that the mimic joint which follows it stays within its own limits.
     pub(super) fn limit_by_follower(&mut self, number: usize, own: &JointLimits, line: usize) {
         let Some(mimic) = self.mimics.get(number) else { return };
         let Some(joint) = self.joints.get(mimic.follows.index) else { return };
@@ -62,8 +62,8 @@ impl Model {
         }
     }
 
-    /// Lets joints whose acceleration is the description's default reach the speed that followers leave them in
-    /// its time.
+    /// Applies the description's default acceleration to the speeds that mimic joints allow: these are reached in its
+    /// time.
     pub(super) fn limit_default_accelerations(&mut self, description: &Description) {
         let MissingAcceleration::TimeToFullSpeed(time) = description.missing_acceleration else {
             return;
@@ -75,7 +75,7 @@ impl Model {
         }
     }
 
-    /// The name of the joint whose limit of an entry of q̇ is in force, where it is not that entry's own.
+    /// The name of the mimic joint whose limit is in force for an entry of q̇, if there is one.
     pub(crate) fn limiting_follower(
         &self,
         entry: usize,

@@ -1,4 +1,4 @@
-//! Frames: links, and what a user adds to them.
+//! Frames: the links, and the frames that a user adds.
 
 use crate::spatial::Pose;
 
@@ -9,7 +9,7 @@ pub struct FrameId {
     pub(crate) index: usize,
 }
 
-/// A link, or an added frame, with its place on the body that carries it.
+/// A link or an added frame, with its place on the body that carries it.
 #[derive(Debug, Clone)]
 pub(crate) struct Frame {
     pub(crate) name: String,

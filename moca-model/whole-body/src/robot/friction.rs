@@ -15,11 +15,11 @@
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointFriction {
-    /// φ₁: how far apart the friction at high speed is in both directions \[Nm or N\].
+    /// φ₁: difference between the friction at high speed in both directions \[Nm or N\].
     pub range: f64,
-    /// φ₂: how steep it is at low speed \[s/rad or s/m\].
+    /// φ₂: steepness at low speed \[s/rad or s/m\].
     pub steepness: f64,
-    /// φ₃: how uneven both directions are \[rad/s or m/s\].
+    /// φ₃: asymmetry of both directions \[rad/s or m/s\].
     pub shift: f64,
 }
 
@@ -35,8 +35,8 @@ impl JointFriction {
         Self { range: 0.56489, steepness: 10.336, shift: 0.0035526 },
     ];
 
-    /// What a motor must give beside the forces of a frictionless robot, at `velocity`
-    /// \[rad/s or m/s\]; of the sign of the velocity \[Nm or N\].
+    /// The friction that a motor must overcome at `velocity` \[rad/s or m/s\]; it has the sign of the velocity \[Nm or
+    /// N\].
     pub fn torque(&self, velocity: f64) -> f64 {
         let sigmoid =
             |velocity: f64| 1.0 / (1.0 + (-self.steepness * (velocity + self.shift)).exp());

@@ -1,4 +1,4 @@
-//! The inertia of a link, checked.
+//! Checks of the inertia of a link.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -8,14 +8,13 @@ use crate::inertia::body::BodyInertia;
 use crate::spatial::Pose;
 use crate::urdf::document::{Inertial, Link};
 
-/// How far rounding in a URDF may take an inertia from that of a body, of its largest moment.
+/// Deviation from a physical inertia that counts as rounding of a URDF, over the largest moment.
 const ROUNDING: f64 = 1e-5;
 
-/// Below the square of this radius of gyration, 30 µm, a mass is a point \[m²\]: what is written
-/// there is rounding.
+/// Square of the radius of gyration, 30 µm, below which a mass is a point \[m²\]. Smaller values are rounding.
 const POINT: f64 = 1e-9;
 
-/// Mass, centre and inertia of a link in the link's frame; of no mass if it states none.
+/// Returns mass, centre and inertia of a link in the link's frame; zero mass if it states none.
 pub(super) fn of_link(
     link: &Link,
     pose: impl Fn(&Inertial) -> Pose,
@@ -39,10 +38,10 @@ pub(super) fn of_link(
     Ok(central.placed(&pose(inertial)))
 }
 
-/// Why no rigid body has this mass and inertia.
+/// Returns why no rigid body has this mass and inertia, or `None`.
 ///
-/// The principal moments of a body are ∫ (y² + z²) dm and so on: none is negative, and none is
-/// larger than the sum of the other two.
+/// The principal moments of a body are ∫ (y² + z²) dm and so on. So none is negative, and none is larger than the sum
+/// of the other two.
 pub(super) fn fault(mass: f64, inertia: &Matrix3<f64>) -> Option<InertiaFault> {
     let mut moments: [f64; 3] = inertia.symmetric_eigenvalues().into();
     moments.sort_by(f64::total_cmp);

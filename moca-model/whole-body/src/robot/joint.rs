@@ -9,7 +9,7 @@ pub struct JointId {
     pub(crate) index: usize,
 }
 
-/// A joint that moves by itself: entries of q and q̇ are its own.
+/// A joint with its own entries of q and q̇.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Joint {
     /// Its name in the URDF; `base_x`, `base_y` and `base_yaw` for a planar base, `floating_base` for a
@@ -19,32 +19,32 @@ pub struct Joint {
     pub kind: JointKind,
     /// The link that it carries.
     pub child: FrameId,
-    /// Where its entries of q begin.
+    /// The first of its entries of q.
     pub position_index: usize,
-    /// Where its entries of q̇ begin.
+    /// The first of its entries of q̇.
     pub velocity_index: usize,
 }
 
-/// How a joint moves.
+/// The kind of motion of a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum JointKind {
-    /// Along its axis \[m\].
+    /// Translation along its axis \[m\].
     Prismatic,
-    /// About its axis, between limits \[rad\].
+    /// Rotation about its axis between limits \[rad\].
     Revolute,
-    /// About its axis without position limits; a plain angle, not wrapped \[rad\].
+    /// Rotation about its axis without position limits, as a plain angle that is not wrapped \[rad\].
     Continuous,
-    /// Freely in space: seven entries of q, six of q̇; see [`Base::Floating`](crate::Base::Floating).
+    /// Free motion in space with seven entries of q and six of q̇; see [`Base::Floating`](crate::Base::Floating).
     Floating,
 }
 
 impl JointKind {
-    /// How many entries of q it has.
+    /// The number of entries of q.
     pub fn positions(self) -> usize {
         if self == Self::Floating { 7 } else { 1 }
     }
 
-    /// How many entries of q̇ it has.
+    /// The number of entries of q̇.
     pub fn velocities(self) -> usize {
         if self == Self::Floating { 6 } else { 1 }
     }
@@ -52,9 +52,9 @@ impl JointKind {
 
 /// A joint that follows another one: its position is multiplier · q + offset.
 ///
-/// It is no degree of freedom: its share of Jacobians, forces and inertias is added to that of the
-/// joint that it follows. Its limits of position, velocity, acceleration and jerk are kept: where they are narrower,
-/// they are those of the joint that it follows, with a [`Warning`](crate::robot::Warning).
+/// It is not a degree of freedom. Its share of Jacobians, forces and inertias is added to that of the joint that it
+/// follows. Its limits of position, velocity, acceleration and jerk are kept. Narrower ones become limits of the joint
+/// that it follows, with a [`Warning`](crate::robot::Warning).
 #[derive(Debug, Clone, PartialEq)]
 pub struct MimicJoint {
     /// Its name in the URDF.

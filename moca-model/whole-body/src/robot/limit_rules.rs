@@ -1,4 +1,4 @@
-//! From what URDF and description say of a joint's limits to the limits.
+//! Rules that derive a joint's limits from URDF and description.
 
 use super::description::Description;
 use super::limits::{JointLimits, LimitOverride, MissingAcceleration, UnusableLimits};
@@ -6,7 +6,7 @@ use super::warning::Warning;
 use crate::error::{Error, urdf::UrdfError};
 use crate::urdf::document::{Joint, Kind};
 
-/// Limits, and whether the acceleration is the description's default.
+/// The limits, and whether the acceleration is the description's default.
 pub(super) struct Resolved {
     pub(super) limits: JointLimits,
     pub(super) default_acceleration: bool,
@@ -37,8 +37,8 @@ pub(super) fn of_joint(
     complete(limits, &joint.name, Some(joint.line), description)
 }
 
-/// What URDF and description say of a joint that follows another one. What the URDF leaves out or cannot mean is
-/// unlimited: many files state no limits of such joints.
+/// The limits of a mimic joint from URDF and description. Limits that are missing in the URDF or cannot be meant count
+/// as unlimited, since many files state no limits of such joints.
 pub(super) fn of_follower(joint: &Joint, description: &Description) -> Result<JointLimits, Error> {
     let (known, stated) = (known(&joint.name, description), joint.limit.unwrap_or_default());
     let ends = (stated.lower.unwrap_or(0.0), stated.upper.unwrap_or(0.0));
@@ -60,7 +60,7 @@ pub(super) fn of_follower(joint: &Joint, description: &Description) -> Result<Jo
     Ok(limits)
 }
 
-/// The limits of a joint of the base: the description's alone.
+/// The limits of a joint of the base, which only the description states.
 pub(super) fn of_base(name: &str, description: &Description) -> Result<Resolved, Error> {
     let known = known(name, description);
     let (lower, upper) = known.position.unwrap_or((f64::NEG_INFINITY, f64::INFINITY));
@@ -111,7 +111,7 @@ impl Rule<'_> {
         let fault = if lower.is_none() && upper.is_none() {
             Error::from(UrdfError::LimitsMissing { line, joint: name, missing: "position limits" })
         } else {
-            // What is left out is zero, says the specification.
+            // The specification of URDF says that a missing limit is zero.
             let (lower, upper) = (lower.unwrap_or(0.0), upper.unwrap_or(0.0));
             if lower < upper {
                 return Ok((lower, upper));
@@ -147,7 +147,7 @@ impl Rule<'_> {
         Ok(f64::INFINITY)
     }
 
-    /// Zero, as ROS-Industrial's files state it, says as little as none.
+    /// Returns the effort limit. A stated zero, as in files of ROS-Industrial, counts as none.
     fn effort(&mut self, known: Option<f64>, stated: Option<f64>) -> Result<f64, Error> {
         let says_nothing = stated.is_none_or(|value| value == 0.0);
         match known {

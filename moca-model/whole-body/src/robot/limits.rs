@@ -1,10 +1,8 @@
-//! Limits of one joint.
+//! Limits of a joint.
 
 use crate::error::Error;
 
-/// Limits of one degree of freedom: radians where it turns, metres where it slides.
-///
-/// What is not limited is infinite.
+/// Limits of one degree of freedom, in radians for rotation and metres for translation. Infinity means no limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointLimits {
     /// Lowest position \[rad or m\].
@@ -17,15 +15,15 @@ pub struct JointLimits {
     pub acceleration: f64,
     /// Largest jerk \[rad/s³ or m/s³\].
     pub jerk: f64,
-    /// Largest torque or force \[Nm or N\]; [`UNKNOWN_EFFORT`](Self::UNKNOWN_EFFORT) where nobody says.
+    /// Largest torque or force \[Nm or N\]; [`UNKNOWN_EFFORT`](Self::UNKNOWN_EFFORT) if it is not known.
     pub effort: f64,
 }
 
 impl JointLimits {
-    /// The effort limit of a joint whose URDF states 0, or none: it is not known. What uses torques asks for it.
+    /// The effort limit of a joint whose URDF states 0 or none. Features that use torques require a known limit.
     pub const UNKNOWN_EFFORT: f64 = 0.0;
 
-    /// No limit at all.
+    /// No limits.
     pub const UNLIMITED: Self = Self {
         lower: f64::NEG_INFINITY,
         upper: f64::INFINITY,
@@ -35,16 +33,16 @@ impl JointLimits {
         effort: f64::INFINITY,
     };
 
-    /// The time constant T with which any acceleration a can fade at the jerk limit, ȧ = −a/T, while
-    /// v and v + T a are within the velocity limit \[s\]: |a| is at most its limit, and at most twice the
-    /// velocity limit over T. Zero where jerks are not limited.
+    /// The time constant T with which any acceleration a can fade at the jerk limit, ȧ = −a/T \[s\]. It applies while v
+    /// and v + T a are within the velocity limit. Then |a| is at most its limit, and at most twice the velocity limit
+    /// over T. Zero without a jerk limit.
     pub(crate) fn fading_time(&self) -> f64 {
         let time = (self.acceleration / self.jerk).min((2.0 * self.velocity / self.jerk).sqrt());
         if self.jerk.is_finite() && time.is_finite() { time } else { 0.0 }
     }
 
-    /// An error unless the range is not empty, velocity, acceleration and jerk are positive, and
-    /// the effort is not negative.
+    /// Returns an error unless the range is not empty, velocity, acceleration and jerk are positive, and the effort is
+    /// not negative.
     pub(crate) fn validate(&self, joint: &str, line: Option<usize>) -> Result<(), Error> {
         if self.lower.is_nan() || self.upper.is_nan() || self.lower >= self.upper {
             return Err(Error::PositionLimits {
@@ -69,7 +67,7 @@ impl JointLimits {
     }
 }
 
-/// What is known of a joint's limits beyond its URDF; `None` leaves the URDF's.
+/// Limits of a joint beyond its URDF; `None` keeps the URDF's.
 ///
 /// Most URDFs state no acceleration and no jerk, and few readers take an infinity.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -87,23 +85,22 @@ pub struct LimitOverride {
 }
 
 impl LimitOverride {
-    /// Of the speed \[rad/s or m/s\] and the acceleration \[rad/s² or m/s²\].
+    /// Creates limits of the speed \[rad/s or m/s\] and the acceleration \[rad/s² or m/s²\].
     pub fn of_speed(velocity: f64, acceleration: f64) -> Self {
         let (velocity, acceleration) = (Some(velocity), Some(acceleration));
         Self { velocity, acceleration, ..Self::default() }
     }
 }
 
-/// What becomes of limits of a URDF that cannot be meant: an empty range, a speed that is not
-/// positive, a negative effort, no limits at all. An effort of zero, or none, is not known: see
-/// [`JointLimits::UNKNOWN_EFFORT`].
+/// Treatment of limits of a URDF that cannot be meant: an empty range, a speed that is not positive, a negative effort,
+/// or no limits at all. An effort of zero or none counts as unknown: see [`JointLimits::UNKNOWN_EFFORT`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum UnusableLimits {
-    /// An error that names joint and line.
+    /// Returns an error that names joint and line.
     #[default]
     Refuse,
-    /// The quantity counts as unlimited, with a [`Warning`](crate::robot::Warning). Fit for computing
-    /// poses and forces; a robot that is to move should state its limits.
+    /// Treats the quantity as unlimited, with a [`Warning`](crate::robot::Warning). This suits computations of poses
+    /// and forces. A robot that is to move should state its limits.
     Ignore,
 }
 
@@ -118,8 +115,8 @@ pub enum MissingAcceleration {
 }
 
 impl Default for MissingAcceleration {
-    /// A quarter of a second: 8.7 rad/s² for the 2.175 rad/s of a Franka Emika Panda's first
-    /// joints, whose maker allows 7.5 to 15 rad/s².
+    /// The default is a quarter of a second. It gives 8.7 rad/s² for the 2.175 rad/s of a Franka Emika Panda's first
+    /// joints, for which the manufacturer allows 7.5 to 15 rad/s².
     fn default() -> Self {
         Self::TimeToFullSpeed(0.25)
     }

@@ -1,4 +1,4 @@
-//! The model: a tree of joints and bodies.
+//! The model of a robot: a tree of joints and bodies.
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -19,12 +19,12 @@ use crate::urdf::names::nearest;
 
 /// A robot: a tree of joints, the bodies that they move, and frames on these.
 ///
-/// It does not change while the robot moves: share it by reference or in an `Arc`. What changes
-/// lives in [`Data`](crate::Data), one a thread.
+/// It does not change while the robot moves: share it by reference or in an `Arc`. Changing quantities are in
+/// [`Data`](crate::Data), one for each thread.
 ///
-/// q and q̇ have one entry for each joint that moves by itself, depth first in the order of the
-/// URDF, behind those of the [`Base`]. Fixed and held joints are folded into the bodies that they
-/// join; their links remain as frames. Mimic joints are followed; see [`MimicJoint`].
+/// q and q̇ begin with the entries of the [`Base`]. One entry follows for each joint that moves by itself, depth first
+/// in the order of the URDF. Fixed and held joints are merged into the bodies that they join; their links remain as
+/// frames. Mimic joints move with the joint that they follow; see [`MimicJoint`].
 ///
 /// ```
 /// use whole_body::{Data, Description, Model};
@@ -54,7 +54,7 @@ use crate::urdf::names::nearest;
 /// ```
 #[derive(Debug, Clone)]
 pub struct Model {
-    /// Equal for clones, and for no other model.
+    /// Identifies the model and its clones.
     pub(crate) tag: u64,
     pub(crate) name: String,
     pub(crate) base: Base,
@@ -62,16 +62,16 @@ pub struct Model {
     pub(crate) velocities: usize,
     pub(crate) joints: Vec<Joint>,
     pub(crate) mimics: Vec<MimicJoint>,
-    /// By entry of q̇.
+    /// Limits of each entry of q̇.
     pub(crate) limits: Vec<JointLimits>,
-    /// By entry of q̇: whose limits these are, where they are those of joints that follow.
+    /// Mimic joints whose limits are in force, for each entry of q̇.
     pub(crate) limit_sources: Vec<LimitSources>,
-    /// By entry of q̇.
+    /// Friction of each entry of q̇.
     pub(crate) friction: Vec<Option<JointFriction>>,
     pub(crate) default_accelerations: Vec<JointId>,
     /// Mover k moves body k + 1.
     pub(crate) movers: Vec<Mover>,
-    /// By body.
+    /// Inertia of each body.
     pub(crate) inertias: Vec<BodyInertia>,
     pub(crate) frames: Vec<Frame>,
     pub(crate) frame_names: HashMap<String, usize>,
@@ -86,12 +86,12 @@ impl Model {
         &self.name
     }
 
-    /// How the root link moves.
+    /// The kind of motion of the root link.
     pub fn base(&self) -> Base {
         self.base
     }
 
-    /// The size of q: that of q̇, or one more with a floating base.
+    /// The size of q: that of q̇, or one more for a floating base.
     pub fn position_count(&self) -> usize {
         self.positions
     }
@@ -106,7 +106,7 @@ impl Model {
         &self.joints
     }
 
-    /// Their ids.
+    /// The ids of [`joints`](Self::joints).
     pub fn joint_ids(&self) -> impl Iterator<Item = JointId> + use<> {
         let model = self.tag;
         (0..self.joints.len()).map(move |index| JointId { model, index })
@@ -143,7 +143,7 @@ impl Model {
         &self.limits
     }
 
-    /// An error unless the effort limit of an entry of q̇ is known.
+    /// Returns an error unless the effort limit of an entry of q̇ is known.
     pub(crate) fn expect_effort(&self, entry: usize) -> Result<(), Error> {
         match self.limits.get(entry) {
             Some(limits) if limits.effort == JointLimits::UNKNOWN_EFFORT => {
@@ -154,8 +154,7 @@ impl Model {
         }
     }
 
-    /// By entry of q̇: [`JointLimits::fading_time`]. A planar base has one for all its joints, the
-    /// longest.
+    /// [`JointLimits::fading_time`] of each entry of q̇. All joints of a planar base share the longest of their times.
     pub(crate) fn fading_times(&self) -> Vec<f64> {
         let mut times: Vec<f64> = self.limits.iter().map(JointLimits::fading_time).collect();
         if self.base == Base::Planar {
@@ -164,17 +163,17 @@ impl Model {
         times
     }
 
-    /// That of a planar base.
+    /// The longest fading time of a planar base's joints.
     pub(crate) fn base_fading_time(&self) -> f64 {
         self.limits.iter().take(3).map(JointLimits::fading_time).fold(0.0, f64::max)
     }
 
-    /// The joints that state no acceleration limit and took the description's default.
+    /// The joints that state no acceleration limit and use the description's default.
     pub fn default_accelerations(&self) -> &[JointId] {
         &self.default_accelerations
     }
 
-    /// Names for the entries of q̇: the joint's, and `floating_base.vx`, …, `floating_base.wz`.
+    /// Names of the entries of q̇: the joints' names, and `floating_base.vx`, …, `floating_base.wz`.
     pub fn velocity_names(&self) -> Vec<String> {
         let parts = ["vx", "vy", "vz", "wx", "wy", "wz"];
         let names = self.joints.iter().flat_map(|joint| match joint.kind {
@@ -191,7 +190,7 @@ impl Model {
         names.enumerate().map(move |(index, name)| (FrameId { model, index }, name))
     }
 
-    /// How many frames there are.
+    /// The number of frames.
     pub fn frame_count(&self) -> usize {
         self.frames.len()
     }
@@ -212,8 +211,8 @@ impl Model {
         Ok(&self.frame(id)?.name)
     }
 
-    /// The entries of q̇ that move a frame, from the last to the first; none for what stands still
-    /// in the world. An entry that moves several joints of the way comes as often.
+    /// The entries of q̇ that move a frame, from the last to the first; none if it is fixed in the world. An entry that
+    /// moves several joints on the path is repeated.
     ///
     /// # Errors
     /// [`Error::ForeignId`].
@@ -222,17 +221,17 @@ impl Model {
         Ok(self.movers_of(self.frame(id)?.body).map(|mover| mover.velocity).chain(base.rev()))
     }
 
-    /// Acceleration of free fall in the world frame \[m/s²\].
+    /// The acceleration of gravity in the world frame \[m/s²\].
     pub fn gravity(&self) -> Vector3<f64> {
         self.gravity
     }
 
-    /// Mass of all links that move \[kg\].
+    /// The mass of all links that move \[kg\].
     pub fn mass(&self) -> f64 {
         self.inertias.iter().map(|inertia| inertia.mass).sum()
     }
 
-    /// What is odd in the URDF without making it unusable.
+    /// Warnings about the URDF, which is usable nevertheless.
     pub fn warnings(&self) -> &[Warning] {
         &self.warnings
     }
@@ -244,7 +243,7 @@ impl Model {
         }
     }
 
-    /// The movers of a body and of those that carry it, from the body down to the root.
+    /// The movers of a body and its ancestors, from the body to the root.
     pub(crate) fn movers_of(&self, body: usize) -> impl Iterator<Item = &Mover> {
         let mover = |body: usize| body.checked_sub(1).and_then(|index| self.movers.get(index));
         std::iter::successors(mover(body), move |below| mover(below.parent))
@@ -275,7 +274,7 @@ impl Model {
     }
 }
 
-/// A number that no other model has, so that its ids are known.
+/// Returns a number that no other model has, so that foreign ids are recognised.
 pub(super) fn next_tag() -> u64 {
     static NEXT: AtomicU64 = AtomicU64::new(0);
     NEXT.fetch_add(1, Ordering::Relaxed)

@@ -1,4 +1,4 @@
-//! Models from URDFs.
+//! Construction of models from URDFs.
 
 use std::{
     fs::File,
@@ -12,10 +12,10 @@ use super::model::Model;
 use crate::error::{Error, urdf::UrdfError};
 use crate::urdf::document;
 
-/// The largest URDF (bytes). The largest of public robots have some hundred kilobytes.
+/// The largest accepted URDF (bytes). Public robots have at most some hundred kilobytes.
 const LARGEST: u64 = 64 << 20;
 
-/// Reads a file; a device or a pipe, which has no length, no further than a file may be.
+/// Reads a file, up to the largest accepted size. Devices and pipes do not report a length.
 fn read(path: &Path) -> io::Result<Vec<u8>> {
     let too_large = || {
         let text = format!("larger than a URDF can be: at most {LARGEST} bytes are read");
@@ -31,17 +31,17 @@ fn read(path: &Path) -> io::Result<Vec<u8>> {
 }
 
 impl Model {
-    /// Reads the robot that `description` sees in the text of a URDF.
+    /// Creates the model that `description` selects in the text of a URDF.
     ///
     /// Acceleration, deceleration and jerk of `<limit>` count in every version of URDF.
     ///
     /// # Errors
-    /// Each of [`Error`]'s variants about a URDF or a description.
+    /// Every variant of [`Error`] about a URDF or a description.
     pub fn from_urdf(text: &str, description: &Description) -> Result<Self, Error> {
         assembly::assemble(&document::read(text)?, description)
     }
 
-    /// The same from a robot that `urdf-rs` has read, or that was built of its types. Errors name line 0.
+    /// Creates the model from a robot that `urdf-rs` has read or that was built from its types. Errors name line 0.
     ///
     /// # Errors
     /// Those of [`from_urdf`](Self::from_urdf) that do not concern the text.
@@ -50,7 +50,7 @@ impl Model {
         assembly::assemble(&robot.into(), description)
     }
 
-    /// The same from a file of at most 64 MiB; bytes that are not UTF-8 count as unknown characters.
+    /// Creates the model from a file of at most 64 MiB. Bytes that are not UTF-8 count as unknown characters.
     ///
     /// # Errors
     /// [`Error::File`]; [`Error::InFile`] with what is wrong in it.
@@ -68,7 +68,7 @@ impl Model {
     }
 }
 
-/// The encoding of a text that is not of bytes, by its byte order mark or its first character, `<`.
+/// Returns the name of a UTF-16 or UTF-32 encoding, by the byte order mark or the first character, `<`.
 fn other_encoding(bytes: &[u8]) -> Option<&'static str> {
     match bytes {
         [0xff, 0xfe, 0, 0, ..] | [0, 0, 0xfe, 0xff, ..] | [b'<', 0, 0, 0, ..] => Some("UTF-32"),

@@ -1,4 +1,4 @@
-//! Which joints of a URDF move, which follow another one, and which stay where they are.
+//! Selection of the joints of a URDF that move, follow another one, or stay.
 
 use super::description::Description;
 use crate::error::{Error, urdf::UrdfError};
@@ -6,13 +6,13 @@ use crate::urdf::document::{Joint, Kind};
 use crate::urdf::names::list;
 use crate::urdf::tree::Tree;
 
-/// The joints below the root and what each does.
+/// The joints below the root and the role of each.
 pub(super) struct Selection {
     /// The link to start from.
     pub(super) root: usize,
     /// Joints below the root, parents first, depth first.
     pub(super) order: Vec<usize>,
-    /// By joint.
+    /// Role of each joint.
     pub(super) roles: Vec<Role>,
     /// The joints that move by themselves, in the order of q.
     pub(super) free: Vec<usize>,
@@ -77,7 +77,7 @@ fn below(tree: &Tree, root: usize) -> Vec<usize> {
     order
 }
 
-/// By joint: where the description holds it.
+/// The position at which the description holds each joint.
 fn held(tree: &Tree, description: &Description) -> Result<Vec<Option<f64>>, Error> {
     let mut held = vec![None; tree.document.joints.len()];
     for (name, position) in &description.held {
@@ -91,10 +91,10 @@ fn held(tree: &Tree, description: &Description) -> Result<Vec<Option<f64>>, Erro
     Ok(held)
 }
 
-/// Finds for each mimic joint the joint that it follows in the end.
+/// Finds for each mimic joint the independent joint that it follows.
 struct Followers<'a, 'b> {
     tree: &'a Tree<'b>,
-    /// `None` for what is not known yet, or does not hang below the root.
+    /// `None` for joints that are not resolved yet or not below the root.
     roles: Vec<Option<Role>>,
 }
 
@@ -106,7 +106,7 @@ impl Followers<'_, '_> {
         Ok(self.roles.into_iter().map(|role| role.unwrap_or(Role::Held(0.0))).collect())
     }
 
-    /// Goes from follower to followed until a role is known, then back.
+    /// Goes from follower to followed joint until a role is known, then back.
     fn resolve_one(&mut self, joint: usize) -> Result<(), Error> {
         let mut followers = Vec::new();
         let mut reached = joint;

@@ -1,14 +1,14 @@
-//! Whether a measured state is in m, rad and s.
+//! Check that a measured state is in m, rad and s.
 
 use super::joint::JointKind;
 use super::model::Model;
 use crate::error::{Error, check_size};
 
-/// How far beyond its limits a joint may be \[m or rad\]: people push arms beyond, and zeros are off.
+/// Distance that a joint may be beyond its limits \[m or rad\]: people push arms beyond them, and zeros are inexact.
 const BEYOND: f64 = 1.0;
-/// How much faster than its limit a joint may be measured: noise, and somebody who pushes.
+/// Ratio by which a measured speed may exceed its limit, because of noise or a push.
 const FASTER: f64 = 3.0;
-/// How far from its zero a joint without limits may be \[m or rad\]: 160 turns, or a place a kilometre away.
+/// Largest position of a joint without limits \[m or rad\]: 160 turns, or a place a kilometre away.
 const FARTHEST: f64 = 1e3;
 
 const UNITS: [[&str; 2]; 2] = [
@@ -17,11 +17,12 @@ const UNITS: [[&str; 2]; 2] = [
 ];
 
 impl Model {
-    /// Checks a measured state, q and q̇, against what the robot's limits exclude by far: joints in degrees, or
-    /// odometry in millimetres.
+    /// Checks that a measured state, q and q̇, is not far beyond the robot's limits, as joints in degrees or odometry
+    /// in millimetres would be.
     ///
-    /// A position may be 1 rad or 1 m beyond its limits, a place without limits 1 km away, a speed three times its
-    /// limit. A state near zero is near zero in every unit: what this check lets pass may still be in another.
+    /// Positions may be 1 rad or 1 m beyond their limits, or 1 km from zero without limits. Speeds may be three times
+    /// their limits. A state near zero is near zero in every unit, so that a state which passes may still be in a wrong
+    /// unit.
     ///
     /// ```
     /// # use whole_body::{Description, Model};
@@ -36,7 +37,7 @@ impl Model {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Units`] names the first number that is beyond; [`Error::WrongSize`].
+    /// [`Error::Units`] for the first number that is too large; [`Error::WrongSize`].
     pub fn check_units(&self, position: &[f64], velocity: &[f64]) -> Result<(), Error> {
         check_size("q", position.len(), self.position_count())?;
         check_size("q̇", velocity.len(), self.velocity_count())?;
@@ -73,7 +74,7 @@ fn check(
     upper: f64,
     unit: &'static str,
 ) -> Result<(), Error> {
-    // A value that is no number is another fault.
+    // NaN is another fault.
     let beyond = (value < lower).then_some(lower).or_else(|| (value > upper).then_some(upper));
     let joint = || joint.to_owned();
     beyond.map_or(Ok(()), |limit| Err(Error::Units { what, joint: joint(), value, limit, unit }))

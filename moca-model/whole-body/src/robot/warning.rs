@@ -1,8 +1,8 @@
-//! What is odd in a URDF without making it unusable.
+//! Warnings about a URDF that is usable nevertheless.
 
 use std::fmt;
 
-/// Something in a URDF that is worth a look; see [`Model::warnings`](crate::Model::warnings).
+/// A warning about a URDF; see [`Model::warnings`](crate::Model::warnings).
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Warning {
@@ -12,10 +12,10 @@ pub enum Warning {
         link: String,
         /// Where its `<inertial>` begins.
         line: usize,
-        /// What is wrong with it.
+        /// Why not.
         fault: InertiaFault,
     },
-    /// What a joint moves has no inertia: forward dynamics are not defined.
+    /// A joint moves no inertia, so that forward dynamics are not defined.
     NothingToMove {
         /// The joint.
         joint: String,
@@ -30,18 +30,18 @@ pub enum Warning {
         /// Which limit.
         limit: &'static str,
     },
-    /// A limit of a joint that follows another one is narrower than that one's own, and in force.
+    /// A limit of a mimic joint is narrower than that of the joint that it follows, and in force.
     FollowerLimit {
-        /// The joint that follows.
+        /// The mimic joint.
         joint: String,
-        /// The joint that it follows, whose limit it now is.
+        /// The joint that it follows, which takes over the limit.
         follows: String,
         /// Which limit.
         limit: &'static str,
     },
-    /// The range of a joint that follows another one leaves nothing of that one's, and is not kept.
+    /// The range of a mimic joint excludes the whole range of the joint that it follows, and is not kept.
     FollowerRange {
-        /// The joint that follows.
+        /// The mimic joint.
         joint: String,
         /// The joint that it follows.
         follows: String,

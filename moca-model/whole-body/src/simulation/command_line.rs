@@ -1,10 +1,10 @@
-//! What a robot does while commands do not arrive.
+//! A lossy line of commands to a robot.
 
 use crate::error::{Error, check_size};
 
-/// A line of commands to a robot that bridges losses as libfranka's robots do: velocities go on at constant
-/// acceleration and torques hold. After so many losses in a row the robot stops by itself, and takes no commands
-/// until it is recovered.
+/// A line of commands to a robot that bridges losses as libfranka's robots do. While packets are lost, velocities
+/// continue at constant acceleration and torques stay constant. After too many losses in a row the robot stops by
+/// itself. It then takes no commands until it is recovered.
 ///
 /// ```
 /// use whole_body::simulation::CommandLine;
@@ -21,9 +21,9 @@ use crate::error::{Error, check_size};
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct CommandLine {
-    /// What the robot obeys.
+    /// The command that the robot follows.
     obeyed: Vec<f64>,
-    /// By how much each velocity changed with the packet that arrived last.
+    /// Change of each velocity with the last packet that arrived.
     change: Vec<f64>,
     tolerated: u32,
     lost_in_a_row: u32,
@@ -31,8 +31,8 @@ pub struct CommandLine {
 }
 
 impl CommandLine {
-    /// With what is obeyed until the first packet arrives, of which so many first numbers are velocities and the
-    /// others torques; and after how many losses in a row the robot stops.
+    /// Creates a line. The robot follows `initial` until the first packet arrives. The first `velocities` numbers of a
+    /// packet are velocities, the others torques. The robot stops after `tolerated` losses in a row.
     ///
     /// # Errors
     /// [`Error::Value`] for a robot that would stop without a loss.
@@ -50,7 +50,8 @@ impl CommandLine {
         })
     }
 
-    /// Sends a packet that arrives, or not; what the robot obeys, none if it stops. Allocates nothing.
+    /// Sends a packet, which `arrives` or is lost. Returns what the robot follows; `None` if it has stopped. Allocates
+    /// nothing.
     ///
     /// # Errors
     /// [`Error::WrongSize`].
@@ -78,7 +79,7 @@ impl CommandLine {
         self.stopped
     }
 
-    /// The robot, which stands, takes commands again.
+    /// Recovers a stopped robot, so that it takes commands again.
     pub fn recover(&mut self) {
         self.stopped = false;
         self.lost_in_a_row = 0;

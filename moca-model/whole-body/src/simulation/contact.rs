@@ -1,4 +1,4 @@
-//! What touches a simulated robot.
+//! Contacts of a simulated robot.
 
 use nalgebra::{UnitVector3, Vector3, Vector6};
 
@@ -8,14 +8,13 @@ use crate::kinematics::jacobian::Axes;
 use crate::robot::frame::FrameId;
 use crate::state::moving::Moving;
 
-/// A flat surface that pushes a point of the robot, and may move: a wall, or a body of a person who is
-/// walked into.
+/// A flat surface that pushes a point of the robot and may move: a wall, or a part of a person whom the robot hits.
 ///
-/// The surface is the plane n · p = `position`, a body of some mass behind a spring and a damper. While
-/// the point, a frame's origin, is behind it, δ = `position` − n · p > 0, it pushes the point along n with
-/// F = max(0, k δ + d δ̇), and is itself pushed back, m s̈ = −F: the two-mass model of ISO/TS 15066,
-/// Annex A. A free surface that a robot of effective mass m_R meets at speed v pushes with at most
-/// v √(k μ), 1/μ = 1/m + 1/m_R, where there is no damping.
+/// The surface is the plane n · p = `position`, a mass behind a spring and a damper. The point is a frame's origin.
+/// While it is behind the surface, δ = `position` − n · p > 0, the surface pushes it along n with F = max(0, k δ + d
+/// δ̇). The surface is pushed back, m s̈ = −F, as in the two-mass model of ISO/TS 15066, Annex A. If a robot of
+/// effective mass m_R hits a free surface at speed v, the force is at most v √(k μ), 1/μ = 1/m + 1/m_R. This holds
+/// without damping.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact {
     /// The point is the origin of this frame.
@@ -30,7 +29,7 @@ pub struct Contact {
     pub mass: f64,
     /// Where the surface is along n \[m\].
     pub position: f64,
-    /// How fast it moves along n \[m/s\].
+    /// Its speed along n \[m/s\].
     pub velocity: f64,
     /// F at the end of the last step \[N\].
     pub force: f64,
@@ -39,8 +38,8 @@ pub struct Contact {
 }
 
 impl Contact {
-    /// A wall that pushes `frame` along `normal` where n · p is below `position` \[m\]: 100 N/mm, and
-    /// damping of 200 N s/m.
+    /// Creates a wall that pushes `frame` along `normal` where n · p is below `position` \[m\]. Its stiffness is 100
+    /// N/mm, its damping 200 N s/m.
     pub fn wall(frame: FrameId, normal: UnitVector3<f64>, position: f64) -> Self {
         let (stiffness, damping) = (1e5, 200.0);
         let mass = f64::INFINITY;
@@ -48,7 +47,7 @@ impl Contact {
         Self { frame, normal, stiffness, damping, mass, position, velocity, force, peak_force }
     }
 
-    /// A free body of `mass` \[kg\] and `stiffness` \[N/m\] whose surface is at `position` \[m\] along
+    /// Creates a free body of `mass` \[kg\] and `stiffness` \[N/m\], whose surface is at `position` \[m\] along
     /// `normal` and moves at `velocity` \[m/s\].
     pub fn body(
         frame: FrameId,
@@ -76,7 +75,6 @@ impl Contact {
         Ok(())
     }
 
-    /// F \[N\] with the surface at `position`, moving at `velocity` \[m, m/s\].
     pub(super) fn force_on(
         &self,
         robot: &Moving<'_>,

@@ -1,4 +1,4 @@
-//! Rigid bodies under torques.
+//! Simulation of rigid bodies under torques.
 
 use super::contact::Contact;
 use crate::dynamics::articulated::Part;
@@ -8,21 +8,20 @@ use crate::robot::description::Base;
 use crate::robot::model::Model;
 use crate::state::data::Data;
 
-/// How many wrenches there is room for from the beginning.
+/// Number of wrenches that there is room for at construction.
 const WRENCHES: usize = 8;
 
-/// What moves a joint of a simulated robot.
+/// The drive of a joint of a simulated robot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum JointDrive {
-    /// The torque or force that is commanded, within the joint's effort limit; friction is that of the
+    /// Applies the commanded torque or force, within the joint's effort limit, with the friction of the
     /// [`Description`](crate::Description).
     Torque {
-        /// Of what turns in front of the gear, seen at the joint: that of the rotor times the ratio
-        /// squared \[kg m² or kg\].
+        /// Inertia of the rotor at the joint: that of the rotor times the gear ratio squared \[kg m² or kg\].
         rotor_inertia: f64,
     },
-    /// A controller of its own follows the velocity that is commanded, T q̈ + q̇ = q̇*, whatever the
-    /// other joints do: a base of large mass.
+    /// Follows the commanded velocity by T q̈ + q̇ = q̇*, whatever the other joints do. This suits a base of large
+    /// mass.
     Velocity {
         /// T \[s\].
         time_constant: f64,
@@ -30,7 +29,7 @@ pub enum JointDrive {
 }
 
 impl JointDrive {
-    /// Torque, without a rotor.
+    /// A torque drive without a rotor.
     pub const TORQUE: Self = Self::Torque { rotor_inertia: 0.0 };
 
     fn validate(&self) -> Result<(), Error> {
@@ -57,11 +56,13 @@ impl JointDrive {
 
 /// A robot of rigid bodies under torques, gravity, friction and contacts.
 ///
-/// Forward dynamics are the articulated-body algorithm; joints that follow velocities are prescribed
-/// (Featherstone 2008, Sec. 7.3 and 9.2). Commands hold for a step, which is integrated by the classical
-/// Runge-Kutta method of fourth order in equal substeps: with smooth forces halving them divides the error
-/// by 16, at a contact that begins or ends by 2 at least. Position and velocity limits are not enforced:
-/// what a controller gets wrong stays visible. The same input gives the same bits.
+/// The articulated-body algorithm computes forward dynamics; joints that follow velocities are prescribed (Featherstone
+/// 2008, Sec. 7.3 and 9.2). Commands are constant during a step. The classical Runge-Kutta method of fourth order
+/// integrates it in equal substeps. Halving these divides the error by 16 with smooth forces, and by at least 2 where a
+/// contact begins or ends.
+///
+/// Position and velocity limits are not enforced, so that errors of a controller stay visible. The same input gives the
+/// same bits.
 ///
 /// ```
 /// use whole_body::simulation::{JointDrive, RigidBodySimulation};
@@ -85,7 +86,7 @@ pub struct RigidBodySimulation {
     substeps: u32,
     state: State,
     contacts: Vec<Contact>,
-    /// Of the last step, behind the gears.
+    /// Torques of the last step at the output of the gears.
     torque: Vec<f64>,
     room: Room,
 }
@@ -103,7 +104,7 @@ struct State {
 struct Rates {
     v: Vec<f64>,
     a: Vec<f64>,
-    /// Velocity, then acceleration.
+    /// Velocity and acceleration of each surface.
     surfaces: Vec<[f64; 2]>,
 }
 
@@ -111,7 +112,7 @@ struct Rates {
 struct Room {
     data: Data,
     parts: Vec<Part>,
-    /// Of the joints, in this step.
+    /// Command of each joint in this step.
     command: Vec<f64>,
     torque: Vec<f64>,
     solved: Vec<f64>,
@@ -124,11 +125,11 @@ struct Room {
 }
 
 impl RigidBodySimulation {
-    /// At rest at the configuration `position`, with a drive for each entry of q̇; one substep.
+    /// Creates a robot at rest at the configuration `position` with a drive for each entry of q̇ and one substep.
     ///
     /// # Errors
-    /// [`Error::WrongSize`]; [`Error::Value`] for a drive; [`Error::Unsuitable`] for a floating
-    /// base, [`Error::UnknownEffort`] of a joint that torque drives, [`Error::Unsuitable`] for a joint that follows another; those of [`Data::pose`].
+    /// [`Error::WrongSize`]; [`Error::Value`] for a drive; [`Error::UnknownEffort`] of a joint with a torque drive;
+    /// [`Error::Unsuitable`] for a floating base or a mimic joint; those of [`Data::pose`].
     pub fn new(model: &Model, drives: &[JointDrive], position: &[f64]) -> Result<Self, Error> {
         if model.base() == Base::Floating {
             let joint = model.joints().first().map_or_else(String::new, |joint| joint.name.clone());
@@ -174,10 +175,10 @@ impl RigidBodySimulation {
         })
     }
 
-    /// The same with each step cut in so many parts.
+    /// Divides each step into this number of substeps.
     ///
     /// # Errors
-    /// [`Error::Value`] for none.
+    /// [`Error::Value`] for zero.
     pub fn with_substeps(mut self, substeps: u32) -> Result<Self, Error> {
         if substeps == 0 {
             return Err(Error::not_positive("the number of substeps", 0.0));
@@ -201,36 +202,34 @@ impl RigidBodySimulation {
         &self.state.v
     }
 
-    /// The mean torque of the last step as a sensor between gear and link has it: that of the motor
-    /// without what the rotor takes, friction included \[Nm or N\]. Zero for joints that follow
-    /// velocities.
+    /// The mean torque of the last step at a sensor between gear and link \[Nm or N\]. That is the motor's torque minus
+    /// that which accelerates the rotor, friction included. Zero for joints that follow velocities.
     pub fn torque(&self) -> &[f64] {
         &self.torque
     }
 
-    /// What touches the robot, as of the end of the last step.
+    /// The contacts, with their state at the end of the last step.
     pub fn contacts(&self) -> &[Contact] {
         &self.contacts
     }
 
-    /// The same, to add, move and take away. Room for a new one is made in the next step.
+    /// The contacts, to add, move and remove them. The next step makes room for new ones.
     pub fn contacts_mut(&mut self) -> &mut Vec<Contact> {
         &mut self.contacts
     }
 
-    /// Payloads and other data of what is moved: see [`Data::attach`].
+    /// The robot's data, for example to [attach](Data::attach) payloads.
     pub fn data_mut(&mut self) -> &mut Data {
         &mut self.room.data
     }
 
-    /// Moves for `period` \[s\] with a `command` for each entry of q̇, a torque or a velocity as the
-    /// drives have it \[Nm or N, rad/s or m/s\], and wrenches from outside that hold on. Allocates
-    /// nothing once there is room for wrenches and contacts.
+    /// Moves the robot for `period` \[s\] under a `command` for each entry of q̇ and constant external wrenches. A
+    /// command is a torque or a velocity, depending on the drive \[Nm or N, rad/s or m/s\]. Allocates nothing once
+    /// there is room for wrenches and contacts.
     ///
     /// # Errors
-    /// [`Error::WrongSize`], [`Error::Value`], [`Error::Value`], [`Error::ForeignId`];
-    /// [`Error::NoInertia`]; a state whose numbers have grown beyond all sense. The robot is then where
-    /// it was.
+    /// [`Error::WrongSize`], [`Error::Value`], [`Error::ForeignId`]; [`Error::NoInertia`]; [`Error::Value`] for a state
+    /// whose numbers have grown too large. The robot then stays where it was.
     pub fn step(
         &mut self,
         command: &[f64],
@@ -250,7 +249,7 @@ impl RigidBodySimulation {
         self.finish(external, period)
     }
 
-    /// Takes the command within the limits, and the contacts as they are now.
+    /// Reads the command within the limits, and the present contacts.
     fn begin(&mut self, command: &[f64]) {
         let Room { command: held, start, stage, rates, forces, peaks, .. } = &mut self.room;
         let drives = self.drives.iter().zip(self.model.limits());
@@ -310,7 +309,7 @@ impl RigidBodySimulation {
         stage.surfaces.copy_from_slice(&start.surfaces);
     }
 
-    /// The stage is the start, moved on by `time` at the rates of a stage.
+    /// Sets the stage to the start, moved by `time` at the rates of a stage.
     fn move_stage(&mut self, of: usize, time: f64) {
         let Room { start, stage, rates, .. } = &mut self.room;
         let rates = &rates[of];
@@ -327,7 +326,7 @@ impl RigidBodySimulation {
         }
     }
 
-    /// Writes the rates of the stage.
+    /// Computes the rates of the stage.
     fn evaluate(&mut self, stage: usize, external: &[ExternalWrench]) -> Result<(), Error> {
         let Room {
             data,
@@ -370,7 +369,7 @@ impl RigidBodySimulation {
         Ok(())
     }
 
-    /// Takes what was computed, with the contact forces where it ends.
+    /// Accepts the computed state, with the contact forces at its end.
     fn finish(&mut self, external: &[ExternalWrench], period: f64) -> Result<(), Error> {
         if !self.contacts.is_empty() {
             self.copy_start();

@@ -1,20 +1,20 @@
-//! What a robot's sensors say of it.
+//! Sensors of a simulated robot.
 
 use super::rigid_body::RigidBodySimulation;
 use super::transmission::Transmission;
 use crate::error::{Error, check_size};
 use crate::robot::model::Model;
 
-/// Random numbers of the caller's choice; with the same ones everything happens again.
+/// A source of random numbers. The same numbers give the same simulation.
 pub trait RandomSource {
-    /// Normally distributed, of mean 0 and standard deviation 1.
+    /// Returns a normally distributed number of mean 0 and standard deviation 1.
     fn normal(&mut self) -> f64;
 
-    /// Evenly distributed from 0 to 1.
+    /// Returns a number that is uniformly distributed from 0 to 1.
     fn uniform(&mut self) -> f64;
 }
 
-/// How well joints are measured. Standard deviations, one an entry of q̇.
+/// Quality of joint sensors. Standard deviations have one element for each entry of q̇.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SensorSettings {
     /// \[rad or m\]
@@ -23,14 +23,14 @@ pub struct SensorSettings {
     pub velocity_noise: Vec<f64>,
     /// \[Nm or N\]
     pub torque_noise: Vec<f64>,
-    /// How many ticks a measurement is late.
+    /// Delay of measurements in ticks.
     pub delay: usize,
-    /// The share of measurements that are lost: the last one is then measured again.
+    /// Share of measurements that are lost. The last one is then read again.
     pub loss: f64,
 }
 
 impl SensorSettings {
-    /// Exact, at once, always.
+    /// Creates sensors without noise, delay and loss.
     pub fn ideal(model: &Model) -> Self {
         let none = vec![0.0; model.velocity_count()];
         Self {
@@ -43,7 +43,7 @@ impl SensorSettings {
     }
 }
 
-/// Measures a simulated robot: with noise, late, and now and then not at all.
+/// Sensors of a simulated robot with noise, delay and losses.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sensors {
     settings: SensorSettings,
@@ -52,11 +52,10 @@ pub struct Sensors {
 }
 
 impl Sensors {
-    /// For a robot without a floating base, at rest at `position` at first.
+    /// Creates sensors of a robot without a floating base, which is at rest at `position` at first.
     ///
     /// # Errors
-    /// [`Error::WrongSize`]; [`Error::Value`] for noise that is negative or not finite, and a share
-    /// that is none.
+    /// [`Error::WrongSize`]; [`Error::Value`] for noise that is negative or not finite, and for a share out of range.
     pub fn new(settings: SensorSettings, position: &[f64]) -> Result<Self, Error> {
         let n = position.len();
         for (what, noise) in [
@@ -77,7 +76,7 @@ impl Sensors {
         Ok(Self { settings, line, packet })
     }
 
-    /// Measures the robot as it is now. Allocates nothing.
+    /// Measures the present state of the robot. Allocates nothing.
     ///
     /// # Errors
     /// [`Error::WrongSize`] for another robot.
@@ -94,23 +93,23 @@ impl Sensors {
         for (out, (truth, noise)) in self.packet.iter_mut().zip(numbers) {
             *out = if *noise > 0.0 { truth + noise * random.normal() } else { *truth };
         }
-        // Lines that lose nothing draw nothing.
+        // A line without losses draws no random number.
         let draw = if self.settings.loss > 0.0 { random.uniform() } else { 1.0 };
         self.line.pass(&self.packet, draw)?;
         Ok(())
     }
 
-    /// q as measured last \[rad or m\].
+    /// The measured q \[rad or m\].
     pub fn position(&self) -> &[f64] {
         self.part(0)
     }
 
-    /// q̇ as measured last \[rad/s or m/s\].
+    /// The measured q̇ \[rad/s or m/s\].
     pub fn velocity(&self) -> &[f64] {
         self.part(1)
     }
 
-    /// The torques as measured last; see [`RigidBodySimulation::torque`] \[Nm or N\].
+    /// The measured torques \[Nm or N\]; see [`RigidBodySimulation::torque`].
     pub fn torque(&self) -> &[f64] {
         self.part(2)
     }

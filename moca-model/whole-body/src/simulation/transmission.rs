@@ -1,9 +1,9 @@
-//! Packets that come late, or not at all.
+//! A line with delay and losses.
 
 use crate::error::{Error, check_size};
 
-/// A line that sends a packet of numbers each tick: it arrives so many ticks later, or is lost. What was
-/// received last holds until the next arrives.
+/// A line that sends a packet of numbers each tick. A packet arrives a fixed number of ticks later or is lost. The
+/// packet received last holds until the next one arrives.
 ///
 /// ```
 /// use whole_body::simulation::Transmission;
@@ -17,9 +17,9 @@ use crate::error::{Error, check_size};
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Transmission {
-    /// Packets on their way.
+    /// Packets in transit.
     ring: Vec<Vec<f64>>,
-    /// Whether each will arrive.
+    /// Whether each of them will arrive.
     arrives: Vec<bool>,
     next: usize,
     loss: f64,
@@ -28,7 +28,8 @@ pub struct Transmission {
 }
 
 impl Transmission {
-    /// With a delay in ticks, the share of packets that are lost, and what holds until the first arrives.
+    /// Creates a line with a delay in ticks, a share of lost packets, and the packet that holds until the first one
+    /// arrives.
     ///
     /// # Errors
     /// [`Error::Value`] for a share that is not from 0 to 1.
@@ -47,8 +48,8 @@ impl Transmission {
         })
     }
 
-    /// Sends a packet, and gives what has been received. `draw` is a random number from 0 to 1: below
-    /// the share of losses the packet is lost. Allocates nothing.
+    /// Sends a packet and returns the one received last. The packet is lost if `draw`, a random number from 0 to 1, is
+    /// below the share of losses. Allocates nothing.
     ///
     /// # Errors
     /// [`Error::WrongSize`].
@@ -71,12 +72,12 @@ impl Transmission {
         Ok(&self.received)
     }
 
-    /// What has been received last.
+    /// The packet received last.
     pub fn received(&self) -> &[f64] {
         &self.received
     }
 
-    /// How many packets have been lost since one arrived.
+    /// The number of packets lost since the last arrival.
     pub fn lost_in_a_row(&self) -> u32 {
         self.lost_in_a_row
     }

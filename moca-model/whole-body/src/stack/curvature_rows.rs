@@ -1,29 +1,28 @@
-//! The curvature of a level's tasks as rows.
+//! Rows for the curvature of a level's tasks.
 
 use ahqp_core::Rows;
 
 use crate::eigen::eigenvectors;
 use crate::tasks::curvature::Curvature;
 
-/// Rows √λₖ vₖᵀ q̇ = 0 of a level, λₖ and vₖ being the positive eigenvalues and the eigenvectors of the
-/// curvature of its tasks.
+/// Rows √λₖ vₖᵀ q̇ = 0 of a level, where λₖ and vₖ are the positive eigenvalues and the eigenvectors of its tasks'
+/// curvature.
 ///
-/// With them a level minimises ½ ‖J q̇ − b‖² + ½ q̇ᵀ H⁺ q̇: Newton's step in place of Gauss and Newton's, as
-/// a level whose error remains needs it (Pfeiffer, Escande, Kheddar, "Singularity resolution in
-/// equality and inequality constrained hierarchical task-space control by adaptive nonlinear
-/// least squares", IEEE Robotics and Automation Letters 3(4), 2018). At the end of what a robot
-/// reaches they take the joints that would lead away from there from the levels below, and leave those
-/// that would not. Rows of no curvature are free.
+/// A level with these rows minimises ½ ‖J q̇ − b‖² + ½ q̇ᵀ H⁺ q̇. That replaces the Gauss-Newton step by Newton's step,
+/// which levels with a remaining error need (Pfeiffer, Escande, Kheddar, IEEE Robotics and Automation Letters 3(4),
+/// 2018). The paper is "Singularity resolution in equality and inequality constrained hierarchical task-space control
+/// by adaptive nonlinear least squares". At the end of the robot's reach, the rows take the motions that would leave it
+/// from the levels below. Rows without curvature are free.
 #[derive(Debug, Clone)]
 pub(crate) struct CurvatureRows {
     pub(crate) curvature: Curvature,
-    /// The entries of q̇ that the curvature concerns, and its rows and columns of these.
+    /// Entries of q̇ with curvature, and the rows and columns of the curvature for them.
     entries: Vec<usize>,
     block: Vec<f64>,
     vectors: Vec<f64>,
 }
 
-/// Of the largest eigenvalue, what counts as rounding.
+/// Share of the largest eigenvalue that counts as rounding.
 const ROUNDING: f64 = 1e-9;
 
 impl CurvatureRows {
@@ -36,7 +35,7 @@ impl CurvatureRows {
         }
     }
 
-    /// Writes the rows from `first` to the last.
+    /// Writes the rows from `first` to the last one.
     pub(crate) fn write(&mut self, rows: &mut Rows, first: usize, least: f64) {
         for index in first..rows.len() {
             set_row(rows, index, [].into_iter(), f64::INFINITY);

@@ -1,4 +1,4 @@
-//! The tasks of a level, and the level that they write.
+//! The tasks of a level and the level that they write.
 
 use std::any::Any;
 use std::ops::Range;
@@ -15,7 +15,7 @@ use crate::tasks::curvature::Curvature;
 use crate::tasks::input::TaskInput;
 use crate::tasks::quadratic::{QuadraticTask, TaskQuadratic};
 
-/// The tasks of a level: rows or quadratics to be minimised, and hard constraints.
+/// The tasks of a level: rows or quadratics to minimise, and hard constraints.
 #[derive(Debug, Clone)]
 pub(crate) struct LevelTasks {
     pub(crate) name: Arc<str>,
@@ -51,27 +51,27 @@ impl LevelTasks {
         Ok(Self { name, rows, quadratics, constraints, is_damped })
     }
 
-    /// How many rows it minimises.
+    /// The number of rows that it minimises.
     pub(crate) fn row_count(&self) -> usize {
         self.rows.len()
     }
 
-    /// The same with the rows of their curvature, which stand behind them.
+    /// The number of rows with those of the curvature, which follow the others.
     pub(crate) fn rows_with_curvature(&self) -> usize {
         self.rows.rows_with_curvature()
     }
 
-    /// By constraint: whether it leaves accelerations the time to fade.
+    /// Whether each constraint leaves accelerations the time to fade.
     pub(crate) fn anticipating_constraints(&self) -> impl Iterator<Item = bool> {
         self.constraints.anticipating()
     }
 
-    /// Whether its constraints let a planar base move along its heading alone.
+    /// Whether its constraints restrict a planar base to motion along its heading.
     pub(crate) fn keeps_heading(&self) -> bool {
         self.constraints.keeps_heading()
     }
 
-    /// The level over so many variables, its data still to be written.
+    /// Creates the level over `columns` variables, without data.
     pub(super) fn level(&self, columns: usize) -> Result<Level, Error> {
         let constraints = self.constraints.rows(columns)?;
         let level = if self.rows.len() > 0 {
@@ -109,7 +109,7 @@ impl LevelTasks {
         Ok(())
     }
 
-    /// Whether all its tasks know their curvature.
+    /// Whether all its tasks add their curvature.
     pub(crate) fn bends(&self) -> bool {
         self.rows.bends()
     }
@@ -124,7 +124,7 @@ impl LevelTasks {
         self.rows.add_curvature(&self.name, factors, input, curvature)
     }
 
-    /// Lets tasks without a target keep what they find.
+    /// Sets missing targets of tasks to the present state.
     pub(super) fn hold(&mut self, input: &mut TaskInput<'_, '_>) -> Result<(), Error> {
         self.rows.hold(&self.name, input)?;
         self.constraints.hold(&self.name, input)
@@ -139,12 +139,13 @@ impl LevelTasks {
         rows.or_else(|| self.constraints.task_mut(number))
     }
 
-    /// The rows that a task minimises within those of the level.
+    /// The rows that a task minimises, as a range of those of the level.
     pub(crate) fn rows_of(&self, number: u64) -> Option<Range<usize>> {
         self.rows.rows_of(number)
     }
 
-    /// Rows of a level, how many of them are of tasks, and the names of these: what it minimises, then what must hold.
+    /// The rows of a level, the number of task rows among them, and their names: minimised rows first, then
+    /// constraints.
     pub(crate) fn named_rows<'a>(
         &'a self,
         level: &'a Level,

@@ -1,4 +1,4 @@
-//! Tasks whose rows stand one behind the other.
+//! Tasks with consecutive rows.
 
 use std::any::Any;
 use std::ops::Range;
@@ -13,14 +13,14 @@ use crate::tasks::input::TaskInput;
 use crate::tasks::rows::TaskRows;
 use crate::tasks::task::Task;
 
-/// Tasks with their places in the rows of a level.
+/// Tasks with the ranges of their rows in a level.
 #[derive(Debug, Clone)]
 pub(super) struct RowTasks {
     entries: Vec<TaskEntry>,
     count: usize,
-    /// Of all rows, those of the curvature among them.
+    /// Weights of all rows, with those of the curvature.
     weights: Vec<f64>,
-    /// Whether the rows behind are those of what is given up near singular configurations.
+    /// Whether rows of curvature follow those of the tasks.
     bends: bool,
 }
 
@@ -32,7 +32,7 @@ struct TaskEntry {
 }
 
 impl RowTasks {
-    /// Checks the tasks and gives each its rows.
+    /// Checks the tasks and assigns rows to each.
     pub(super) fn new(
         tasks: Vec<Named<dyn Task>>,
         level: &str,
@@ -58,17 +58,17 @@ impl RowTasks {
         Ok(Self { entries, count: first, weights: vec![1.0; rows], bends })
     }
 
-    /// How many rows the tasks have. Behind them there may be more, of their curvature.
+    /// The number of rows of the tasks. Rows of their curvature may follow.
     pub(super) fn len(&self) -> usize {
         self.count
     }
 
-    /// How many rows there are with those of the curvature.
+    /// The number of rows with those of the curvature.
     pub(super) fn rows_with_curvature(&self) -> usize {
         self.weights.len()
     }
 
-    /// By row: whether it leaves accelerations the time to fade.
+    /// Whether each row leaves accelerations the time to fade.
     pub(super) fn anticipating(&self) -> impl Iterator<Item = bool> {
         self.entries
             .iter()
@@ -83,7 +83,7 @@ impl RowTasks {
         self.entries.iter().any(|entry| entry.named.task.is_damped())
     }
 
-    /// Zero rows over so many variables, with the tasks' names.
+    /// Creates zero rows over `columns` variables, with the tasks' names.
     pub(super) fn rows(&self, columns: usize) -> Result<Rows, Error> {
         let names = self.entries.iter().flat_map(|entry| {
             let name = &entry.named.name;
@@ -127,7 +127,7 @@ impl RowTasks {
         Ok(())
     }
 
-    /// Whether all its tasks know their curvature.
+    /// Whether all its tasks add their curvature.
     pub(super) fn bends(&self) -> bool {
         self.bends
     }

@@ -1,4 +1,4 @@
-//! Tasks of one priority.
+//! Levels: tasks of one priority.
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -8,11 +8,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use crate::tasks::quadratic::QuadraticTask;
 use crate::tasks::task::Task;
 
-/// Tasks of one priority: where they cannot all be met, the weighted squares of what is missing are
-/// minimised together.
+/// A level: tasks of one priority. If they cannot all be met, their weighted squared errors are minimised together.
 ///
-/// A level may have hard constraints of its own, which hold from this level down; a level of
-/// constraints alone minimises nothing. Quadratics stand on levels without rows to be minimised.
+/// A level may have hard constraints, which hold from this level on downwards. A level of constraints alone minimises
+/// nothing. Quadratics need levels of their own, without rows to minimise.
 ///
 /// ```
 /// use whole_body::stack::TaskLevel;
@@ -55,8 +54,8 @@ impl Clone for Named<dyn QuadraticTask> {
     }
 }
 
-/// A task of type `T` in a stack, as [`TaskLevel::push`] and [`IkBuilder::push`](crate::ik::IkBuilder::push)
-/// return it. No two tasks have one id, but those of a stack and its clones.
+/// The id of a task of type `T`, as [`TaskLevel::push`] and [`IkBuilder::push`](crate::ik::IkBuilder::push) return it.
+/// Ids are unique, except that a stack and its clones share theirs.
 pub struct TaskId<T> {
     pub(crate) number: u64,
     kind: PhantomData<fn() -> T>,
@@ -85,7 +84,7 @@ impl<T> TaskId<T> {
 }
 
 impl TaskLevel {
-    /// Without tasks yet.
+    /// Creates a level without tasks.
     pub fn new(name: impl Into<Arc<str>>) -> Self {
         let (rows, quadratics, constraints) = (Vec::new(), Vec::new(), Vec::new());
         Self { name: name.into(), rows, quadratics, constraints }
@@ -109,8 +108,8 @@ impl TaskLevel {
         id
     }
 
-    /// Adds rows that must hold, from this level down. What no velocity can make hold is an error
-    /// of the solver.
+    /// Adds rows that must hold from this level on downwards. If no velocity satisfies them, the solver returns an
+    /// error.
     pub fn constrain<T: Task>(&mut self, name: impl Into<Arc<str>>, task: T) -> TaskId<T> {
         let id = TaskId::next();
         self.constraints.push(Named { number: id.number, name: name.into(), task: Box::new(task) });

@@ -15,12 +15,11 @@ use crate::tasks::curvature::Curvature;
 use crate::tasks::input::{JacobianMemory, TaskInput};
 use crate::tasks::variables::VariableLayout;
 
-/// Levels of tasks over q̇ and further variables, and their solver: lexicographically minimise the
-/// levels, highest priority first, within bounds that the caller gives and the constraints of the
-/// levels.
+/// Levels of tasks over q̇ and further variables, and their solver. It minimises the levels lexicographically, highest
+/// priority first, within bounds that the caller gives and the constraints of the levels.
 ///
-/// An [`Ik`](crate::Ik) is such a stack within the limits of a robot. Take the stack itself where
-/// bounds come from elsewhere, or tasks trade velocities against other variables.
+/// An [`Ik`](crate::Ik) is such a stack within the limits of a robot. Use the stack itself where bounds come from
+/// elsewhere, or where tasks trade velocities against other variables.
 ///
 /// ```
 /// use whole_body::{
@@ -48,14 +47,14 @@ pub struct TaskStack {
     model: Model,
     hierarchy: Hierarchy,
     solver: Solver,
-    /// One for each level of the hierarchy.
+    /// Tasks of each level of the hierarchy.
     levels: Vec<LevelTasks>,
     jacobian: JacobianMemory,
 }
 
 impl TaskStack {
-    /// Of these levels, highest priority first, over the variables of a layout. Bounds are infinite
-    /// at first.
+    /// Creates a stack of these levels, highest priority first, over the variables of a layout. Bounds are infinite at
+    /// first.
     ///
     /// # Errors
     /// [`Error::Nothing`], [`Error::MixedLevel`], [`Error::NameTaken`]; [`Error::InTask`] for a
@@ -92,9 +91,8 @@ impl TaskStack {
         self.hierarchy.bounds_mut()
     }
 
-    /// Lets the tasks write their data for a robot at a configuration that has moved at `velocity`
-    /// (of the size of q̇), for the next `period` \[s\]. Allocates nothing, unless it returns an
-    /// error.
+    /// Lets the tasks write their data for the next `period` \[s\]. The robot is at a configuration and has moved at
+    /// `velocity` (of the size of q̇). Allocates nothing, unless it returns an error.
     ///
     /// # Errors
     /// [`Error::ForeignData`] for another robot; [`Error::WrongSize`] for the velocity;
@@ -110,7 +108,7 @@ impl TaskStack {
         self.write_with(posed, velocity, period, |_, _| {})
     }
 
-    /// The same, telling `each` of every level that was written, highest priority first.
+    /// Writes the data of the tasks and calls `each` for every level that was written, highest priority first.
     pub(crate) fn write_with(
         &mut self,
         posed: &mut Posed<'_>,
@@ -128,7 +126,7 @@ impl TaskStack {
         Ok(())
     }
 
-    /// Lets tasks whose targets were never set keep what they find.
+    /// Sets targets that were never set to the present state.
     ///
     /// # Errors
     /// [`Error::ForeignData`] for another robot; [`Error::InTask`].
@@ -139,8 +137,7 @@ impl TaskStack {
         self.levels.iter_mut().try_for_each(|tasks| tasks.hold(&mut input))
     }
 
-    /// The variables that are best for what was written, as far as a budget allows: q̇, then the
-    /// further variables. Allocates nothing.
+    /// Solves for the optimal variables within a budget: q̇, then the further variables. Allocates nothing.
     ///
     /// # Errors
     /// [`Error::Hierarchy`] for data that are not finite, or constraints that cannot hold together.
@@ -148,12 +145,12 @@ impl TaskStack {
         Ok(self.solver.solve_within(&self.hierarchy, budget)?)
     }
 
-    /// The last solution; none before the first, and after an error.
+    /// The last solution; `None` before the first and after an error.
     pub fn solution(&self) -> Option<&Solution> {
         self.solver.solution()
     }
 
-    /// A task, to set its target.
+    /// A task, for setting its target.
     ///
     /// # Errors
     /// [`Error::UnknownTask`] for the id of another stack.
@@ -167,7 +164,7 @@ impl TaskStack {
         &self.model
     }
 
-    /// The names of all variables: joints, then further ones.
+    /// The names of all variables: entries of q̇, then further ones.
     pub fn names(&self) -> &[Arc<str>] {
         self.hierarchy.variable_names()
     }
@@ -177,14 +174,14 @@ impl TaskStack {
         self.levels.iter().zip(self.hierarchy.levels())
     }
 
-    /// The rows that a level minimises, counted as by [`levels`](Self::levels).
+    /// The rows that a level minimises, with the index of [`levels`](Self::levels).
     pub(crate) fn rows_mut(&mut self, index: usize) -> Option<&mut Rows> {
         let id = self.hierarchy.ids().nth(index)?;
         self.hierarchy.rows_mut(id).ok()
     }
 
-    /// Adds the curvature of what the rows of a level control, each times its factor, for the robot
-    /// where the tasks were written last.
+    /// Adds the curvature of what the rows of a level control, each times its factor. The robot is where the tasks were
+    /// written last.
     pub(crate) fn add_curvature(
         &mut self,
         index: usize,

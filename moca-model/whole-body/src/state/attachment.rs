@@ -1,4 +1,4 @@
-//! Attaching payloads to what one thread computes.
+//! Attachment of payloads.
 
 use super::data::Data;
 use super::payload::{Payload, PayloadId};
@@ -7,14 +7,14 @@ use crate::robot::description::Base;
 use crate::robot::model::Model;
 
 impl Data {
-    /// Adds a payload to what all dynamics see, until [`detach`](Self::detach) takes it away.
+    /// Adds a payload to the dynamics until [`detach`](Self::detach) removes it.
     ///
-    /// The model stays as it is and can be shared by threads whose robots carry different things.
-    /// Picking something up allocates nothing.
+    /// The model does not change. It can be shared by threads whose robots carry different payloads. Attaching
+    /// allocates nothing.
     ///
     /// # Errors
     /// [`Error::ForeignData`]; [`Error::ForeignId`] for a frame of another model;
-    /// [`Error::Value`]; [`Error::Value`]; [`Error::TooManyPayloads`] above eight.
+    /// [`Error::Value`]; [`Error::TooManyPayloads`] above eight.
     pub fn attach(&mut self, model: &Model, payload: &Payload) -> Result<PayloadId, Error> {
         self.check(model)?;
         let (id, body) = self.payloads.add(model, payload)?;
@@ -22,7 +22,7 @@ impl Data {
         Ok(id)
     }
 
-    /// Takes a payload away.
+    /// Removes a payload.
     ///
     /// # Errors
     /// [`Error::ForeignData`]; [`Error::ForeignId`] if it is not attached.
@@ -33,9 +33,9 @@ impl Data {
         Ok(())
     }
 
-    /// Sums up a body and what is attached to it; nothing is ever subtracted.
+    /// Sums up a body and its payloads anew, so that nothing is ever subtracted.
     fn weigh(&mut self, model: &Model, body: usize) {
-        // What is attached to the world has no part in motion.
+        // Payloads on the world do not count in the dynamics.
         if body > 0 || model.base == Base::Floating {
             self.inertias[body] = self.payloads.on(body, &model.inertias[body]);
         }

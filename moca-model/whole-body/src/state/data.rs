@@ -10,62 +10,61 @@ use crate::inertia::world::WorldInertia;
 use crate::robot::model::Model;
 use crate::spatial::{Pose, Spatial};
 
-/// Room for everything that is computed of a robot's state.
+/// The memory for all results about a robot's state.
 ///
-/// Sized for one model at construction; nothing allocates afterwards. Results are read through the
-/// view that computing them returns: [`pose`](Self::pose) gives a [`Posed`](crate::Posed), whose
-/// [`moving`](crate::Posed::moving) gives a [`Moving`](crate::Moving). The view borrows the data,
-/// so that what it shows cannot be of another configuration.
+/// It is sized for one model at construction; nothing allocates afterwards. Results are read through views:
+/// [`pose`](Self::pose) returns a [`Posed`](crate::Posed), whose [`moving`](crate::Posed::moving) returns a
+/// [`Moving`](crate::Moving). The view borrows the data, so that its results cannot be of another configuration.
 ///
-/// Payloads are part of the data, for the model is shared: see [`attach`](Self::attach).
+/// Payloads are part of the data, since the model is shared: see [`attach`](Self::attach).
 #[derive(Debug, Clone)]
 pub struct Data {
     pub(crate) model: u64,
-    /// Whether there has been a configuration.
+    /// Whether a configuration was set.
     pub(crate) is_posed: bool,
     pub(crate) q: Vec<f64>,
     pub(crate) v: Vec<f64>,
-    /// By body: its pose in the world.
+    /// Pose of each body in the world.
     pub(crate) poses: Vec<Pose>,
-    /// By body: the model's, with the payloads.
+    /// Inertia of each body with its payloads.
     pub(crate) inertias: Vec<BodyInertia>,
     pub(crate) payloads: Payloads,
-    /// By body.
+    /// Motion of each body.
     pub(crate) motions: Vec<BodyMotion>,
     pub(crate) scratch: Scratch,
 }
 
-/// How a body moves, in world axes, of its frame's origin.
+/// The motion of a body's frame origin, in world axes.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct BodyMotion {
     pub(crate) velocity: Spatial,
-    /// J̇ q̇: its acceleration where q̈ is zero.
+    /// J̇ q̇, the acceleration for q̈ = 0.
     pub(crate) bias: Spatial,
 }
 
-/// What algorithms need while they compute.
+/// Scratch memory of the algorithms.
 #[derive(Debug, Clone)]
 pub(crate) struct Scratch {
-    /// By body: mass and first moment of all that it carries.
+    /// Mass and first moment of the subtree of each body.
     pub(crate) carried: Vec<Carried>,
-    /// By body: accelerations by joints alone.
+    /// Acceleration of each body by joints alone.
     pub(crate) accelerations: Vec<Spatial>,
-    /// By body: forces and moments.
+    /// Force and moment of each body.
     pub(crate) wrenches: Vec<Spatial>,
-    /// By body.
+    /// Composite inertia of each body's subtree.
     pub(crate) composites: Vec<WorldInertia>,
-    /// By body.
+    /// Articulated inertia of each body.
     pub(crate) articulated: Vec<ArticulatedInertia>,
-    /// By mover.
+    /// Factors of each mover's joint.
     pub(crate) pivots: Vec<ArticulatedJoint>,
-    /// Empty where there are no mimic joints.
+    /// The mass matrix; empty without mimic joints.
     pub(crate) mass_matrix: Vec<f64>,
-    /// Of the size of q̇, both.
+    /// Vectors of the size of q̇.
     pub(crate) row: Vec<f64>,
     pub(crate) solved: Vec<f64>,
 }
 
-/// Mass \[kg\] and Σ m (c − p) \[kg m\] of a body at p and all that it carries.
+/// Mass \[kg\] and Σ m (c − p) \[kg m\] of the subtree of a body at p.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Carried {
     pub(crate) mass: f64,
@@ -73,7 +72,7 @@ pub(crate) struct Carried {
 }
 
 impl Data {
-    /// Room for `model`.
+    /// Creates memory for `model`.
     pub fn new(model: &Model) -> Self {
         let bodies = model.inertias.len();
         let still = BodyMotion { velocity: Spatial::ZERO, bias: Spatial::ZERO };
@@ -103,7 +102,7 @@ impl Data {
         }
     }
 
-    /// An error unless this was made for `model`.
+    /// Returns an error unless this was made for `model`.
     #[inline]
     pub(crate) fn check(&self, model: &Model) -> Result<(), Error> {
         if self.model == model.tag {

@@ -1,4 +1,4 @@
-//! The robot at a configuration and a velocity.
+//! View of the robot at a configuration and a velocity.
 
 use nalgebra::Vector3;
 
@@ -8,16 +8,16 @@ use crate::error::Error;
 use crate::robot::description::Base;
 use crate::spatial::{Motion, Spatial};
 
-/// The robot at a configuration q, moving at q̇: twists, J̇q̇, dynamics.
+/// The robot at a configuration q, moving at q̇. It gives twists, J̇q̇ and dynamics.
 ///
-/// It is made by [`Posed::moving`], and all that a [`Posed`] knows is in [`posed`](Self::posed).
+/// [`Posed::moving`] creates it, and [`posed`](Self::posed) gives the results of the configuration.
 #[derive(Debug)]
 pub struct Moving<'a> {
     pub(crate) posed: Posed<'a>,
 }
 
 impl<'a> Posed<'a> {
-    /// The robot moving at `v` = q̇: twists, J̇q̇, dynamics.
+    /// Sets the velocity `v` = q̇ and returns a view with twists, J̇q̇ and dynamics.
     ///
     /// # Errors
     /// [`Error::WrongSize`] and [`Error::Value`] on v.
@@ -27,9 +27,8 @@ impl<'a> Posed<'a> {
 }
 
 impl<'a> Moving<'a> {
-    /// Velocities go out from the root, and with them the accelerations that there are where q̈ is
-    /// zero: Featherstone, *Rigid Body Dynamics Algorithms*, 2008, Sec. 5.3, here of the bodies'
-    /// origins in world axes.
+    /// Computes velocities from the root outwards, and the accelerations for q̈ = 0 (Featherstone, *Rigid Body Dynamics
+    /// Algorithms*, 2008, Sec. 5.3, here for the bodies' origins in world axes).
     fn new(posed: Posed<'a>, v: &[f64]) -> Result<Self, Error> {
         let (model, data) = (posed.model, &mut *posed.data);
         model.check_velocity("q̇", v)?;
@@ -58,23 +57,23 @@ impl<'a> Moving<'a> {
         Ok(Self { posed })
     }
 
-    /// The robot at rest in the same configuration.
+    /// The view of the configuration.
     pub fn posed(&self) -> &Posed<'a> {
         &self.posed
     }
 
-    /// The same, for what needs room to compute.
+    /// The view of the configuration, for results that need scratch memory.
     pub fn posed_mut(&mut self) -> &mut Posed<'a> {
         &mut self.posed
     }
 
-    /// q̇, as it was given.
+    /// The given q̇.
     pub fn velocity(&self) -> &[f64] {
         &self.posed.data.v
     }
 }
 
-/// The motion of a point of the body that is `apart` from its origin.
+/// The motion of a point of the body at a distance of `apart` from its origin.
 #[inline]
 pub(crate) fn carried(body: &BodyMotion, apart: &Vector3<f64>) -> BodyMotion {
     let (velocity, bias) = (&body.velocity, &body.bias);
@@ -88,7 +87,7 @@ pub(crate) fn carried(body: &BodyMotion, apart: &Vector3<f64>) -> BodyMotion {
     }
 }
 
-/// A joint at the point turns at `along` \[rad/s\] about an axis that the body carries.
+/// Adds a joint at the point that rotates at `along` \[rad/s\] about an axis of the body.
 #[inline]
 fn turned(mut motion: BodyMotion, along: &Vector3<f64>) -> BodyMotion {
     motion.bias.angular += motion.velocity.angular.cross(along);
@@ -96,7 +95,7 @@ fn turned(mut motion: BodyMotion, along: &Vector3<f64>) -> BodyMotion {
     motion
 }
 
-/// A joint slides at `along` \[m/s\] on an axis that the body carries: Coriolis' acceleration.
+/// Adds a joint that slides at `along` \[m/s\] on an axis of the body, with the Coriolis acceleration.
 #[inline]
 fn slid(mut motion: BodyMotion, along: &Vector3<f64>) -> BodyMotion {
     motion.bias.linear += 2.0 * motion.velocity.angular.cross(along);

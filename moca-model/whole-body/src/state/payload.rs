@@ -1,4 +1,4 @@
-//! What the robot carries for a while.
+//! Payloads: rigid bodies that the robot carries for some time.
 
 use nalgebra::{Matrix3, Point3};
 
@@ -7,10 +7,10 @@ use crate::inertia::body::BodyInertia;
 use crate::robot::frame::FrameId;
 use crate::robot::model::Model;
 
-/// How many payloads there can be at a time.
+/// The largest number of payloads.
 const ROOM: usize = 8;
 
-/// A rigid body that moves with a frame: what a hand holds, a tool.
+/// A rigid body that moves with a frame, such as a grasped object or a tool.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Payload {
     /// The frame that carries it.
@@ -19,7 +19,7 @@ pub struct Payload {
     pub mass: f64,
     /// Centre of mass in that frame \[m\].
     pub centre: Point3<f64>,
-    /// About the centre of mass, in the frame's axes \[kg m²\].
+    /// Inertia about the centre of mass, in the frame's axes \[kg m²\].
     pub inertia: Matrix3<f64>,
 }
 
@@ -34,7 +34,7 @@ pub struct PayloadId {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Payloads {
     attached: [Option<Attached>; ROOM],
-    /// How many there have been.
+    /// Number of payloads that were ever attached.
     count: u64,
 }
 
@@ -46,7 +46,7 @@ struct Attached {
 }
 
 impl Payloads {
-    /// Adds a payload and says on which body.
+    /// Adds a payload and returns the index of its body.
     pub(super) fn add(
         &mut self,
         model: &Model,
@@ -74,7 +74,7 @@ impl Payloads {
         Ok((PayloadId { model: model.tag, number }, frame.body))
     }
 
-    /// Takes a payload away and says from which body.
+    /// Removes a payload and returns the index of its body.
     pub(super) fn remove(&mut self, model: &Model, payload: PayloadId) -> Result<usize, Error> {
         let own = |place: &&mut Option<Attached>| {
             payload.model == model.tag
@@ -85,7 +85,7 @@ impl Payloads {
         Ok(attached.body)
     }
 
-    /// The inertia of a body with all that is attached to it.
+    /// The inertia of a body with its payloads.
     pub(super) fn on(&self, body: usize, own: &BodyInertia) -> BodyInertia {
         let attached = self.attached.iter().flatten().filter(|payload| payload.body == body);
         attached.fold(*own, |sum, payload| sum.joined(&payload.inertia))

@@ -1,4 +1,4 @@
-//! The robot at a configuration.
+//! View of the robot at a configuration.
 
 use super::data::Data;
 use crate::error::Error;
@@ -7,9 +7,9 @@ use crate::robot::description::Base;
 use crate::robot::model::Model;
 use crate::spatial::{Motion, Pose};
 
-/// The robot at a configuration q: poses, Jacobians, and forces at rest.
+/// The robot at a configuration q. It gives poses, Jacobians, and forces at rest.
 ///
-/// It borrows the [`Data`] that holds its results. What needs no room to compute takes `&self`.
+/// It borrows the [`Data`] that holds its results. Methods that need no scratch memory take `&self`.
 ///
 /// ```
 /// use nalgebra::Matrix6xX;
@@ -32,14 +32,13 @@ pub struct Posed<'a> {
 }
 
 impl Data {
-    /// Places all bodies of the robot for the configuration `q`.
+    /// Computes the poses of all bodies at the configuration `q`.
     ///
-    /// The world pose of a body is that of its parent, then the fixed placement of the joint
-    /// between them, then the turn or slide along the joint's axis.
+    /// The world pose of a body is the product of three: that of its parent, the fixed placement of the joint between
+    /// them, and the joint's rotation or translation.
     ///
     /// # Errors
-    /// [`Error::ForeignData`]; [`Error::WrongSize`], [`Error::Value`] and
-    /// [`Error::Value`] on q.
+    /// [`Error::ForeignData`]; [`Error::WrongSize`] and [`Error::Value`] on q.
     pub fn pose<'a>(&'a mut self, model: &'a Model, q: &[f64]) -> Result<Posed<'a>, Error> {
         self.check(model)?;
         model.check_configuration(q)?;
@@ -56,8 +55,7 @@ impl Data {
         Ok(Posed { model, data: self })
     }
 
-    /// The robot at the configuration that [`pose`](Self::pose) was given last; without computing
-    /// it again.
+    /// The view of the last configuration of [`pose`](Self::pose), without a new computation.
     ///
     /// # Errors
     /// [`Error::ForeignData`]; [`Error::NeverPosed`] before the first configuration.
@@ -91,7 +89,7 @@ impl<'a> Posed<'a> {
         self.model
     }
 
-    /// q, as it was given.
+    /// The given q.
     pub fn configuration(&self) -> &[f64] {
         &self.data.q
     }

@@ -1,4 +1,4 @@
-//! A frame after a desired pose whose velocity is itself a variable.
+//! The task of a frame that follows a desired pose whose velocity is itself a variable.
 
 use ahqp_core::{AugmentedRow, PoseAxes, pose_error};
 use nalgebra::{Isometry3, Matrix6xX, Vector3, Vector6};
@@ -12,10 +12,11 @@ use crate::kinematics::jacobian::Axes;
 use crate::robot::frame::FrameId;
 use crate::robot::model::Model;
 
-/// The augmented closed-loop inverse kinematics of Tassi et al.: the frame follows a desired pose
-/// x_d whose velocity ẋ_d is a further variable, for levels below to choose:
-/// J q̇ − (I + K_p Δt) ẋ_d = K_p (x_d − x) (the paper's eq. 4), Δt being the period of the step. Up
-/// to six rows, in world axes, linear \[m/s\] then angular \[rad/s\].
+/// The augmented closed-loop inverse kinematics of Tassi et al. The frame follows a desired pose x_d whose velocity ẋ_d
+/// is a further variable, which levels below can choose.
+///
+/// The rows are J q̇ − (I + K_p Δt) ẋ_d = K_p (x_d − x) (the paper's eq. 4), where Δt is the period of the step. There
+/// are up to six, in world axes, linear \[m/s\], then angular \[rad/s\].
 ///
 /// ```
 /// use nalgebra::Isometry3;
@@ -33,7 +34,7 @@ use crate::robot::model::Model;
 #[derive(Debug, Clone)]
 pub struct AugmentedFrameTask {
     frame: FrameId,
-    /// The pose of what follows, in the frame.
+    /// Pose of the controlled point in the frame.
     point: Isometry3<f64>,
     desired_twist: Variables,
     desired: Option<Isometry3<f64>>,
@@ -42,8 +43,8 @@ pub struct AugmentedFrameTask {
 }
 
 impl AugmentedFrameTask {
-    /// Of `frame`, in all coordinates, with ẋ_d as these variables and gains of 20 1/s; x_d is to be
-    /// set before the first step.
+    /// Creates a task for all coordinates of `frame`, with these variables as ẋ_d and gains of 20 1/s. Set x_d before
+    /// the first step.
     pub fn new(frame: FrameId, desired_twist: &Variables) -> Self {
         let (gains, coordinates) = (Vector6::repeat(20.0), PoseAxes::ALL);
         Self {
@@ -56,36 +57,35 @@ impl AugmentedFrameTask {
         }
     }
 
-    /// With the diagonal of K_p \[1/s\], each at most one over the period.
+    /// Sets the diagonal of K_p \[1/s\]. Each gain is at most one over the period.
     #[must_use]
     pub fn with_gains(mut self, gains: Vector6<f64>) -> Self {
         self.gains = gains;
         self
     }
 
-    /// These coordinates only; ẋ_d has one variable for each.
+    /// Restricts the task to these coordinates. ẋ_d has one variable for each.
     #[must_use]
     pub fn with_coordinates(mut self, coordinates: PoseAxes) -> Self {
         self.coordinates = coordinates;
         self
     }
 
-    /// What follows x_d from now on: not the frame itself but what is fixed to it with this pose in it,
-    /// as the tip of a tool that the frame holds.
+    /// Sets the point that follows x_d, by its pose in the frame. It may be the tip of a tool that the frame holds.
     ///
     /// # Errors
-    /// [`Error::Value`]; it is then as before.
+    /// [`Error::Value`]; the point is then unchanged.
     pub fn set_point(&mut self, frame_from_point: Isometry3<f64>) -> Result<(), Error> {
         check_pose(&frame_from_point, "the pose of a point in its frame")?;
         self.point = frame_from_point;
         Ok(())
     }
 
-    /// x_d of the tick before; the next one is where ẋ_d takes it
+    /// Sets x_d of the previous tick. The next x_d is where ẋ_d takes it
     /// ([`integrate_pose`](ahqp_core::integrate_pose)).
     ///
     /// # Errors
-    /// [`Error::Value`]; it is then as before.
+    /// [`Error::Value`]; x_d is then unchanged.
     pub fn set_desired(&mut self, pose: Isometry3<f64>) -> Result<(), Error> {
         check_pose(&pose, "the desired pose")?;
         self.desired = Some(pose);

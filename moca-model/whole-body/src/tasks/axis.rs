@@ -1,4 +1,4 @@
-//! An axis of a frame along a direction.
+//! The task of aligning an axis of a frame with a direction.
 
 use nalgebra::{Unit, Vector2, Vector3};
 
@@ -12,15 +12,15 @@ use crate::kinematics::jacobian::Axes;
 use crate::robot::frame::FrameId;
 use crate::robot::model::Model;
 
-/// Turns an axis of a frame along a direction of the world, whatever the rotation about it: a cup
-/// upright, a camera towards a place. Two rows \[rad/s\].
+/// Aligns an axis of a frame with a direction of the world; the rotation about the axis is free. Examples are an
+/// upright cup and a camera that looks at a place. Two rows \[rad/s\].
 ///
-/// With a the axis, d the direction and b₁, b₂ the other two axes of a frame that turns along,
-/// bᵢᵀ J_ω q̇ = bᵢᵀ feedback(φ (a × d)/‖a × d‖), φ being the angle between a and d.
+/// The rows are bᵢᵀ J_ω q̇ = bᵢᵀ feedback(φ (a × d)/‖a × d‖). Here a is the axis, d the direction and φ the angle
+/// between them; b₁ and b₂ are two other axes that rotate with the frame.
 #[derive(Debug, Clone)]
 pub struct AxisTask {
     frame: FrameId,
-    /// In the frame.
+    /// Axis in the frame.
     axis: Unit<Vector3<f64>>,
     across: [Vector3<f64>; 2],
     target: Option<Unit<Vector3<f64>>>,
@@ -29,9 +29,9 @@ pub struct AxisTask {
 }
 
 impl AxisTask {
-    /// Of `axis`, a direction in `frame`; the target is to be set before the first step.
+    /// Creates a task for `axis`, a direction in `frame`. Set the target before the first step.
     pub fn new(frame: FrameId, axis: Unit<Vector3<f64>>) -> Self {
-        // The coordinate axis that is least along the axis gives the best cross product.
+        // The coordinate axis least parallel to the axis gives the best cross product.
         let least = axis.iter().map(|part| part.abs()).enumerate();
         let least = least.min_by(|(_, one), (_, other)| one.total_cmp(other));
         let mut helper = Vector3::zeros();
@@ -41,31 +41,31 @@ impl AxisTask {
         Self { frame, axis, across, target: None, feedback: Feedback::ANGULAR, weight: 1.0 }
     }
 
-    /// With this gain \[1/s\] instead of that of [`Feedback::ANGULAR`].
+    /// Sets the gain \[1/s\]; the default is that of [`Feedback::ANGULAR`].
     #[must_use]
     pub fn with_gain(mut self, gain: f64) -> Self {
         self.feedback.gain = gain;
         self
     }
 
-    /// With this feedback instead of [`Feedback::ANGULAR`].
+    /// Sets the feedback; the default is [`Feedback::ANGULAR`].
     #[must_use]
     pub fn with_feedback(mut self, feedback: Feedback) -> Self {
         self.feedback = feedback;
         self
     }
 
-    /// With a weight against the other rows of the level.
+    /// Sets the weight relative to the other rows of the level.
     #[must_use]
     pub fn with_weight(mut self, weight: f64) -> Self {
         self.weight = weight;
         self
     }
 
-    /// The direction in the world that the axis is to have.
+    /// Sets the desired direction of the axis in the world.
     ///
     /// # Errors
-    /// [`Error::Value`]; the target is then as before.
+    /// [`Error::Value`]; the target is then unchanged.
     pub fn set_target(&mut self, direction: Unit<Vector3<f64>>) -> Result<(), Error> {
         for value in direction.iter() {
             check_finite(*value, || "a coordinate of the direction".to_owned())?;
@@ -113,7 +113,7 @@ impl Task for AxisTask {
         let error = if sine > 0.0 {
             Vector2::new(across[0].dot(&turn), across[1].dot(&turn)) * (angle / sine)
         } else {
-            // The opposite direction: any way round is as short.
+            // In the opposite direction every rotation is equally short.
             Vector2::new(angle, 0.0)
         };
         let velocity = self.feedback.velocity(&error);

@@ -1,4 +1,4 @@
-//! The centre of mass at a point.
+//! The task of moving the centre of mass to a point.
 
 use nalgebra::{Matrix3xX, Point3, Vector3};
 
@@ -9,8 +9,8 @@ use super::vector_task::{VectorQuantity, VectorTask};
 use crate::error::Error;
 use crate::robot::model::Model;
 
-/// Brings the centre of mass of all links that move to a point of the world: J_c q̇ = ċ_d +
-/// feedback(c_d − c). Up to three rows, in world axes \[m/s\].
+/// Moves the centre of mass of all moving links to a point of the world: J_c q̇ = ċ_d + feedback(c_d − c). Up to three
+/// rows, in world axes \[m/s\].
 ///
 /// See [`PositionTask`](crate::tasks::PositionTask) for an example.
 pub type CentreOfMassTask = VectorTask<CentreOfMass>;
@@ -22,7 +22,7 @@ pub struct CentreOfMass {
 }
 
 impl CentreOfMassTask {
-    /// Of `model`, along all axes; the target is to be set before the first step.
+    /// Creates the quantity for `model`, along all axes. Set the target before the first step.
     pub fn new(model: &Model) -> Self {
         Self::of(CentreOfMass { jacobian: Matrix3xX::zeros(model.velocity_count()) })
     }

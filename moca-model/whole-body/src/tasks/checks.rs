@@ -1,4 +1,4 @@
-//! What tasks ask of the robot before they are taken into a stack.
+//! Checks of tasks against a robot.
 
 use crate::error::Error;
 use crate::robot::description::Base;
@@ -7,7 +7,7 @@ use crate::robot::joint::{Joint, JointId, JointKind};
 use crate::robot::model::Model;
 
 impl Model {
-    /// An error unless some joint moves the frame.
+    /// Returns an error unless some joint moves the frame.
     pub(crate) fn expect_moving(&self, frame: FrameId) -> Result<(), Error> {
         if self.moved_by(frame)?.next().is_some() {
             return Ok(());
@@ -19,7 +19,7 @@ impl Model {
         ))
     }
 
-    /// An error unless some joint moves one frame against the other.
+    /// Returns an error unless some joint moves one frame relative to the other.
     pub(crate) fn expect_apart(&self, reference: FrameId, frame: FrameId) -> Result<(), Error> {
         if self.frame(reference)?.body == self.frame(frame)?.body {
             let [reference, frame] = [self.frame_name(reference)?, self.frame_name(frame)?];
@@ -30,7 +30,7 @@ impl Model {
         Ok(())
     }
 
-    /// The joint, if it has one position and one velocity.
+    /// Returns the joint, or an error unless it has one position and one velocity.
     pub(crate) fn expect_single(&self, joint: JointId) -> Result<&Joint, Error> {
         let joint = self.joint(joint)?;
         if joint.kind == JointKind::Floating {
@@ -39,7 +39,7 @@ impl Model {
         Ok(joint)
     }
 
-    /// An error if a mimic joint lets one entry of q̇ move the frame at several places.
+    /// Returns an error if mimic joints let one entry of q̇ move the frame at several places.
     pub(crate) fn expect_no_repetition(&self, frame: FrameId) -> Result<(), Error> {
         let on_the_way: Vec<usize> = self.moved_by(frame)?.collect();
         let repeated = self.mimic_joints().iter().find(|mimic| {

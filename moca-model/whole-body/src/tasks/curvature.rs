@@ -1,17 +1,17 @@
-//! Second derivatives of what tasks control.
+//! Second derivatives of controlled quantities.
 
 use nalgebra::{DMatrix, Matrix6xX, Vector3};
 
-/// By how much the Jacobians of a level's tasks bend towards what is missing to them: −Σ rₖ ∇²yₖ, n × n
-/// for n entries of q̇, y being what the tasks control and r what is missing.
+/// The curvature of a level's tasks for given residuals: −Σ rₖ ∇²yₖ, n × n for n entries of q̇. The tasks control y,
+/// and r is the residual.
 ///
-/// That is what Gauss and Newton's Hessian Jᵀ J of ½ ‖y_d − y‖² leaves out (Nocedal and Wright,
-/// *Numerical Optimization*, 2nd ed., Sec. 10.2). It matters where errors remain.
+/// It is the part of the Hessian of ½ ‖y_d − y‖² that the Gauss-Newton approximation Jᵀ J leaves out. It matters where
+/// errors remain (Nocedal and Wright, *Numerical Optimization*, 2nd ed., Sec. 10.2).
 #[derive(Debug, Clone)]
 pub struct Curvature {
     matrix: DMatrix<f64>,
     is_zero: bool,
-    /// The products of the matrix and a direction.
+    /// Products of the matrix and a direction.
     products: Vec<f64>,
 }
 
@@ -47,7 +47,7 @@ impl Curvature {
         columns.map(|(c, d)| d * c.iter().zip(direction).map(|(h, d)| h * d).sum::<f64>()).sum()
     }
 
-    /// Takes a share s of a direction d of the joints out: (I − s d dᵀ) H (I − s d dᵀ).
+    /// Removes a share s of a direction d of the joints: (I − s d dᵀ) H (I − s d dᵀ).
     pub(crate) fn take_out(&mut self, direction: &[f64], share: f64) {
         let products = self.matrix.column_iter().zip(&mut self.products);
         for (column, product) in products {
@@ -63,25 +63,25 @@ impl Curvature {
         }
     }
 
-    /// Adds another one so many times.
+    /// Adds another curvature times `factor`.
     pub(crate) fn add_scaled(&mut self, other: &Self, factor: f64) {
         self.is_zero = false;
         self.matrix.iter_mut().zip(&other.matrix).for_each(|(own, other)| *own += factor * other);
     }
 
-    /// Adds that of a frame's position, `missing` \[m\] in the axes of the Jacobian: with joint i before
-    /// joint j, ∂²p/∂qᵢ∂qⱼ = J_ω,ᵢ × J_v,ⱼ.
+    /// Adds the curvature of a frame's position, with `missing` \[m\] in the axes of the Jacobian. If joint i comes
+    /// before joint j, ∂²p/∂qᵢ∂qⱼ = J_ω,ᵢ × J_v,ⱼ.
     pub fn add_position(&mut self, jacobian: &Matrix6xX<f64>, missing: &Vector3<f64>) {
         self.add(jacobian, 0, missing);
     }
 
-    /// Adds that of a frame's orientation, `missing` \[rad\] being a rotation vector: the symmetric part
-    /// of ∂J_ω,ⱼ/∂qᵢ = J_ω,ᵢ × J_ω,ⱼ, the other one being that of the rotation vector itself.
+    /// Adds the curvature of a frame's orientation, with the rotation vector `missing` \[rad\]. It is the symmetric
+    /// part of ∂J_ω,ⱼ/∂qᵢ = J_ω,ᵢ × J_ω,ⱼ; the other part is that of the rotation vector itself.
     pub fn add_orientation(&mut self, jacobian: &Matrix6xX<f64>, missing: &Vector3<f64>) {
         self.add(jacobian, 3, &(0.5 * missing));
     }
 
-    /// Adds −r · (J_ω,ᵢ × Jⱼ), Jⱼ being the linear part of a column, or with `part` = 3 the angular one.
+    /// Adds −r · (J_ω,ᵢ × Jⱼ), where Jⱼ is the linear part of a column, or the angular one for `part` = 3.
     fn add(&mut self, jacobian: &Matrix6xX<f64>, part: usize, missing: &Vector3<f64>) {
         self.is_zero = false;
         for (i, first) in jacobian.column_iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Rest.
+//! The task of resting.
 
 use super::input::TaskInput;
 use super::mask::check_weights;
@@ -7,20 +7,20 @@ use super::task::Task;
 use crate::error::{Error, check_size};
 use crate::robot::model::Model;
 
-/// Asks every entry of q̇ to be zero, one row each \[rad/s or m/s\]: as the last level, what nothing
-/// else moves rests.
+/// Asks every entry of q̇ to be zero, one row each \[rad/s or m/s\]. As the last level it stops all motion that other
+/// levels do not need.
 #[derive(Debug, Clone, Default)]
 pub struct DampingTask {
     weights: Vec<f64>,
 }
 
 impl DampingTask {
-    /// Of all entries of q̇ alike.
+    /// Creates a task for all entries of q̇ with equal weights.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// With weights of the entries of q̇ against each other.
+    /// Sets weights of the entries of q̇ relative to each other.
     #[must_use]
     pub fn with_weights(mut self, weights: &[f64]) -> Self {
         self.weights = weights.to_vec();

@@ -1,16 +1,15 @@
-//! How fast an error is to vanish.
+//! Feedback: how fast an error is to vanish.
 
 use nalgebra::SVector;
 
 use crate::error::Error;
 
-/// How fast an error is to vanish: at gain · error near the target, and from afar no faster than
-/// can be stopped at a chosen deceleration.
+/// The speed at which an error is to vanish. Near the target it is gain · error. Far from it, it is limited so that a
+/// chosen deceleration suffices to stop.
 ///
-/// The speed v towards a target at distance e solves v/gain + v²/(2 deceleration) = e. It is
-/// gain · e for small e and √(2 deceleration e) for large ones, and following it never decelerates
-/// by more than `deceleration`. Without that a robot that has fallen behind arrives too fast for
-/// its acceleration limits, and swings about the target.
+/// The speed v towards a target at distance e solves v/gain + v²/(2 deceleration) = e. It is gain · e for small e and
+/// √(2 deceleration e) for large ones. Following it never decelerates by more than `deceleration`. A robot that has
+/// fallen behind would otherwise arrive too fast for its acceleration limits and oscillate about the target.
 ///
 /// ```
 /// use whole_body::tasks::Feedback;
@@ -21,40 +20,40 @@ use crate::error::Error;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Feedback {
-    /// \[1/s\]; at most one over the control period.
+    /// Gain \[1/s\], at most one over the control period.
     pub gain: f64,
-    /// \[m/s² or rad/s²\]; infinite for none.
+    /// Deceleration \[m/s² or rad/s²\]; infinite for no limit.
     pub deceleration: f64,
 }
 
 impl Feedback {
-    /// Of lengths: 20 1/s, 2.5 m/s².
+    /// Feedback of lengths: 20 1/s, 2.5 m/s².
     pub const LINEAR: Self = Self { gain: 20.0, deceleration: 2.5 };
-    /// Of angles: 20 1/s, 5 rad/s².
+    /// Feedback of angles: 20 1/s, 5 rad/s².
     pub const ANGULAR: Self = Self { gain: 20.0, deceleration: 5.0 };
-    /// Of joints: 2 1/s, 2 rad/s² or m/s².
+    /// Feedback of joints: 2 1/s, 2 rad/s² or m/s².
     pub const JOINT: Self = Self { gain: 2.0, deceleration: 2.0 };
 
-    /// The same with another gain \[1/s\].
+    /// Returns the feedback with another gain \[1/s\].
     #[must_use]
     pub fn with_gain(self, gain: f64) -> Self {
         Self { gain, ..self }
     }
 
-    /// The speed towards a target at distance `error`; of the sign of `error`.
+    /// The speed towards a target at distance `error`, with the sign of `error`.
     pub fn speed(&self, error: f64) -> f64 {
         let time = 1.0 / self.gain;
         let root = (time * time + 2.0 * error.abs() / self.deceleration).sqrt();
         2.0 * error / (time + root)
     }
 
-    /// The velocity that takes an error vector away along a straight line.
+    /// The velocity that reduces an error vector along a straight line.
     pub(crate) fn velocity<const D: usize>(&self, error: &SVector<f64, D>) -> SVector<f64, D> {
         let distance = error.norm();
         if distance > 0.0 { error * (self.speed(distance) / distance) } else { *error }
     }
 
-    /// An error unless both numbers are positive, and the gain finite.
+    /// Returns an error unless both numbers are positive and the gain finite.
     pub(crate) fn validate(&self) -> Result<(), Error> {
         if !(self.gain > 0.0 && self.gain.is_finite()) {
             let expected = "positive and finite [1/s]";
@@ -67,7 +66,7 @@ impl Feedback {
         Ok(())
     }
 
-    /// An error if the loop of one step would overshoot.
+    /// Returns an error if one step would overshoot.
     pub(crate) fn check_period(&self, period: f64) -> Result<(), Error> {
         if self.gain * period <= 1.0 + 1e-9 {
             Ok(())

@@ -1,4 +1,4 @@
-//! A frame at a pose.
+//! The task of moving a frame to a pose.
 
 use ahqp_core::PoseAxes;
 use nalgebra::{Isometry3, Vector3, Vector6};
@@ -12,11 +12,11 @@ use crate::kinematics::jacobian::Axes;
 use crate::robot::frame::FrameId;
 use crate::robot::model::Model;
 
-/// Brings a frame to a pose of the world.
+/// Moves a frame to a pose of the world.
 ///
-/// In one level, position and orientation are weighed against each other where both cannot be met;
-/// a [`PositionTask`](crate::tasks::PositionTask) above an [`OrientationTask`](crate::tasks::OrientationTask)
-/// gives the position priority.
+/// Position and orientation are on one level and weighed against each other if both cannot be met. A
+/// [`PositionTask`](crate::tasks::PositionTask) above an [`OrientationTask`](crate::tasks::OrientationTask) gives the
+/// position priority.
 pub type FrameTask = PoseTask<FramePose>;
 
 /// The pose of a frame in the world, with its Jacobian in these axes.
@@ -27,13 +27,13 @@ pub struct FramePose {
 }
 
 impl FrameTask {
-    /// Of `frame`, in all coordinates; the target is to be set before the first step.
+    /// Creates the quantity for all coordinates of `frame`. Set the target before the first step.
     pub fn new(frame: FrameId) -> Self {
         Self::of(FramePose { frame, axes: Axes::World })
     }
 
-    /// These coordinates only, counted along `axes`: the world's, or the frame's own (to leave the
-    /// rotation about a tool's axis free, for example).
+    /// Restricts the task to these coordinates along `axes`: the world's, or the frame's own. The latter can leave the
+    /// rotation about a tool's axis free, for example.
     #[must_use]
     pub fn with_coordinates(mut self, coordinates: PoseAxes, axes: Axes) -> Self {
         (self.coordinates, self.quantity.axes) = (coordinates, axes);

@@ -1,4 +1,4 @@
-//! What a task sees of the robot.
+//! The input of a task.
 
 use nalgebra::Matrix6xX;
 
@@ -7,7 +7,7 @@ use crate::kinematics::jacobian::Axes;
 use crate::robot::frame::FrameId;
 use crate::state::posed::Posed;
 
-/// The robot as a task sees it: its configuration, what moves it, and room for Jacobians.
+/// The input of a task: the robot's configuration and velocity, and memory for Jacobians.
 #[derive(Debug)]
 pub struct TaskInput<'a, 'd> {
     posed: &'a mut Posed<'d>,
@@ -16,11 +16,11 @@ pub struct TaskInput<'a, 'd> {
     jacobian: &'a mut JacobianMemory,
 }
 
-/// The Jacobians that were computed last, each with what it is of.
+/// The Jacobians that were computed last, each with its frame and axes.
 #[derive(Debug, Clone)]
 pub(crate) struct JacobianMemory {
     recent: [FrameJacobian; 4],
-    /// The oldest one.
+    /// Index of the oldest one.
     next: usize,
     relative: Matrix6xX<f64>,
 }
@@ -38,7 +38,7 @@ impl JacobianMemory {
         Self { recent, next: 0, relative: none() }
     }
 
-    /// Forgets the Jacobians: the robot has moved.
+    /// Forgets the Jacobians, after the robot has moved.
     pub(crate) fn forget(&mut self) {
         self.recent.iter_mut().for_each(|jacobian| jacobian.of = None);
     }
@@ -59,7 +59,7 @@ impl<'a, 'd> TaskInput<'a, 'd> {
         self.posed
     }
 
-    /// The same, for what needs room to compute.
+    /// The robot at its configuration, for results that need scratch memory.
     pub fn posed_mut(&mut self) -> &mut Posed<'d> {
         self.posed
     }
@@ -69,13 +69,12 @@ impl<'a, 'd> TaskInput<'a, 'd> {
         self.velocity
     }
 
-    /// The time for which the velocity will hold \[s\].
+    /// The time for which the velocity will be applied \[s\].
     pub fn period(&self) -> f64 {
         self.period
     }
 
-    /// The Jacobian of a frame, 6 × the size of q̇, linear then angular. Asked for again, or by
-    /// another task, it is not computed again.
+    /// The Jacobian of a frame, 6 × the size of q̇, linear, then angular. Further calls, also of other tasks, reuse it.
     ///
     /// # Errors
     /// [`Error::ForeignId`].
@@ -93,7 +92,7 @@ impl<'a, 'd> TaskInput<'a, 'd> {
         Ok(matrix)
     }
 
-    /// The Jacobian of `frame` seen from `reference`, in the reference's axes.
+    /// The Jacobian of `frame` relative to `reference`, in the reference's axes.
     ///
     /// # Errors
     /// [`Error::ForeignId`].

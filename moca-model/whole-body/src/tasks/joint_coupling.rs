@@ -1,4 +1,4 @@
-//! A linear relation between joints.
+//! The task of a linear relation between joints.
 
 use super::feedback::Feedback;
 use super::input::TaskInput;
@@ -9,8 +9,8 @@ use crate::error::{Error, check_finite};
 use crate::robot::joint::JointId;
 use crate::robot::model::Model;
 
-/// Keeps Σ cᵢ qᵢ at a value: two fingers that move together, a lift of two halves. One row
-/// \[rad/s or m/s\]: Σ cᵢ q̇ᵢ = feedback(value − Σ cᵢ qᵢ).
+/// Keeps Σ cᵢ qᵢ at a value, for example for two fingers that move together or a lift of two halves. One row \[rad/s or
+/// m/s\]: Σ cᵢ q̇ᵢ = feedback(value − Σ cᵢ qᵢ).
 #[derive(Debug, Clone)]
 pub struct JointCouplingTask {
     joints: Vec<(JointId, f64)>,
@@ -20,30 +20,30 @@ pub struct JointCouplingTask {
 }
 
 impl JointCouplingTask {
-    /// Of these joints, each with its coefficient cᵢ, at the value zero.
+    /// Creates a task for these joints and their coefficients cᵢ, with the value zero.
     pub fn new(joints: &[(JointId, f64)]) -> Self {
         let feedback = Feedback { gain: 20.0, ..Feedback::ANGULAR };
         Self { joints: joints.to_vec(), value: 0.0, feedback, weight: 1.0 }
     }
 
-    /// With this feedback instead of 20 1/s and 5 rad/s².
+    /// Sets the feedback; the default is 20 1/s and 5 rad/s².
     #[must_use]
     pub fn with_feedback(mut self, feedback: Feedback) -> Self {
         self.feedback = feedback;
         self
     }
 
-    /// With a weight against the other rows of the level.
+    /// Sets the weight relative to the other rows of the level.
     #[must_use]
     pub fn with_weight(mut self, weight: f64) -> Self {
         self.weight = weight;
         self
     }
 
-    /// What Σ cᵢ qᵢ is to be.
+    /// Sets the desired value of Σ cᵢ qᵢ.
     ///
     /// # Errors
-    /// [`Error::Value`]; the target is then as before.
+    /// [`Error::Value`]; the target is then unchanged.
     pub fn set_target(&mut self, value: f64) -> Result<(), Error> {
         check_finite(value, || "the value of the coupling".to_owned())?;
         self.value = value;

@@ -1,4 +1,4 @@
-//! Distance from singular configurations.
+//! The task of staying away from singular configurations.
 
 use ahqp_core::PoseAxes;
 use nalgebra::{Matrix6, Vector3, Vector6};
@@ -12,13 +12,12 @@ use crate::kinematics::jacobian::Axes;
 use crate::robot::frame::FrameId;
 use crate::robot::model::Model;
 
-/// Keeps Yoshikawa's manipulability w = √det(J Jᵀ) of a frame above a threshold: one row,
-/// ∇wᵀ q̇ ≥ gain (threshold − w) (Yoshikawa, Int. J. Robotics Research 4(2), 1985). Above the
-/// threshold w may fall, but ever more slowly; below, it must rise.
+/// Keeps Yoshikawa's manipulability w = √det(J Jᵀ) of a frame above a threshold by one row, ∇wᵀ q̇ ≥ gain (threshold −
+/// w) (Yoshikawa, Int. J. Robotics Research 4(2), 1985). Above the threshold w may fall at a decreasing rate; below it
+/// must rise.
 ///
-/// The gradient is ∂w/∂qᵢ = w tr((J Jᵀ)⁻¹ (∂J/∂qᵢ) Jᵀ); the derivatives of J follow from its
-/// columns (Haviland and Corke, "Manipulator differential kinematics, part 2", IEEE Robotics and
-/// Automation Magazine 2024, Sec. II).
+/// The gradient is ∂w/∂qᵢ = w tr((J Jᵀ)⁻¹ (∂J/∂qᵢ) Jᵀ). The derivatives of J follow from its columns (Haviland and
+/// Corke, "Manipulator differential kinematics, part 2", IEEE Robotics and Automation Magazine 2024, Sec. II).
 #[derive(Debug, Clone)]
 pub struct ManipulabilityTask {
     frame: FrameId,
@@ -28,37 +27,37 @@ pub struct ManipulabilityTask {
     weight: f64,
 }
 
-/// Of the sum of the diagonal of J Jᵀ, what is added to it, so that it has an inverse.
+/// Share of the trace of J Jᵀ that is added to its diagonal, so that it has an inverse.
 const REGULARISATION: f64 = 1e-9;
 
 impl ManipulabilityTask {
-    /// Of the position of `frame` (its unit is then m³/rad³), with a gain of 5 1/s.
+    /// Creates a task for the position of `frame` (the unit of w is then m³/rad³), with a gain of 5 1/s.
     pub fn new(frame: FrameId, threshold: f64) -> Self {
         Self { frame, coordinates: PoseAxes::POSITION, threshold, gain: 5.0, weight: 1.0 }
     }
 
-    /// Of these coordinates of the frame.
+    /// Sets the coordinates of the frame that w is of.
     #[must_use]
     pub fn with_coordinates(mut self, coordinates: PoseAxes) -> Self {
         self.coordinates = coordinates;
         self
     }
 
-    /// With this gain \[1/s\].
+    /// Sets the gain \[1/s\].
     #[must_use]
     pub fn with_gain(mut self, gain: f64) -> Self {
         self.gain = gain;
         self
     }
 
-    /// With a weight against the other rows of the level.
+    /// Sets the weight relative to the other rows of the level.
     #[must_use]
     pub fn with_weight(mut self, weight: f64) -> Self {
         self.weight = weight;
         self
     }
 
-    /// (J Jᵀ)⁻¹ and w of the chosen coordinates; the others count as uncoupled, with ones.
+    /// Returns (J Jᵀ)⁻¹ and w of the chosen coordinates. The others count as uncoupled, with ones on the diagonal.
     fn measure(&self, gram: &Matrix6<f64>) -> (Matrix6<f64>, f64) {
         let mut chosen = Matrix6::identity();
         for i in self.coordinates.iter() {
@@ -117,8 +116,8 @@ impl Task for ManipulabilityTask {
         let column = |index: usize| -> Vector6<f64> { jacobian.column(index).into_owned() };
         let angular = |twist: &Vector6<f64>| -> Vector3<f64> { twist.fixed_rows::<3>(3).into() };
         let linear = |twist: &Vector6<f64>| -> Vector3<f64> { twist.fixed_rows::<3>(0).into() };
-        // From the frame down to the root: what comes later carries what came before. The entries
-        // of a floating base turn about the world's axes, all at once.
+        // The loop goes from the frame to the root, so that later joints move earlier ones. The entries of a floating
+        // base all rotate about the world's axes.
         for (place, i) in model.moved_by(self.frame)?.enumerate() {
             if model.is_base_entry(i) && i < 3 {
                 continue; // The whole robot moves along.

@@ -1,4 +1,4 @@
-//! Which coordinates of a vector a task controls, and what they weigh.
+//! The coordinates of a vector that a task controls, and their weights.
 
 use nalgebra::Vector3;
 
@@ -52,7 +52,7 @@ impl VectorMask {
     }
 }
 
-/// An error unless all weights are zero or sensible positive numbers.
+/// Returns an error unless all weights are zero or positive numbers of sensible size.
 pub(crate) fn check_weights(weights: &[f64]) -> Result<(), Error> {
     let fits = |weight: &&f64| **weight == 0.0 || (1e-100..=1e100).contains(*weight);
     match weights.iter().find(|weight| !fits(weight)) {

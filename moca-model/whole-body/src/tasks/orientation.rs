@@ -1,4 +1,4 @@
-//! A frame's axes along given ones.
+//! The task of rotating a frame to an orientation.
 
 use ahqp_core::rotation_log;
 use nalgebra::{UnitQuaternion, Vector3};
@@ -13,9 +13,8 @@ use crate::kinematics::jacobian::Axes;
 use crate::robot::frame::FrameId;
 use crate::robot::model::Model;
 
-/// Turns a frame to an orientation in the world: J_ω q̇ = ω_d + feedback(log(R_d Rᵀ)) (Siciliano et
-/// al. 2009, Sec. 3.7.3, with the rotation vector as the error). Up to three rows, in world axes
-/// \[rad/s\].
+/// Rotates a frame to an orientation in the world: J_ω q̇ = ω_d + feedback(log(R_d Rᵀ)). Up to three rows, in world
+/// axes \[rad/s\] (Siciliano et al. 2009, Sec. 3.7.3, with the rotation vector as the error).
 ///
 /// See [`PositionTask`](crate::tasks::PositionTask) for an example.
 pub type OrientationTask = VectorTask<FrameOrientation>;
@@ -25,7 +24,7 @@ pub type OrientationTask = VectorTask<FrameOrientation>;
 pub struct FrameOrientation(FrameId);
 
 impl OrientationTask {
-    /// Of `frame`, about all axes; the target is to be set before the first step.
+    /// Creates the quantity for `frame`, about all axes. Set the target before the first step.
     pub fn new(frame: FrameId) -> Self {
         Self::of(FrameOrientation(frame))
     }

@@ -1,4 +1,4 @@
-//! A pose of the robot at a target.
+//! The task of moving a pose to a target.
 
 use std::fmt::Debug;
 
@@ -14,21 +14,21 @@ use super::task::Task;
 use crate::error::{Error, check_finite};
 use crate::robot::model::Model;
 
-/// A pose that joints change: of a frame in the world, or in another frame.
+/// A pose that joints change, either of a frame in the world or in another frame.
 pub trait PoseQuantity: Clone + Debug + Send + Sync + 'static {
     /// Checks what can be checked without a state.
     ///
     /// # Errors
-    /// What makes it impossible to control for this robot.
+    /// The reason why this robot cannot control it.
     fn validate(&self, model: &Model) -> Result<(), Error>;
 
-    /// The pose now.
+    /// The present pose.
     ///
     /// # Errors
     /// An id of another robot.
     fn value(&self, input: &TaskInput<'_, '_>) -> Result<Isometry3<f64>, Error>;
 
-    /// Takes a twist or an error from the axes in which the pose is given to those of the rows.
+    /// Transforms a twist or an error from the axes of the pose to those of the rows.
     fn turn(&self, _actual: &Isometry3<f64>, _vector: &mut Vector6<f64>) {}
 
     /// Writes the rows of its Jacobian for the chosen coordinates, in their order.
@@ -45,7 +45,7 @@ pub trait PoseQuantity: Clone + Debug + Send + Sync + 'static {
     /// Whether it adds its curvature; see [`Task::has_curvature`].
     const HAS_CURVATURE: bool = false;
 
-    /// Adds its curvature to that of the level, for what is missing to the target \[m, rad\].
+    /// Adds its curvature to that of the level, for the residual to the target \[m, rad\].
     ///
     /// # Errors
     /// An id of another robot.
@@ -59,10 +59,10 @@ pub trait PoseQuantity: Clone + Debug + Send + Sync + 'static {
     }
 }
 
-/// Brings a pose to a target: J q̇ = ẋ_d + feedback(x_d − x), the error being [`pose_error`]
-/// (Siciliano et al. 2009, Sec. 3.7). Up to six rows, linear \[m/s\] then angular \[rad/s\].
-/// [`FrameTask`](crate::tasks::FrameTask) and [`RelativeFrameTask`](crate::tasks::RelativeFrameTask) are of this
-/// kind.
+/// Moves a pose to a target: J q̇ = ẋ_d + feedback(x_d − x), where the error is [`pose_error`] (Siciliano et al. 2009,
+/// Sec. 3.7). Up to six rows, linear \[m/s\], then angular \[rad/s\].
+///
+/// [`FrameTask`](crate::tasks::FrameTask) and [`RelativeFrameTask`](crate::tasks::RelativeFrameTask) are of this kind.
 #[derive(Debug, Clone)]
 pub struct PoseTask<Q: PoseQuantity> {
     pub(super) quantity: Q,
@@ -85,40 +85,39 @@ impl<Q: PoseQuantity> PoseTask<Q> {
         }
     }
 
-    /// With this gain \[1/s\] of position and orientation.
+    /// Sets the gain of position and orientation \[1/s\].
     #[must_use]
     pub fn with_gain(mut self, gain: f64) -> Self {
         (self.linear.gain, self.angular.gain) = (gain, gain);
         self
     }
 
-    /// With these feedbacks of position and orientation instead of [`Feedback::LINEAR`] and
-    /// [`Feedback::ANGULAR`].
+    /// Sets the feedbacks of position and orientation; the defaults are [`Feedback::LINEAR`] and [`Feedback::ANGULAR`].
     #[must_use]
     pub fn with_feedback(mut self, linear: Feedback, angular: Feedback) -> Self {
         (self.linear, self.angular) = (linear, angular);
         self
     }
 
-    /// With weights of the six coordinates against the other rows of the level.
+    /// Sets the weights of the six coordinates relative to the other rows of the level.
     #[must_use]
     pub fn with_weights(mut self, weights: Vector6<f64>) -> Self {
         self.weights = weights;
         self
     }
 
-    /// The pose that is wanted.
+    /// Sets the desired pose.
     ///
     /// # Errors
-    /// [`Error::Value`]; the target is then as before.
+    /// [`Error::Value`]; the target is then unchanged.
     pub fn set_target(&mut self, pose: Isometry3<f64>) -> Result<(), Error> {
         self.set_moving_target(pose, Vector6::zeros())
     }
 
-    /// The pose that is wanted, and the twist at which it moves, in the axes in which it is given.
+    /// Sets the desired pose and its twist, in the axes in which the pose is given.
     ///
     /// # Errors
-    /// [`Error::Value`]; the target is then as before.
+    /// [`Error::Value`]; the target is then unchanged.
     pub fn set_moving_target(
         &mut self,
         pose: Isometry3<f64>,
@@ -132,14 +131,14 @@ impl<Q: PoseQuantity> PoseTask<Q> {
         Ok(())
     }
 
-    /// A vector without the coordinates that are not chosen.
+    /// The vector without the coordinates that are not chosen.
     fn chosen(&self, vector: &Vector6<f64>) -> Vector6<f64> {
         let mut chosen = Vector6::zeros();
         self.coordinates.iter().for_each(|axis| chosen[axis] = vector[axis]);
         chosen
     }
 
-    /// The twist that takes an error away.
+    /// The twist that reduces an error.
     fn twist(&self, chosen: &Vector6<f64>) -> Vector6<f64> {
         let linear = self.linear.velocity(&chosen.fixed_rows::<3>(0).into_owned());
         let angular = self.angular.velocity(&chosen.fixed_rows::<3>(3).into_owned());

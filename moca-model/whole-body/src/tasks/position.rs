@@ -1,4 +1,4 @@
-//! A frame's origin at a point.
+//! The task of moving a frame's origin to a point.
 
 use nalgebra::{Point3, Vector3};
 
@@ -12,9 +12,9 @@ use crate::kinematics::jacobian::Axes;
 use crate::robot::frame::FrameId;
 use crate::robot::model::Model;
 
-/// Brings the origin of a frame to a point of the world: J_v q̇ = ṗ_d + feedback(p_d − p)
-/// (Siciliano, Sciavicco, Villani, Oriolo, *Robotics: Modelling, Planning and Control*, 2009,
-/// Sec. 3.7). Up to three rows, in world axes \[m/s\].
+/// Moves the origin of a frame to a point of the world: J_v q̇ = ṗ_d + feedback(p_d − p) (Siciliano, Sciavicco,
+/// Villani, Oriolo, *Robotics: Modelling, Planning and Control*, 2009, Sec. 3.7). Up to three rows, in world axes
+/// \[m/s\].
 ///
 /// ```
 /// use nalgebra::{Point3, Vector3};
@@ -35,7 +35,7 @@ pub type PositionTask = VectorTask<FramePosition>;
 pub struct FramePosition(FrameId);
 
 impl PositionTask {
-    /// Of the origin of `frame`, along all axes; the target is to be set before the first step.
+    /// Creates the quantity for the origin of `frame`, along all axes. Set the target before the first step.
     pub fn new(frame: FrameId) -> Self {
         Self::of(FramePosition(frame))
     }

@@ -1,4 +1,4 @@
-//! A preferred configuration.
+//! The task of moving the joints to a configuration.
 
 use super::feedback::Feedback;
 use super::input::TaskInput;
@@ -9,18 +9,18 @@ use crate::error::{Error, check_size};
 use crate::robot::joint::{JointId, JointKind};
 use crate::robot::model::Model;
 
-/// Brings the joints to a configuration: q̇ᵢ = feedback(q_d,i − qᵢ), one row a joint \[rad/s or
-/// m/s\]. A floating base has no row.
+/// Moves the joints to a configuration: q̇ᵢ = feedback(q_d,i − qᵢ), one row a joint \[rad/s or m/s\]. A floating base
+/// has no row.
 ///
-/// As the last level it decides what no other level does; without it a redundant robot drifts.
+/// As the last level it decides motions that no other level determines. A redundant robot would otherwise drift.
 #[derive(Debug, Clone)]
 pub struct PostureTask {
     joints: Joints,
     target: Option<Vec<f64>>,
     feedback: Feedback,
-    /// One a joint in the order of the rows, or none.
+    /// Gains of the joints in the order of the rows, or empty.
     gains: Vec<f64>,
-    /// One a joint in the order of the rows; missing ones are 1.
+    /// Weights of the joints in the order of the rows; missing ones are 1.
     weights: Vec<f64>,
 }
 
@@ -31,53 +31,51 @@ enum Joints {
 }
 
 impl PostureTask {
-    /// Of all joints; the target is to be set before the first step.
+    /// Creates a task for all joints. Set the target before the first step.
     pub fn new() -> Self {
         let (gains, weights) = (Vec::new(), Vec::new());
         Self { joints: Joints::All, target: None, feedback: Feedback::JOINT, gains, weights }
     }
 
-    /// Of these joints only.
+    /// Restricts the task to these joints.
     #[must_use]
     pub fn of_joints(mut self, joints: &[JointId]) -> Self {
         self.joints = Joints::Some(joints.to_vec());
         self
     }
 
-    /// With this gain \[1/s\] instead of that of [`Feedback::JOINT`].
+    /// Sets the gain \[1/s\]; the default is that of [`Feedback::JOINT`].
     #[must_use]
     pub fn with_gain(mut self, gain: f64) -> Self {
         self.feedback.gain = gain;
         self
     }
 
-    /// With this feedback instead of [`Feedback::JOINT`].
+    /// Sets the feedback; the default is [`Feedback::JOINT`].
     #[must_use]
     pub fn with_feedback(mut self, feedback: Feedback) -> Self {
         self.feedback = feedback;
         self
     }
 
-    /// With gains of the joints \[1/s\], in the order of the rows, instead of one for all; a joint
-    /// whose gain is zero just rests.
+    /// Sets a gain for each joint \[1/s\], in the order of the rows. A joint with a gain of zero only rests.
     #[must_use]
     pub fn with_gains(mut self, gains: &[f64]) -> Self {
         self.gains = gains.to_vec();
         self
     }
 
-    /// With weights of the joints against each other, in the order of the rows.
+    /// Sets weights of the joints relative to each other, in the order of the rows.
     #[must_use]
     pub fn with_weights(mut self, weights: &[f64]) -> Self {
         self.weights = weights.to_vec();
         self
     }
 
-    /// The configuration that is wanted, a whole q; entries of joints that are not of the task do
-    /// not count. Allocates only the first time.
+    /// Sets the desired configuration, a whole q. Entries of other joints do not count. Allocates only the first time.
     ///
     /// # Errors
-    /// [`Error::Value`]; the target is then as before.
+    /// [`Error::Value`]; the target is then unchanged.
     pub fn set_target(&mut self, configuration: &[f64]) -> Result<(), Error> {
         for value in configuration {
             crate::error::check_finite(*value, || "an entry of the posture".to_owned())?;

@@ -1,4 +1,4 @@
-//! Tasks that minimise a convex quadratic.
+//! The trait of tasks that minimise a convex quadratic.
 
 use std::any::Any;
 use std::fmt::Debug;
@@ -10,10 +10,10 @@ use super::input::TaskInput;
 use crate::error::{Error, check_size};
 use crate::robot::model::Model;
 
-/// Something that a robot is to do as well as it can: it minimises ½ xᵀHx + gᵀx, H symmetric and
-/// positive semidefinite, x being q̇ and the further variables of the stack.
+/// A task that minimises ½ xᵀHx + gᵀx with H symmetric and positive semidefinite. The vector x is q̇ and the further
+/// variables of the stack.
 ///
-/// Such tasks stand on levels without rows; several on one level are added. As in
+/// Such tasks need levels without rows. The quadratics of one level are added. As in
 /// [`Task::write`](crate::Task::write), writing must not allocate, lock or wait.
 ///
 /// ```
@@ -37,10 +37,10 @@ use crate::robot::model::Model;
 /// }
 /// ```
 pub trait QuadraticTask: Any + CloneQuadraticTask + Debug + Send + Sync {
-    /// Checks what can be checked without a state, when the task is taken into a stack.
+    /// Checks what does not depend on a state, when the task is added to a stack.
     ///
     /// # Errors
-    /// What makes the task impossible for this robot.
+    /// The reason why this robot cannot do the task.
     fn validate(&self, _model: &Model) -> Result<(), Error> {
         Ok(())
     }
@@ -48,7 +48,7 @@ pub trait QuadraticTask: Any + CloneQuadraticTask + Debug + Send + Sync {
     /// Adds its H and g for a configuration.
     ///
     /// # Errors
-    /// What makes the task impossible now.
+    /// The reason why the task is impossible now.
     fn write(
         &mut self,
         input: &mut TaskInput<'_, '_>,
@@ -56,7 +56,7 @@ pub trait QuadraticTask: Any + CloneQuadraticTask + Debug + Send + Sync {
     ) -> Result<(), Error>;
 }
 
-/// A clone behind a box, as [`CloneTask`](crate::tasks::CloneTask) for rows.
+/// Clones behind a box, as [`CloneTask`](crate::tasks::CloneTask) does for tasks of rows.
 pub trait CloneQuadraticTask {
     /// The clone.
     fn clone_task(&self) -> Box<dyn QuadraticTask>;
@@ -68,7 +68,7 @@ impl<T: QuadraticTask + Clone> CloneQuadraticTask for T {
     }
 }
 
-/// Where tasks add their quadratics: H and g of a level.
+/// Access to H and g of a level, to which tasks add their quadratics.
 #[derive(Debug)]
 pub struct TaskQuadratic<'a> {
     hessian: &'a mut DMatrix<f64>,
@@ -76,19 +76,18 @@ pub struct TaskQuadratic<'a> {
 }
 
 impl<'a> TaskQuadratic<'a> {
-    /// The quadratic zero.
+    /// Sets the quadratic to zero.
     pub(crate) fn cleared(hessian: &'a mut DMatrix<f64>, gradient: &'a mut DVector<f64>) -> Self {
         hessian.as_mut_slice().fill(0.0);
         gradient.as_mut_slice().fill(0.0);
         Self { hessian, gradient }
     }
 
-    /// Adds ½ yᵀHy + gᵀy, y being the variables of a range: 0..n for q̇, or that of
+    /// Adds ½ yᵀHy + gᵀy, where y are the variables of a range: 0..n for q̇, or the range of
     /// [`Variables`](crate::tasks::Variables).
     ///
     /// # Errors
-    /// [`Error::WrongSize`] unless H and g have the size of the range, and the range is one of the
-    /// stack.
+    /// [`Error::WrongSize`] unless H and g have the size of the range and the stack has these variables.
     pub fn add<R, C, S, G, T>(
         &mut self,
         variables: Range<usize>,

@@ -1,4 +1,4 @@
-//! A frame at a pose of another frame.
+//! The task of moving a frame to a pose in another frame.
 
 use ahqp_core::PoseAxes;
 use nalgebra::Isometry3;
@@ -10,8 +10,8 @@ use crate::error::Error;
 use crate::robot::frame::FrameId;
 use crate::robot::model::Model;
 
-/// Brings a frame to a pose in another frame of the robot: one hand to the other, a camera to a
-/// hand. All is in the reference's axes, the Jacobian being
+/// Moves a frame to a pose in another frame of the robot, such as one hand to the other or a camera to a hand. All
+/// quantities are in the reference's axes; the Jacobian is
 /// [`Posed::relative_jacobian_into`](crate::Posed::relative_jacobian_into).
 pub type RelativeFrameTask = PoseTask<RelativePose>;
 
@@ -23,12 +23,12 @@ pub struct RelativePose {
 }
 
 impl RelativeFrameTask {
-    /// Of `frame` in `reference`, in all coordinates; the target is to be set before the first step.
+    /// Creates the quantity for `frame` in `reference`, in all coordinates. Set the target before the first step.
     pub fn new(reference: FrameId, frame: FrameId) -> Self {
         Self::of(RelativePose { reference, frame })
     }
 
-    /// These coordinates only, along the reference's axes.
+    /// Restricts the task to these coordinates, along the reference's axes.
     #[must_use]
     pub fn with_coordinates(mut self, coordinates: PoseAxes) -> Self {
         self.coordinates = coordinates;

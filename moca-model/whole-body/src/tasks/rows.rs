@@ -1,12 +1,11 @@
-//! The rows of one task within those of its level.
+//! Access to the rows of one task within its level.
 
 use ahqp_core::Rows;
 use nalgebra::Matrix6xX;
 
-/// Where a task writes its rows: a part of the rows of its level.
+/// Access to the rows of one task, which are a part of the rows of its level.
 ///
-/// Rows count from 0 within the task. What stands outside of the task's rows, or of a row's
-/// variables, cannot be written: such calls change nothing.
+/// Rows count from 0 within the task. Calls for other rows, or for variables that a row does not have, change nothing.
 #[derive(Debug)]
 pub struct TaskRows<'a> {
     rows: &'a mut Rows,
@@ -25,7 +24,7 @@ impl<'a> TaskRows<'a> {
         Self { rows, weights, first, count }
     }
 
-    /// Zero rows with targets of zero and weights of one.
+    /// Sets the rows to zero, with targets of zero and weights of one.
     pub(crate) fn clear(&mut self) {
         let own = self.first..self.first + self.count;
         self.rows.coefficients_mut(own.clone()).unwrap_or_default().fill(0.0);
@@ -34,7 +33,7 @@ impl<'a> TaskRows<'a> {
         self.weights.get_mut(own).unwrap_or_default().fill(1.0);
     }
 
-    /// How many rows the task has.
+    /// The number of rows of the task.
     #[expect(clippy::len_without_is_empty, reason = "a task without rows is refused")]
     pub fn len(&self) -> usize {
         self.count
@@ -46,7 +45,7 @@ impl<'a> TaskRows<'a> {
         self.rows.row_mut(index).unwrap_or_default()
     }
 
-    /// Writes the first coefficients of a row, those of q̇ in their order.
+    /// Writes the first coefficients of a row, which are those of q̇ in order.
     pub fn set_coefficients<'b>(
         &mut self,
         row: usize,
@@ -56,8 +55,7 @@ impl<'a> TaskRows<'a> {
         own.zip(coefficients).for_each(|(own, coefficient)| *own = *coefficient);
     }
 
-    /// Takes the bounds and weights of all rows, and the first coefficients of the first ones: of as many as the
-    /// matrix has.
+    /// Copies the bounds and weights of all rows, and the first coefficients of as many rows as the matrix has.
     pub(crate) fn copy_from(
         &mut self,
         matrix: &[f64],
@@ -84,7 +82,7 @@ impl<'a> TaskRows<'a> {
         upper.zip(bounds[1]).for_each(|(to, from)| *to = *from);
     }
 
-    /// Writes a row of a Jacobian, by columns as it is stored.
+    /// Writes a row of a Jacobian, which is stored by columns.
     pub(crate) fn set_jacobian_row(&mut self, row: usize, jacobian: &Matrix6xX<f64>, axis: usize) {
         let columns = jacobian.as_slice().as_chunks::<6>().0;
         for (own, column) in self.row_mut(row).iter_mut().zip(columns) {
@@ -92,12 +90,12 @@ impl<'a> TaskRows<'a> {
         }
     }
 
-    /// Makes a row an equality `a q̇ = target`.
+    /// Sets a row to the equality `a q̇ = target`.
     pub fn set_target(&mut self, row: usize, target: f64) {
         self.set_range(row, target, target);
     }
 
-    /// Makes a row `lower ≤ a q̇ ≤ upper`; either may be infinite.
+    /// Sets a row to `lower ≤ a q̇ ≤ upper`; either bound may be infinite.
     pub fn set_range(&mut self, row: usize, lower: f64, upper: f64) {
         if row < self.count {
             let index = self.first + row;
@@ -116,8 +114,7 @@ impl<'a> TaskRows<'a> {
         Some((*self.rows.lower().get(index)?, *self.rows.upper().get(index)?))
     }
 
-    /// What a row weighs against the other rows of its level; from 1e-100 to 1e100, or zero to
-    /// leave it out.
+    /// Sets the weight of a row relative to the other rows of its level: from 1e-100 to 1e100, or zero to leave it out.
     pub fn set_weight(&mut self, row: usize, weight: f64) {
         if row < self.count
             && let Some(own) = self.weights.get_mut(self.first + row)

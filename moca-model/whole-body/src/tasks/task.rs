@@ -1,4 +1,4 @@
-//! The trait that all tasks share.
+//! The trait of tasks that write rows.
 
 use std::any::Any;
 use std::fmt::Debug;
@@ -9,11 +9,10 @@ use super::rows::TaskRows;
 use crate::error::Error;
 use crate::robot::model::Model;
 
-/// Something that a robot is to do: rows `lower ≤ A q̇ ≤ upper`, of which a level minimises the
-/// violation in the least-squares sense.
+/// A task of rows `lower ≤ A q̇ ≤ upper`. A level minimises their violation in the least-squares sense.
 ///
-/// The tasks of this crate implement it, and so can yours. [`write`](Self::write) runs in the
-/// control loop: it must not allocate, lock or wait.
+/// The tasks of this crate implement it, and so can your own. [`write`](Self::write) runs in the control loop: it must
+/// not allocate, lock or wait.
 ///
 /// ```
 /// use whole_body::tasks::{TaskInput, TaskRows};
@@ -37,46 +36,46 @@ use crate::robot::model::Model;
 /// }
 /// ```
 pub trait Task: Any + CloneTask + Debug + Send + Sync {
-    /// How many rows it writes for this robot; it must not change afterwards.
+    /// The number of rows that it writes for this robot, which must not change.
     fn dimension(&self, model: &Model) -> usize;
 
-    /// Checks what can be checked without a state, when the task is taken into a stack.
+    /// Checks what does not depend on a state, when the task is added to a stack.
     ///
     /// # Errors
-    /// What makes the task impossible for this robot.
+    /// The reason why this robot cannot do the task.
     fn validate(&self, _model: &Model) -> Result<(), Error> {
         Ok(())
     }
 
-    /// Whether its rows may come to depend on each other, or on those of levels above, at singular
-    /// configurations. Targets of such rows are damped there. True unless a task says otherwise.
+    /// Whether its rows may become dependent at singular configurations, on each other or on rows of levels above.
+    /// Targets of such rows are damped there. The default is true.
     fn is_damped(&self) -> bool {
         true
     }
 
-    /// Whether its rows, as hard limits, leave accelerations the time to fade where jerks are limited.
-    /// Those of other limits are narrowed so that they do.
+    /// Whether its rows, as hard limits, leave accelerations the time to fade under jerk limits. Rows of other limits
+    /// are narrowed so that they do.
     fn anticipates(&self) -> bool {
         false
     }
 
-    /// Whether its rows, as hard limits, let a planar base move along its heading alone. The base is then kept
-    /// able to stop without sliding.
+    /// Whether its rows, as hard limits, restrict a planar base to motion along its heading. The base then stays able
+    /// to stop without sliding.
     fn keeps_heading(&self) -> bool {
         false
     }
 
-    /// Whether it [adds its curvature](Self::add_curvature). Levels of tasks that all do take the
-    /// ends of their reach for what they are; others treat all singular configurations as such ends.
+    /// Whether it [adds its curvature](Self::add_curvature). A level whose tasks all do so distinguishes the ends of
+    /// its reach from other singular configurations. Other levels treat all singular configurations alike.
     fn has_curvature(&self) -> bool {
         false
     }
 
-    /// Adds −Σ λᵢ ∇²yᵢ, yᵢ being what row i controls and λᵢ its factor, for the robot where the rows
-    /// were written last.
+    /// Adds −Σ λᵢ ∇²yᵢ, where yᵢ is what row i controls and λᵢ its factor. The robot is where the rows were written
+    /// last.
     ///
     /// # Errors
-    /// What makes the task impossible now.
+    /// The reason why the task is impossible now.
     fn add_curvature(
         &self,
         _factors: &[f64],
@@ -86,26 +85,26 @@ pub trait Task: Any + CloneTask + Debug + Send + Sync {
         Ok(())
     }
 
-    /// Whether it writes every coefficient, bound and weight of rows over so many variables. They may then be
-    /// anything when [`write`](Self::write) is called. False unless a task says otherwise.
+    /// Whether it writes every coefficient, bound and weight of rows over this number of variables. Rows may then have
+    /// any content when [`write`](Self::write) is called. The default is false.
     fn writes_all(&self, _variables: usize) -> bool {
         false
     }
 
-    /// Takes what it finds for its target, unless it has one; see
+    /// Sets the target to the present state, unless it has one; see
     /// [`IkBuilder::build_at`](crate::ik::IkBuilder::build_at). A task without a target does nothing.
     ///
     /// # Errors
-    /// What keeps it from finding it.
+    /// The reason why it cannot find it.
     fn hold(&mut self, _input: &mut TaskInput<'_, '_>) -> Result<(), Error> {
         Ok(())
     }
 
-    /// Writes its rows for a configuration. They are zero, with targets of zero and weights of one,
-    /// when this is called, unless it [writes all](Self::writes_all).
+    /// Writes its rows for a configuration. The rows are zero before, with targets of zero and weights of one, unless
+    /// it [writes all](Self::writes_all).
     ///
     /// # Errors
-    /// What makes the task impossible now, such as a target that was never set.
+    /// The reason why the task is impossible now, such as a target that was never set.
     fn write(
         &mut self,
         input: &mut TaskInput<'_, '_>,
@@ -113,7 +112,7 @@ pub trait Task: Any + CloneTask + Debug + Send + Sync {
     ) -> Result<(), Error>;
 }
 
-/// A clone behind a box, for stacks that are cloned. Every task that is [`Clone`] has it.
+/// Clones behind a box, for stacks that are cloned. Every task that is [`Clone`] implements it.
 pub trait CloneTask {
     /// The clone.
     fn clone_task(&self) -> Box<dyn Task>;
@@ -125,6 +124,6 @@ impl<T: Task + Clone> CloneTask for T {
     }
 }
 
-/// A task whose rows always admit rest, lower ≤ 0 ≤ upper, so that it can be a hard limit too; see
+/// A task whose rows always admit rest, lower ≤ 0 ≤ upper. It can therefore also be a hard limit; see
 /// [`IkBuilder::limit`](crate::ik::IkBuilder::limit).
 pub trait Limit: Task {}

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::robot::model::Model;
 
-/// The variables of a stack: q̇, and what tasks trade against it.
+/// The layout of a stack's variables: q̇, and variables that tasks trade against it.
 ///
 /// ```
 /// use whole_body::tasks::VariableLayout;
@@ -23,27 +23,27 @@ pub struct VariableLayout {
     names: Vec<Arc<str>>,
 }
 
-/// Some of the variables beside q̇, as [`VariableLayout::add`] and
-/// [`IkBuilder::variables`](crate::ik::IkBuilder::variables) return them.
+/// A range of variables beside q̇, as [`VariableLayout::add`] and
+/// [`IkBuilder::variables`](crate::ik::IkBuilder::variables) return it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Variables {
     range: Range<usize>,
 }
 
 impl VariableLayout {
-    /// q̇ of a robot, with the names of its joints.
+    /// Creates a layout with q̇ of a robot, named by its joints.
     pub fn new(model: &Model) -> Self {
         Self { names: model.velocity_names().into_iter().map(Arc::from).collect() }
     }
 
-    /// Adds `count` variables behind those that there are. Errors name them after `name`.
+    /// Adds `count` variables behind the present ones. Errors name them after `name`.
     pub fn add(&mut self, name: &str, count: usize) -> Variables {
         let first = self.names.len();
         self.names.extend((0..count).map(|index| format!("{name} {index}").into()));
         Variables { range: first..self.names.len() }
     }
 
-    /// How many there are.
+    /// The number of variables.
     #[expect(clippy::len_without_is_empty, reason = "a robot has a joint")]
     pub fn len(&self) -> usize {
         self.names.len()
@@ -55,7 +55,7 @@ impl VariableLayout {
 }
 
 impl Variables {
-    /// Where they stand among all variables: in rows, quadratics and solutions.
+    /// The range of their indices in rows, quadratics and solutions.
     pub fn range(&self) -> Range<usize> {
         self.range.clone()
     }

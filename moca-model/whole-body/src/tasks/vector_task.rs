@@ -1,4 +1,4 @@
-//! A vector of the robot at a target.
+//! The task of moving a vector of the robot to a target.
 
 use std::fmt::Debug;
 
@@ -13,30 +13,30 @@ use super::task::Task;
 use crate::error::{Error, check_finite};
 use crate::robot::model::Model;
 
-/// Something of a robot that has three coordinates in world axes, and moves with the joints: a
-/// place, or an orientation with the rotation vector as the difference of two.
+/// A quantity with three coordinates in world axes that moves with the joints. It is a point, or an orientation whose
+/// differences are rotation vectors.
 pub trait VectorQuantity: Clone + Debug + Send + Sync + 'static {
-    /// Its value.
+    /// The type of its value.
     type Value: Copy + Debug + Send + Sync + 'static;
-    /// How fast its errors vanish, unless the task says otherwise.
+    /// The default feedback.
     const FEEDBACK: Feedback;
 
-    /// Checks what can be checked without a state.
+    /// Checks what does not depend on a state.
     ///
     /// # Errors
-    /// What makes it impossible to control for this robot.
+    /// The reason why this robot cannot control it.
     fn validate(&self, model: &Model) -> Result<(), Error>;
 
-    /// The numbers of a value, to be checked.
+    /// The numbers of a value, for checks.
     fn numbers(value: &Self::Value) -> impl Iterator<Item = f64>;
 
-    /// Its value now.
+    /// The present value.
     ///
     /// # Errors
     /// An id of another robot.
     fn value(&self, input: &TaskInput<'_, '_>) -> Result<Self::Value, Error>;
 
-    /// The way from `actual` to `target` \[m or rad\].
+    /// The difference from `actual` to `target` \[m or rad\].
     fn difference(target: &Self::Value, actual: &Self::Value) -> Vector3<f64>;
 
     /// Writes the rows of its Jacobian along the chosen axes, in their order.
@@ -53,7 +53,7 @@ pub trait VectorQuantity: Clone + Debug + Send + Sync + 'static {
     /// Whether it adds its curvature; see [`Task::has_curvature`].
     const HAS_CURVATURE: bool = false;
 
-    /// Adds its curvature to that of the level, for what is missing to the target \[m or rad\].
+    /// Adds its curvature to that of the level, for the residual to the target \[m or rad\].
     ///
     /// # Errors
     /// An id of another robot.
@@ -67,9 +67,10 @@ pub trait VectorQuantity: Clone + Debug + Send + Sync + 'static {
     }
 }
 
-/// Brings a vector of the robot to a target: J q̇ = ẏ_d + feedback(y_d − y). Up to three rows, in
-/// world axes. [`PositionTask`](crate::tasks::PositionTask), [`OrientationTask`](crate::tasks::OrientationTask)
-/// and [`CentreOfMassTask`](crate::tasks::CentreOfMassTask) are of this kind.
+/// Moves a vector of the robot to a target: J q̇ = ẏ_d + feedback(y_d − y). Up to three rows, in world axes.
+///
+/// [`PositionTask`](crate::tasks::PositionTask), [`OrientationTask`](crate::tasks::OrientationTask) and
+/// [`CentreOfMassTask`](crate::tasks::CentreOfMassTask) are of this kind.
 #[derive(Debug, Clone)]
 pub struct VectorTask<Q: VectorQuantity> {
     quantity: Q,
@@ -79,53 +80,52 @@ pub struct VectorTask<Q: VectorQuantity> {
 }
 
 impl<Q: VectorQuantity> VectorTask<Q> {
-    /// Of this quantity, along all axes; the target is to be set before the first step.
+    /// Creates a task for this quantity along all axes. Set the target before the first step.
     pub fn of(quantity: Q) -> Self {
         let (feedback, mask) = (Q::FEEDBACK, VectorMask::default());
         Self { quantity, target: None, feedback, mask }
     }
 
-    /// With this gain \[1/s\].
+    /// Sets the gain \[1/s\].
     #[must_use]
     pub fn with_gain(mut self, gain: f64) -> Self {
         self.feedback.gain = gain;
         self
     }
 
-    /// With this feedback instead of [`Feedback::LINEAR`] for lengths, [`Feedback::ANGULAR`] for
-    /// angles.
+    /// Sets the feedback; the default is [`Feedback::LINEAR`] for lengths and [`Feedback::ANGULAR`] for angles.
     #[must_use]
     pub fn with_feedback(mut self, feedback: Feedback) -> Self {
         self.feedback = feedback;
         self
     }
 
-    /// Along, or about, these axes of the world only.
+    /// Restricts the task to these axes of the world.
     #[must_use]
     pub fn with_axes(mut self, axes: &[Axis]) -> Self {
         self.mask.choose(axes);
         self
     }
 
-    /// With weights of the three axes against the other rows of the level.
+    /// Sets the weights of the three axes relative to the other rows of the level.
     #[must_use]
     pub fn with_weights(mut self, weights: Vector3<f64>) -> Self {
         self.mask.weights = weights;
         self
     }
 
-    /// What is wanted, in the world \[m\].
+    /// Sets the desired value in the world \[m\].
     ///
     /// # Errors
-    /// [`Error::Value`]; the target is then as before.
+    /// [`Error::Value`]; the target is then unchanged.
     pub fn set_target(&mut self, target: impl Into<Q::Value>) -> Result<(), Error> {
         self.set_moving_target(target, Vector3::zeros())
     }
 
-    /// What is wanted, in the world, and how fast that moves \[m/s\] or turns \[rad/s\], in world axes.
+    /// Sets the desired value in the world and its velocity, linear \[m/s\] or angular \[rad/s\], in world axes.
     ///
     /// # Errors
-    /// [`Error::Value`]; the target is then as before.
+    /// [`Error::Value`]; the target is then unchanged.
     pub fn set_moving_target(
         &mut self,
         target: impl Into<Q::Value>,

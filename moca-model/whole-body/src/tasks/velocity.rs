@@ -1,4 +1,4 @@
-//! Rows that the caller writes.
+//! The task of rows that the caller writes.
 
 use ahqp_core::Rows;
 
@@ -9,8 +9,8 @@ use super::task::{Limit, Task};
 use crate::error::{Error, check_finite, check_size};
 use crate::robot::model::Model;
 
-/// Rows `lower ≤ a q̇ ≤ upper` that the caller writes, for as long as they are not written anew:
-/// equalities at velocity level, distances to obstacles, what another program computes.
+/// Rows `lower ≤ a q̇ ≤ upper` that the caller writes. They hold until they are written again. Examples are equalities
+/// of velocities, distances to obstacles, and rows from another program.
 ///
 /// Rows that were not written bound nothing.
 ///
@@ -24,18 +24,18 @@ use crate::robot::model::Model;
 /// ```
 #[derive(Debug, Clone)]
 pub struct VelocityTask {
-    /// By row, of as many columns as the longest row that was written.
+    /// Coefficients by rows, with as many columns as the longest row that was written.
     matrix: Vec<f64>,
     columns: usize,
     lower: Vec<f64>,
     upper: Vec<f64>,
     weights: Vec<f64>,
-    /// Up to the last of these a row bounds something.
+    /// Number of rows up to the last one with bounds.
     used: usize,
 }
 
 impl VelocityTask {
-    /// With room for so many rows.
+    /// Creates a task with room for `rows` rows.
     pub fn new(rows: usize) -> Self {
         Self {
             matrix: Vec::new(),
@@ -47,20 +47,19 @@ impl VelocityTask {
         }
     }
 
-    /// With these rows, to be [copied](Self::copy_from) over later.
+    /// Creates a task with these rows, to be [overwritten](Self::copy_from) later.
     pub fn from_rows(rows: &Rows) -> Self {
         let mut task = Self::new(rows.len());
         task.take(rows);
         task
     }
 
-    /// Writes a row: the coefficients of q̇ and of further variables behind it (missing ones are
-    /// zero), and its bounds, of which one
-    /// or both may be infinite. Allocates only the first time.
+    /// Writes a row: the coefficients of q̇ and of further variables (missing ones are zero), and its bounds. One or
+    /// both bounds may be infinite. Allocates only the first time.
     ///
     /// # Errors
-    /// [`Error::WrongSize`] for a row past the last, [`Error::Value`], [`Error::RowRange`] for
-    /// bounds that leave nothing between them. The row is then as before.
+    /// [`Error::WrongSize`] for a row that does not exist, [`Error::Value`], [`Error::RowRange`] for bounds that are
+    /// not in order. The row is then unchanged.
     pub fn set_row(
         &mut self,
         row: usize,
@@ -82,7 +81,7 @@ impl VelocityTask {
         Ok(())
     }
 
-    /// Other bounds of a row.
+    /// Sets other bounds of a row.
     ///
     /// # Errors
     /// As [`set_row`](Self::set_row).
@@ -93,25 +92,24 @@ impl VelocityTask {
         Ok(())
     }
 
-    /// Bounds a row that there is.
+    /// Sets the bounds of a row that exists.
     fn bound(&mut self, row: usize, lower: f64, upper: f64) {
         (self.lower[row], self.upper[row]) = (lower, upper);
         self.used = self.used.max(row + 1);
     }
 
-    /// Takes all rows, with their bounds and weights, from those of another crate, such as the
-    /// distances of `hrsw`. Those behind the last that bounds something become zero. Allocates only where it had
-    /// none of that size.
+    /// Copies all rows with their bounds and weights, such as the distances of `hrsw`. Rows behind the last one with
+    /// bounds become zero. Allocates only if it had no rows of that size.
     ///
     /// # Errors
-    /// [`Error::WrongSize`] unless there are as many; what is not finite is an error of the step.
+    /// [`Error::WrongSize`] for another number of rows. Numbers that are not finite are an error of the step.
     pub fn copy_from(&mut self, rows: &Rows) -> Result<(), Error> {
         check_size("the rows to copy", rows.len(), self.lower.len())?;
         self.take(rows);
         Ok(())
     }
 
-    /// Takes rows of the same number.
+    /// Copies rows of the same number.
     fn take(&mut self, rows: &Rows) {
         if self.columns != rows.columns() {
             self.columns = rows.columns();
@@ -133,10 +131,10 @@ impl VelocityTask {
         }
     }
 
-    /// What a row weighs against the other rows of the level; nothing for a hard limit.
+    /// Sets the weight of a row relative to the other rows of the level. It has no effect on a hard limit.
     ///
     /// # Errors
-    /// [`Error::WrongSize`] for a row past the last, [`Error::Value`] for a bad weight.
+    /// [`Error::WrongSize`] for a row that does not exist, [`Error::Value`] for a weight out of range.
     pub fn set_weight(&mut self, row: usize, weight: f64) -> Result<(), Error> {
         check_weights(&[weight])?;
         self.expect_row(row)?;
@@ -166,7 +164,7 @@ fn bounds_anything(lower: f64, upper: f64) -> bool {
     lower != f64::NEG_INFINITY || upper != f64::INFINITY
 }
 
-/// An error unless the bounds leave something between them.
+/// Returns an error unless the bounds are in order.
 fn check_range(row: usize, lower: f64, upper: f64) -> Result<(), Error> {
     if lower.is_nan() || upper.is_nan() || lower > upper || lower == f64::INFINITY {
         return Err(Error::RowRange { row, lower, upper });
@@ -196,7 +194,7 @@ impl Task for VelocityTask {
         if self.columns > size {
             check_size("a row", self.columns, size)?;
         }
-        // What stands in rows that bound nothing does not matter.
+        // Coefficients of rows without bounds do not matter.
         let matrix = &self.matrix[..self.used * self.columns];
         rows.copy_from(matrix, self.columns, [&self.lower, &self.upper], &self.weights);
         Ok(())

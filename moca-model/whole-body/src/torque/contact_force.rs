@@ -1,4 +1,4 @@
-//! The force at a frame that explains torques from outside.
+//! The contact force at a frame that explains external torques.
 
 use nalgebra::{Matrix3, Matrix6xX, Vector3};
 
@@ -9,15 +9,15 @@ use crate::robot::frame::FrameId;
 use crate::robot::model::Model;
 use crate::state::posed::Posed;
 
-/// Of the trace of J Jᵀ, what is added to its diagonal: where the joints feel a direction little the
-/// force along it is taken as small.
+/// Share of the trace of J Jᵀ that is added to its diagonal. The force in a direction that the joints hardly feel is
+/// then small.
 const DAMPING: f64 = 1e-4;
 
-/// The force at a frame's origin that explains torques from outside best: the least squares of
-/// Jᵥᵀ f = r over the joints that feel it, Jᵥ being the linear Jacobian.
+/// The force at a frame's origin that best explains external torques: the least squares of Jᵥᵀ f = r over the joints
+/// that feel it, where Jᵥ is the linear Jacobian.
 ///
-/// It is what acts where the contact is at the frame; what acts elsewhere it shows as the force at the
-/// frame that comes nearest to it. Moments at the frame are taken for none.
+/// It is the contact force if the contact is at the frame. Other contacts appear as the most similar force at the
+/// frame. Moments at the frame count as zero.
 ///
 /// ```
 /// use whole_body::torque::ContactForce;
@@ -35,25 +35,23 @@ const DAMPING: f64 = 1e-4;
 #[derive(Debug, Clone)]
 pub struct ContactForce {
     frame: FrameId,
-    /// Entries of q̇.
+    /// Entries of q̇ that count.
     joints: Vec<usize>,
     jacobian: Matrix6xX<f64>,
 }
 
 impl ContactForce {
-    /// At the origin of `frame`, felt by these joints, in the order of q; none for all.
+    /// Creates the estimator for the origin of `frame` and these joints, in the order of q; an empty list takes all.
     ///
     /// # Errors
-    /// [`Error::UnknownName`], [`Error::Unsuitable`]; [`Error::Unsuitable`] for a frame that
-    /// no joint moves.
+    /// [`Error::UnknownName`]; [`Error::Unsuitable`] for a floating joint or a frame that no joint moves.
     pub fn new(model: &Model, frame: FrameId, names: &[String]) -> Result<Self, Error> {
         model.expect_moving(frame)?;
         let joints = joints(model, names)?.into_iter().map(|(_, entry)| entry).collect();
         Ok(Self { frame, joints, jacobian: Matrix6xX::zeros(model.velocity_count()) })
     }
 
-    /// The force \[N\] in world axes, for torques from outside, one a joint \[Nm or N\]. Allocates
-    /// nothing.
+    /// Returns the force \[N\] in world axes for external torques, one a joint \[Nm or N\]. Allocates nothing.
     ///
     /// # Errors
     /// [`Error::WrongSize`]; [`Error::ForeignId`] for another robot.

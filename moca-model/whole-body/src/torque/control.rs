@@ -1,4 +1,4 @@
-//! Torques of a robot that follows velocities.
+//! Torque control of a robot that follows velocities.
 
 use super::impedance::{ImpedanceSettings, JointImpedance, JointState};
 use super::measurement_watch::{MeasurementFault, MeasurementWatch};
@@ -11,25 +11,25 @@ use crate::robot::joint::JointKind;
 use crate::robot::model::Model;
 use crate::state::data::Data;
 
-/// What a [`TorqueControl`] is made of. It has no default: somebody has to say what the robot compensates itself.
+/// Settings of a [`TorqueControl`]. They have no default, because the compensation of the robot itself must be stated.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TorqueSettings {
-    /// The joints that are driven by torque, in the order of q; none for all. Default none.
+    /// The joints with torque drives, in the order of q; an empty list means all. Default empty.
     pub joints: Vec<String>,
-    /// Who compensates gravity, Coriolis forces and friction.
+    /// The side that compensates gravity, Coriolis forces and friction.
     pub compensation: Compensation,
-    /// What turns in front of the gears of these joints, seen at the joint \[kg m²\]; it is no part of the robot's mass
-    /// matrix. Default 0.1, as in MuJoCo Menagerie's Panda.
+    /// Inertia of the rotors at these joints \[kg m²\], which is not part of the robot's mass matrix. Default 0.1, as
+    /// in MuJoCo Menagerie's Panda.
     pub rotor_inertia: f64,
-    /// Gains of these joints, and the torque rate. Default a Panda's.
+    /// Gains of these joints, and the torque rate. The default is a Panda's.
     pub impedance: ImpedanceSettings,
-    /// The largest following errors; beyond them the desired state starts anew. Default that of
+    /// Largest following errors. Beyond them the desired state restarts from the measured one. The default is that of
     /// [`Leash`], 0.1 rad or m.
     pub leash: Leash,
 }
 
 impl TorqueSettings {
-    /// A Panda's gains for all joints, on an interface with this compensation.
+    /// Creates settings with a Panda's gains for all joints and an interface with this compensation.
     pub fn new(compensation: Compensation) -> Self {
         Self {
             joints: Vec::new(),
@@ -41,17 +41,17 @@ impl TorqueSettings {
     }
 }
 
-/// Torques for velocities: the law of [`JointImpedance`] with gravity at the position, and
-/// a desired state that never runs away from a robot that is held ([`Resynchronisation`]).
+/// Turns velocities into torques by [`JointImpedance`] with gravity compensation. The desired state stays near the
+/// measured one even if the robot is held ([`Resynchronisation`]).
 ///
-/// Between measurements the state is predicted ([`StatePrediction`]): springs and dampers fade with its age, until the
-/// robot only carries itself and comes to rest. What is missing or frozen is a [`fault`](Self::fault).
+/// Each tick takes q̇*, from an [`Ik`](crate::Ik) for example, and the measured state. q* is the integral of q̇* within
+/// the leash of q. When the leash is reached, q* is set to q until the caller, who is told so, has brought q̇* to rest.
+/// The desired position of other joints, such as those of a base that takes velocities, is the measured one. Torque
+/// limits are the model's efforts.
 ///
-/// Each tick takes q̇*, from an [`Ik`](crate::Ik) for example, and the measured state. q* is the integral of q̇*
-/// within the leash of q. When the leash is reached q* is q until the caller, who is told so, has brought
-/// q̇* to rest. Joints that are not driven by torque, such as those of a base that takes velocities,
-/// are desired where they are measured. Torque limits are the model's efforts. After construction nothing
-/// allocates, unless an error is returned.
+/// Between measurements the state is predicted ([`StatePrediction`]). Springs and dampers fade with the age of the
+/// measurement, until the robot only supports itself and comes to rest. Missing or frozen measurements are a
+/// [`fault`](Self::fault). After construction nothing allocates, unless an error is returned.
 ///
 /// ```
 /// use whole_body::{
@@ -93,29 +93,29 @@ impl TorqueSettings {
 pub struct TorqueControl {
     model: Model,
     data: Data,
-    /// Of each joint that is driven by torque: its entries of q and of q̇.
+    /// Entries of q and q̇ of each joint with a torque drive.
     joints: Vec<(usize, usize)>,
     impedance: JointImpedance,
     support: SupportTorque,
     watch: MeasurementWatch,
-    /// Of the joints that are driven by torque.
+    /// State prediction of the joints with torque drives.
     prediction: StatePrediction,
-    /// Whether the state was not known well enough in the last tick.
+    /// Whether the measurements of the last tick were faulty.
     is_lost: bool,
     resynchronisation: Resynchronisation,
     following: Following,
     /// q*.
     desired: Vec<f64>,
-    /// The whole robot as it is predicted.
+    /// Predicted state of the whole robot.
     position: Vec<f64>,
     velocity: Vec<f64>,
     acceleration: Vec<f64>,
-    /// q̇* of the tick before.
+    /// q̇* of the last tick.
     commanded: Vec<f64>,
     room: Gathered,
 }
 
-/// What the law sees, one element a joint that is driven by torque.
+/// Inputs of the impedance law, one element for each joint with a torque drive.
 #[derive(Debug, Clone)]
 struct Gathered {
     desired: Vec<f64>,
@@ -127,7 +127,7 @@ struct Gathered {
 }
 
 impl TorqueControl {
-    /// A robot at rest at the `measured` configuration.
+    /// Creates a controller for a robot at rest at the `measured` configuration.
     ///
     /// # Errors
     /// [`Error::UnknownName`], [`Error::Unsuitable`] for a joint that torque cannot drive;
@@ -169,13 +169,14 @@ impl TorqueControl {
         })
     }
 
-    /// The torques for the next `period` \[s\], one a joint that is driven by torque \[Nm or N\], with
-    /// q̇* = `velocity` and the state, q and q̇ of the whole robot, as measured `age` \[s\] ago: the time since the
-    /// measurement came and what is known of its delay beyond one period.
+    /// Computes the torques for the next `period` \[s\], one for each joint with a torque drive \[Nm or N\].
+    ///
+    /// q̇* is `velocity`. The state, q and q̇ of the whole robot, was measured `age` \[s\] ago. The age is the time
+    /// since the measurement came plus the known part of its delay beyond one period.
     ///
     /// # Errors
-    /// [`Error::WrongSize`], [`Error::Value`], [`Error::Value`], [`Error::Value`] for the
-    /// period. No torque then leaves, and the desired state is as before.
+    /// [`Error::WrongSize`]; [`Error::Value`] for states and the period. No torque is then sent, and the desired state
+    /// is unchanged.
     pub fn step(
         &mut self,
         velocity: &[f64],
@@ -193,7 +194,8 @@ impl TorqueControl {
         self.predict(&measured, age, period)?;
         let rests = velocity.iter().all(|velocity| *velocity == 0.0);
         let lost = self.watch.fault().is_some();
-        // Nothing is made up for when the robot is measured again.
+        // The desired state restarts from the measured one, so that no error of the time without measurements is
+        // corrected.
         if lost || self.is_lost {
             self.resynchronisation.restart();
         }
@@ -209,7 +211,7 @@ impl TorqueControl {
         self.impedance.torque(desired, state, &room.support, period)
     }
 
-    /// Where the robot is by now, by what was measured.
+    /// Predicts the present state from the measurements.
     fn predict(&mut self, measured: &JointState<'_>, age: f64, period: f64) -> Result<(), Error> {
         let Self { room, joints, watch, prediction, .. } = self;
         for (joint, (position, entry)) in joints.iter().enumerate() {
@@ -230,7 +232,7 @@ impl TorqueControl {
         Ok(())
     }
 
-    /// q* goes on along q̇*, where torque drives it.
+    /// Advances q* by q̇* for joints with torque drives.
     fn advance(&mut self, velocity: &[f64], period: f64) {
         let mut driven = self.joints.iter().peekable();
         for (index, (desired, now)) in self.desired.iter_mut().zip(&self.position).enumerate() {
@@ -241,7 +243,7 @@ impl TorqueControl {
         }
     }
 
-    /// What the robot needs beside springs and dampers.
+    /// Computes the torques beside springs and dampers.
     fn support(&mut self, commanded: &[f64]) -> Result<(), Error> {
         let motion = SupportedMotion {
             position: &self.position,
@@ -266,29 +268,29 @@ impl TorqueControl {
         }
     }
 
-    /// What is wrong with the measurements: bring q̇* to rest, and end the loop unless they come again.
+    /// The fault of the measurements. Bring q̇* to rest then, and end the loop unless they recover.
     pub fn fault(&self) -> Option<MeasurementFault> {
         self.watch.fault()
     }
 
-    /// Whether the robot followed in the last tick; where it does not, bring q̇* to rest.
+    /// Whether the robot followed in the last tick. If it does not, bring q̇* to rest.
     pub fn following(&self) -> Following {
         self.following
     }
 
-    /// q*, a whole q: where tasks are to be computed.
+    /// q*, a whole q, at which tasks are to be computed.
     pub fn desired(&self) -> &[f64] {
         &self.desired
     }
 
-    /// q* starts anew from q, as at the end of the leash: the robot gives way until q̇* has come to rest.
+    /// Restarts q* from q as at the end of the leash. The robot yields until q̇* has come to rest.
     pub fn give_way(&mut self) {
         self.resynchronisation.resynchronise();
         self.following = Following::Resynchronising;
     }
 }
 
-/// The entries of q and q̇ of joints by name, in the order of q.
+/// Returns the entries of q and q̇ of joints by name, in the order of q.
 pub(crate) fn joints(model: &Model, names: &[String]) -> Result<Vec<(usize, usize)>, Error> {
     let mut ids: Vec<_> = model.joint_ids().collect();
     if !names.is_empty() {

@@ -1,34 +1,34 @@
-//! How late a robot answers.
+//! Measurement of the delay of a robot's response.
 
-/// Ticks before the probe in which the noise of measurements is found, in which the joint is pushed to and fro, and
-/// in which its answer is waited for.
+/// Numbers of ticks: before the push to find the noise of measurements, of a push in each direction, and of waiting for
+/// the response.
 const QUIET: usize = 12;
 const PUSH: usize = 6;
 const ANSWER: usize = 34;
 const LENGTH: usize = QUIET + 2 * PUSH + ANSWER;
-/// The longest delay that is looked for, in ticks, and the steps in which it is.
+/// The longest delay that is searched, in ticks, and the steps of the search a tick.
 const LONGEST: usize = 25;
 const STEPS: usize = 4;
-/// Rates at which friction may slow the joint down, of which the likeliest is taken \[1/s\].
+/// Friction rates that may slow the joint down, of which the most likely is used \[1/s\].
 const FRICTION: [f64; 4] = [0.0, 10.0, 30.0, 80.0];
-/// The least share of what is measured that the answer is to explain.
+/// Least share of the measurements that the response must explain.
 const EXPLAINED: f64 = 0.7;
-/// The least answer, in standard deviations of the noise.
+/// Least response in standard deviations of the noise.
 const LOUDNESS: f64 = 6.0;
 
-/// What a [`DelayProbe`] knows.
+/// The answer of a [`DelayProbe`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ProbeAnswer {
-    /// Nothing yet.
+    /// The probe has not ended.
     Pending,
-    /// The time from a torque to its effect in a measurement, beyond the one period that every loop takes \[s\].
+    /// The time from a torque to its effect in a measurement, beyond the one period of every loop \[s\].
     Delay(f64),
-    /// The joint does not answer.
+    /// The joint does not respond.
     None,
 }
 
-/// Finds how late a robot answers to torques: pushes one joint to and fro for 12 ms, and compares the velocities that are
-/// measured with those that a mass under these torques has.
+/// Measures the delay of a robot's response to torques. It pushes one joint to and fro for 12 ticks and compares the
+/// measured velocities with those of a mass under these torques.
 ///
 /// ```
 /// use whole_body::torque::{DelayProbe, ProbeAnswer};
@@ -48,16 +48,16 @@ pub enum ProbeAnswer {
 /// ```
 #[derive(Debug, Clone)]
 pub struct DelayProbe {
-    /// The torque of each tick \[Nm\].
+    /// Torque of each tick \[Nm\].
     torque: [f64; LENGTH],
     period: f64,
     tick: usize,
-    /// What was measured in each tick, if anything was.
+    /// Velocity measured in each tick, if there was a measurement.
     measured: [Option<f64>; LENGTH],
 }
 
 impl DelayProbe {
-    /// With the largest torque \[Nm\], its largest rate \[Nm/s\] and the control period \[s\].
+    /// Creates a probe with the largest torque \[Nm\], its largest rate \[Nm/s\] and the control period \[s\].
     pub fn new(amplitude: f64, rate: f64, period: f64) -> Self {
         let (mut torque, mut last) = ([0.0_f64; LENGTH], 0.0_f64);
         for (tick, torque) in torque.iter_mut().enumerate() {
@@ -67,12 +67,12 @@ impl DelayProbe {
         Self { torque, period, tick: 0, measured: [None; LENGTH] }
     }
 
-    /// What is to push the joint in this tick \[Nm\].
+    /// The torque for the joint in this tick \[Nm\].
     pub fn torque(&self) -> f64 {
         self.torque.get(self.tick).copied().unwrap_or_default()
     }
 
-    /// Takes the joint's velocity if one has been measured since the last tick \[rad/s\], and goes on to the next.
+    /// Takes the joint's velocity, if it was measured since the last tick \[rad/s\], and goes on to the next tick.
     pub fn update(&mut self, velocity: Option<f64>) -> ProbeAnswer {
         if let Some(place) = self.measured.get_mut(self.tick) {
             *place = velocity;
@@ -107,7 +107,7 @@ impl DelayProbe {
         }
     }
 
-    /// The velocity of a unit mass at the beginning of each tick.
+    /// The velocity of a unit mass at the beginning of each tick, up to a factor.
     fn expected(&self, friction: f64) -> [f64; LENGTH] {
         let mut expected = [0.0; LENGTH];
         let mut velocity = 0.0;
@@ -119,7 +119,7 @@ impl DelayProbe {
         expected
     }
 
-    /// Which share of what was measured these velocities explain, if they come `late` ticks late.
+    /// The share of the measurements that the expected velocities explain with a delay of `late` ticks.
     fn explained(&self, expected: &[f64; LENGTH], late: f64, mean: f64) -> f64 {
         let (mut product, mut of_expected, mut of_measured) = (0.0, 0.0, 0.0);
         for (tick, measured) in self.measured.iter().enumerate().skip(QUIET) {
@@ -136,7 +136,7 @@ impl DelayProbe {
     }
 }
 
-/// Where the push of a tick goes: to, then fro.
+/// The direction of the push in a tick: first forwards, then backwards.
 fn direction(tick: usize) -> f64 {
     if (QUIET..QUIET + PUSH).contains(&tick) {
         1.0

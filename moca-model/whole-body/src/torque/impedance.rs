@@ -17,7 +17,7 @@ pub struct ImpedanceSettings {
 }
 
 impl Default for ImpedanceSettings {
-    /// The Panda's gains in its maker's joint impedance example.
+    /// The Panda's gains in its manufacturer's joint impedance example.
     fn default() -> Self {
         Self {
             stiffness: vec![600.0, 600.0, 600.0, 600.0, 250.0, 150.0, 50.0],
@@ -28,8 +28,7 @@ impl Default for ImpedanceSettings {
 }
 
 impl ImpedanceSettings {
-    /// Gains for a Panda that gives way easily: stiffness 24 24 24 24 10 6 2,
-    /// damping 2 2 2 1 1 1 0.5.
+    /// Creates gains with which a Panda yields easily: stiffness 24 24 24 24 10 6 2, damping 2 2 2 1 1 1 0.5.
     pub fn soft() -> Self {
         Self {
             stiffness: vec![24.0, 24.0, 24.0, 24.0, 10.0, 6.0, 2.0],
@@ -71,10 +70,10 @@ pub struct JointState<'a> {
 
 /// Torques that make joints follow their desired motion like springs and dampers.
 ///
-/// τ = `K_qd` (q̇* − q̇) + `K_qp` (q* − q) + g(q): joint impedance control with gravity compensation
-/// (Siciliano, Sciavicco, Villani, Oriolo, *Robotics*, 2009, Sec. 8.5.1). Each torque's change a tick
-/// and then its size are limited. A torque leaves only if every element is finite and within the
-/// limits. [`TorqueControl`](crate::torque::TorqueControl) holds q* to q beside it.
+/// τ = `K_qd` (q̇* − q̇) + `K_qp` (q* − q) + g(q) is joint impedance control with gravity compensation (Siciliano,
+/// Sciavicco, Villani, Oriolo, *Robotics*, 2009, Sec. 8.5.1). The change of each torque in a tick is limited, then its
+/// size. Torques are only returned if all are finite and within the limits.
+/// [`TorqueControl`](crate::torque::TorqueControl) also keeps q* near q.
 ///
 /// ```
 /// use whole_body::robot::JointLimits;
@@ -100,15 +99,15 @@ pub struct JointImpedance {
     settings: ImpedanceSettings,
     /// Largest torques \[Nm\].
     effort: Vec<f64>,
-    /// The last torque that left \[Nm\]; of no meaning until one has.
+    /// Last returned torques \[Nm\]; without meaning before the first.
     sent: Vec<f64>,
     has_sent: bool,
-    /// The torque being computed \[Nm\].
+    /// Torques being computed \[Nm\].
     torque: Vec<f64>,
 }
 
 impl JointImpedance {
-    /// A controller for the joints of `limits`, of which the effort counts.
+    /// Creates a controller for the joints of `limits`, of which only the effort is used.
     ///
     /// # Errors
     /// Those of [`ImpedanceSettings::validate`], and [`Error::Value`] for an
@@ -128,14 +127,14 @@ impl JointImpedance {
         })
     }
 
-    /// The torques for one tick of `dt` \[s\], one a joint \[Nm\].
+    /// Computes the torques for one tick of `dt` \[s\], one a joint \[Nm\].
     ///
-    /// `gravity` is g(q) at the measured position \[Nm\]. The first torque's
-    /// change counts from `gravity`, as if the robot had been held still.
+    /// `gravity` is g(q) at the measured position \[Nm\]. The change of the first torque counts from `gravity`, as if
+    /// the robot had been held still.
     ///
     /// # Errors
-    /// [`Error::WrongSize`], [`Error::Value`], [`Error::Value`] on dt.
-    /// No torque then leaves, and the rate limit goes on from the last that did.
+    /// [`Error::WrongSize`]; [`Error::Value`] for states and dt. No torque is then returned, and the rate limit
+    /// continues from the last one.
     pub fn torque(
         &mut self,
         desired: JointState<'_>,
@@ -154,7 +153,7 @@ impl JointImpedance {
         Ok(&self.sent)
     }
 
-    /// Forgets the last torque: the next one's change counts from gravity again.
+    /// Forgets the last torque, so that the change of the next one counts from gravity.
     pub fn reset(&mut self) {
         self.has_sent = false;
     }
@@ -203,8 +202,8 @@ impl JointImpedance {
         }
     }
 
-    /// Limits the change since the last torque to `step` \[Nm\], then the size.
-    /// The last torque is within the effort, so both limits hold.
+    /// Limits the change since the last torque to `step` \[Nm\], then the size. The last torque is within the effort,
+    /// so that both limits hold.
     fn limit(&mut self, gravity: &[f64], step: f64) {
         let last = if self.has_sent { &self.sent } else { gravity };
         for ((torque, last), effort) in self.torque.iter_mut().zip(last).zip(&self.effort) {
@@ -214,12 +213,12 @@ impl JointImpedance {
     }
 }
 
-/// An error unless `value` is positive; infinity is.
+/// Returns an error unless `value` is positive; infinity counts as positive.
 fn check_positive(value: f64, what: &'static str) -> Result<(), Error> {
     if value > 0.0 { Ok(()) } else { Err(Error::not_positive(what, value)) }
 }
 
-/// `value` between −`bound` and `bound`; NaN stays, for the check behind to find.
+/// Limits `value` to ±`bound`. NaN is kept for the later check.
 fn clamp(value: f64, bound: f64) -> f64 {
     if value > bound {
         bound

@@ -1,37 +1,38 @@
-//! Measurements that stop, and measurements that only seem to come.
+//! Detection of missing and frozen measurements.
 
 use super::impedance::JointState;
 
-/// Without anything new for this long a robot is not measured \[s\]; or for twice as long as it usually takes, which is no
-/// more than the period of 250 Hz.
+/// Time without a new measurement after which it is missing \[s\]. Twice the usual interval applies if that is longer.
+/// The usual interval is at most the period of 250 Hz.
 const MISSING: f64 = 6e-3;
 const SELDOM: f64 = 4e-3;
-/// Time by which a measurement may come later than usual before the robot is braked \[s\]. A robot is told of a fault later.
+/// Time beyond the usual interval for which a measurement is awaited before the robot brakes \[s\]. A fault comes
+/// later.
 const AWAITED: f64 = 2e-3;
-/// Measurements at first by which is judged whether every one differs from the one before, as noise makes it.
+/// Number of first measurements that decide whether noise makes each one differ from the one before.
 const JUDGED: u32 = 20;
-/// So many equal measurements in a row are no lost packets that were measured again.
+/// Number of equal measurements in a row that cannot be explained by repeated ones for lost packets.
 const EQUAL: u32 = 6;
-/// Commanded motion by which a measured position must change \[rad or m\]: several steps of an encoder of 16 bit.
+/// Commanded motion by which a measured position must change \[rad or m\]; several steps of a 16-bit encoder.
 const MOTION: f64 = 3e-4;
-/// The same of one joint alone, while others are measured \[rad or m\]: joints may stick for a while.
+/// Commanded motion of one joint alone by which its position must change \[rad or m\], since joints may stick.
 const MOTION_OF_ONE: f64 = 5e-2;
 
-/// What is wrong with the measurements of a robot.
+/// A fault of the measurements of a robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum MeasurementFault {
-    /// None came for 6 ms, or for twice as long as it usually takes.
+    /// No measurement came for 6 ms, or for twice the usual interval.
     Missing,
-    /// They came, but all of them, or those of one joint, were the same while the robot was to move, or while noise
-    /// had changed every one before.
+    /// Measurements came, but all of them or those of one joint stayed the same. Meanwhile the robot was to move, or
+    /// noise had changed every earlier measurement.
     Frozen,
 }
 
-/// How old what is known of a robot really is.
+/// Determines the true age of a robot's measured state.
 ///
-/// A measurement whose bits are those of the one before says nothing new where the robot was to move meanwhile, or
-/// where each of the first measurements differed from the one before, at rest, because of noise. Its age then counts
-/// from the first of them.
+/// A measurement with the same bits as the one before may say nothing new. That is so if the robot was to move
+/// meanwhile, or if noise made each of the first measurements differ from the one before. Its age then counts from the
+/// first of the equal measurements.
 ///
 /// ```
 /// use whole_body::torque::{JointState, MeasurementFault, MeasurementWatch};
@@ -50,27 +51,27 @@ pub enum MeasurementFault {
 pub struct MeasurementWatch {
     position: Vec<f64>,
     velocity: Vec<f64>,
-    /// By how far each joint was to move since its measurement changed \[rad or m\].
+    /// Distance that each joint was to move since its measurement changed \[rad or m\].
     motion: Vec<f64>,
-    /// Measurements so far, as far as they are judged.
+    /// Number of measurements so far, up to those that are judged.
     seen: u32,
-    /// Whether each of these was another.
+    /// Whether each of these differed from the one before.
     differs: bool,
-    /// The longest time between the first measurements that differed, and how many there were of these \[s\].
+    /// Longest interval between the first measurements that differed \[s\], and their number.
     usual: f64,
     changes: u32,
-    /// Measurements in a row that were the same, and since when \[s\].
+    /// Number of equal measurements in a row, and the time since the first of them \[s\].
     equal: u32,
     since: f64,
     age: f64,
-    /// The age in the last tick as it was told, and that of the newest measurement when it came \[s\].
+    /// Age given in the last tick, and the age of the newest measurement when it came \[s\].
     told: f64,
     fresh: f64,
     frozen: bool,
 }
 
 impl MeasurementWatch {
-    /// For a robot of so many joints, before its first measurement.
+    /// Creates a watch for a robot of `joints` joints before its first measurement.
     pub fn new(joints: usize) -> Self {
         Self {
             position: vec![f64::NAN; joints],
@@ -89,8 +90,8 @@ impl MeasurementWatch {
         }
     }
 
-    /// Takes what was measured last, `age` \[s\] ago, and q̇* of the `period` \[s\] that ends now; returns how old what is
-    /// known of the robot is \[s\]. Allocates nothing.
+    /// Takes the last measurement, `age` \[s\] old, and q̇* of the `period` \[s\] that ends now. Returns the true age
+    /// of the measured state \[s\]. Allocates nothing.
     pub fn update(
         &mut self,
         measured: JointState<'_>,
@@ -149,23 +150,23 @@ impl MeasurementWatch {
         self.frozen = (is_old && is_long) || moved > MOTION_OF_ONE;
     }
 
-    /// From which age on a measurement is missing \[s\].
+    /// The age from which on a measurement is missing \[s\].
     fn longest(&self) -> f64 {
         MISSING.max(2.0 * self.usual) - 1e-6
     }
 
-    /// How old what is known of the robot is \[s\].
+    /// The true age of the measured state \[s\].
     pub fn age(&self) -> f64 {
         self.age
     }
 
-    /// Age up to which the next measurement is awaited \[s\]: 2 ms more than usual. Joints that accelerate are braked
-    /// from then on.
+    /// The age up to which the next measurement is awaited \[s\], 2 ms more than usual. Beyond it, accelerating joints
+    /// are braked.
     pub fn awaited(&self) -> f64 {
         self.fresh + self.usual + AWAITED + 1e-6
     }
 
-    /// What is wrong with the measurements now.
+    /// The present fault of the measurements.
     pub fn fault(&self) -> Option<MeasurementFault> {
         if self.frozen {
             Some(MeasurementFault::Frozen)

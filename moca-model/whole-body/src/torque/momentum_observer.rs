@@ -1,31 +1,31 @@
-//! What pushes a robot from outside, from its motion and its motors' torques.
+//! Estimation of external torques from a robot's motion and its motors' torques.
 
 use super::control::joints;
 use crate::error::{Error, check_size};
 use crate::robot::model::Model;
 use crate::state::moving::Moving;
 
-/// Whether an observer knows of friction in the joints.
+/// The treatment of joint friction by an observer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum ObservedFriction {
-    /// It does not: friction is part of what it finds. Fit for torques measured behind the gears.
+    /// Friction counts as an external torque. This suits torques that are measured at the output of the gears.
     #[default]
     External,
-    /// It takes the friction off that the [`Description`](crate::Description) states.
+    /// The friction of the [`Description`](crate::Description) is subtracted.
     Modelled,
 }
 
-/// What a [`MomentumObserver`] is made of.
+/// Settings of a [`MomentumObserver`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObserverSettings {
-    /// The joints that are observed, in the order of q; none for all. Default none.
+    /// The observed joints, in the order of q; an empty list means all. Default empty.
     pub joints: Vec<String>,
-    /// `K_O` of each of them \[1/s\]: the estimate follows the torque from outside as a first-order
-    /// lag of time constant `1/K_O`. Default 50 1/s for seven joints.
+    /// `K_O` of each of them \[1/s\]. The estimate follows the external torque as a first-order lag of time constant
+    /// `1/K_O`. Default 50 1/s for seven joints.
     pub rates: Vec<f64>,
-    /// Default external.
+    /// Treatment of joint friction. Default external.
     pub friction: ObservedFriction,
 }
 
@@ -35,17 +35,17 @@ impl Default for ObserverSettings {
     }
 }
 
-/// The torque from outside on each joint, without acceleration sensors and without inverting the mass
-/// matrix: the generalised-momentum observer.
+/// The generalised-momentum observer. It estimates the external torque on each joint without acceleration sensors and
+/// without inverting the mass matrix.
 ///
 /// r = `K_O` (p(t) − p(0) − ∫ (τ + C(q, q̇)ᵀ q̇ − g(q) + r) ds), p = M(q) q̇, so that
 /// ṙ = `K_O` (τ_ext − r). (De Luca, Albu-Schäffer, Haddadin, Hirzinger, "Collision detection and safe
 /// reaction with the DLR-III lightweight robot arm", IROS 2006; De Luca, Mattone, "Sensorless robot
 /// collision detection and hybrid force/motion control", ICRA 2005.)
 ///
-/// In discrete time the integral of τ is that of the torque applied since the last update, that of
-/// Cᵀ q̇ − g is by the trapezoidal rule, and that of r is implicit, so that the observer is stable for
-/// every rate: r ← (r + `K_O` (Δp − Δt u)) / (1 + `K_O` Δt). After construction nothing allocates.
+/// In discrete time, the integral of τ is that of the torque applied since the last update. The trapezoidal rule
+/// integrates Cᵀ q̇ − g. The integral of r is implicit, so that the observer is stable for every rate: r ← (r + `K_O`
+/// (Δp − Δt u)) / (1 + `K_O` Δt). After construction nothing allocates.
 ///
 /// ```
 /// use whole_body::torque::{MomentumObserver, ObserverSettings};
@@ -69,26 +69,26 @@ impl Default for ObserverSettings {
 /// ```
 #[derive(Debug, Clone)]
 pub struct MomentumObserver {
-    /// Of each joint: its entry of q̇ and its rate.
+    /// Entry of q̇ and rate of each joint.
     joints: Vec<(usize, f64)>,
     friction: ObservedFriction,
-    /// Whether there was an update.
+    /// Whether there has been an update.
     began: bool,
-    /// Of the whole robot, now and at the last update.
+    /// Momentum of the whole robot, now and at the last update.
     momentum: [Vec<f64>; 2],
-    /// Cᵀ q̇ − g − friction, likewise.
+    /// Cᵀ q̇ − g − friction, now and at the last update.
     bias: [Vec<f64>; 2],
     friction_torque: Vec<f64>,
-    /// r.
+    /// r, the estimate.
     torque: Vec<f64>,
 }
 
 impl MomentumObserver {
-    /// For a robot.
+    /// Creates an observer for a robot.
     ///
     /// # Errors
-    /// [`Error::UnknownName`]; [`Error::Unsuitable`]; [`Error::WrongSize`] unless there is a rate for
-    /// each joint; [`Error::Value`] for one that is not positive.
+    /// [`Error::UnknownName`]; [`Error::Unsuitable`]; [`Error::WrongSize`] unless there is a rate for each joint;
+    /// [`Error::Value`] for a rate that is not positive.
     pub fn new(model: &Model, settings: ObserverSettings) -> Result<Self, Error> {
         let entries = joints(model, &settings.joints)?;
         check_size("the list of rates", settings.rates.len(), entries.len())?;
@@ -113,13 +113,11 @@ impl MomentumObserver {
         })
     }
 
-    /// The torque from outside, with the robot as measured now and the mean `torque` that acted on each
-    /// observed joint since the last update, `period` \[s\] ago \[Nm or N\]. The first update begins with
-    /// none.
+    /// Updates the estimate and returns it \[Nm or N\]. `robot` is the robot as measured now. `torque` is the mean
+    /// torque on each observed joint since the last update, `period` \[s\] ago. The estimate begins at zero.
     ///
     /// # Errors
-    /// [`Error::WrongSize`]; [`Error::Value`] and [`Error::Value`] on torque and period. The
-    /// estimate is then as before.
+    /// [`Error::WrongSize`]; [`Error::Value`] for torque and period. The estimate is then unchanged.
     pub fn update(
         &mut self,
         robot: &mut Moving<'_>,
@@ -143,7 +141,7 @@ impl MomentumObserver {
         Ok(&self.torque)
     }
 
-    /// Takes momentum and bias of the robot, and keeps those of the update before.
+    /// Computes momentum and bias of the robot, and keeps those of the last update.
     fn remember(&mut self, robot: &mut Moving<'_>) -> Result<(), Error> {
         self.momentum.swap(0, 1);
         self.bias.swap(0, 1);
@@ -167,12 +165,12 @@ impl MomentumObserver {
         }
     }
 
-    /// The torque from outside on each observed joint, as of the last update \[Nm or N\].
+    /// The estimated external torque on each observed joint \[Nm or N\].
     pub fn torque(&self) -> &[f64] {
         &self.torque
     }
 
-    /// Begins anew, with none.
+    /// Restarts the observer with an estimate of zero.
     pub fn reset(&mut self) {
         self.began = false;
         self.torque.fill(0.0);

@@ -1,26 +1,29 @@
-//! Joints between measurements.
+//! Prediction of joint states between measurements.
 
 use super::impedance::JointState;
 use crate::error::{Error, check_size};
 
-/// Age up to which a measurement counts in full \[s\]: the delay of a loop that measures in every millisecond.
+/// Age up to which a measurement has full weight \[s\]: the delay of a loop that measures every millisecond.
 const IN_FULL: f64 = 2e-3;
-/// Age up to which joints are predicted from what was measured \[s\], and time in which its weight then fades to nothing.
+/// Age up to which joints are predicted from measurements, and the time in which the weight then fades to zero \[s\].
 const LOST: f64 = 8e-3;
 const FADE: f64 = 4e-3;
-/// How fast joints that are lost are brought to rest \[s\]: in this time to a share of 1/e. Accelerations that the command
-/// may ask for ask for torques that no torque rate can follow, and each joint would come too late by another time.
+/// Time constant with which joints without measurements are brought to rest \[s\]. Commanded accelerations could need
+/// torques that the torque rate cannot follow, and the joints would lag differently.
 const BRAKING: f64 = 0.2;
-/// Ticks of which the commanded accelerations are remembered: those of 8 ms, or more.
+/// Number of ticks whose commanded accelerations are stored, at least those of 8 ms.
 const REMEMBERED: usize = 16;
 
-/// Positions and velocities of joints now, from what was measured `age` seconds ago.
+/// Predicts the present positions and velocities of joints from what was measured `age` seconds ago.
 ///
-/// A joint is taken to accelerate as it was commanded since it was measured, â = q̈*. Once the next measurement is
-/// overdue ([`MeasurementWatch::awaited`](crate::torque::MeasurementWatch::awaited)), a joint that torque drives is brought to rest, â = −v̂ / 0.2 s. So v̂ = v + ∫ â dt and q̂ = q + ∫ v̂ dt. The weight w says how far the measurement can be trusted: 1 up
-/// to an age of 2 ms, then 2 ms over the age, and from 8 to 12 ms to 0. Springs and dampers on the predicted state count
-/// by it ([`towards`](Self::towards)): a damper on an old velocity is a constant push. What they lack, 1 − w, the model
-/// is to give: M(q̂) â + C(q̂, v̂) v̂.
+/// Each joint is assumed to accelerate as commanded since the measurement, â = q̈*. Once the next measurement is
+/// overdue ([`MeasurementWatch::awaited`](crate::torque::MeasurementWatch::awaited)), a joint with a torque drive is
+/// brought to rest, â = −v̂ / 0.2 s. The predictions are v̂ = v + ∫ â dt and q̂ = q + ∫ v̂ dt.
+///
+/// The weight w says how far the measurement can be trusted. It is 1 up to an age of 2 ms, then 2 ms over the age, and
+/// falls to 0 from 8 to 12 ms. Springs and dampers on the predicted state are weighted by it
+/// ([`towards`](Self::towards)), because a damper on an old velocity is a constant push. The model provides the
+/// remaining share 1 − w of M(q̂) â + C(q̂, v̂) v̂.
 ///
 /// ```
 /// use whole_body::torque::{JointState, StatePrediction};
@@ -45,28 +48,29 @@ pub struct StatePrediction {
     commanded: Vec<f64>,
     /// â of the last tick.
     acceleration: Vec<f64>,
-    /// Which joints torque drives.
+    /// Whether each joint has a torque drive.
     driven: Vec<bool>,
-    /// By how much q̇* changed in each of the last ticks.
+    /// Changes of q̇* in the last ticks.
     changes: Vec<Vec<f64>>,
-    /// Of the newest.
+    /// Index of the newest change.
     newest: usize,
-    /// Whether q̇* of a tick is known.
+    /// Whether q̇* of an earlier tick is known.
     began: bool,
-    /// The age of what is predicted now \[s\].
+    /// Age of the measurement \[s\].
     age: f64,
     /// Whether the next measurement is overdue.
     is_overdue: bool,
 }
 
-/// How far a measurement of this age \[s\] can be trusted, 0 to 1; not at all if the age is no number.
+/// The weight of a measurement of this age \[s\], 0 to 1. It is 0 if the age is NaN.
 fn weight(age: f64) -> f64 {
     let weight = (IN_FULL / age).min(1.0) * ((LOST + FADE - age) / FADE).min(1.0);
     if weight > 0.0 { weight } else { 0.0 }
 }
 
 impl StatePrediction {
-    /// Joints at rest, and the indices of those that torque drives; the others follow velocities.
+    /// Creates a prediction for joints at rest. `driven` are the indices of those with torque drives; the others follow
+    /// velocities.
     pub fn new(position: &[f64], driven: &[usize]) -> Self {
         let none = vec![0.0; position.len()];
         Self {
@@ -83,11 +87,11 @@ impl StatePrediction {
         }
     }
 
-    /// Takes what was measured last, `age` \[s\] ago, and q̇* of the period that ends now, one element a joint. The next
-    /// measurement is overdue above an age of `awaited` \[s\], and at the latest of 8 ms. Allocates nothing.
+    /// Takes the last measurement, `age` \[s\] old, and q̇* of the period that ends now, one element a joint. The next
+    /// measurement is overdue above an age of `awaited` \[s\], at most 8 ms. Allocates nothing.
     ///
     /// # Errors
-    /// [`Error::WrongSize`]; nothing has changed then.
+    /// [`Error::WrongSize`]; nothing is then changed.
     pub fn update(
         &mut self,
         measured: JointState<'_>,
@@ -120,7 +124,7 @@ impl StatePrediction {
         Ok(())
     }
 
-    /// Finds â of this tick.
+    /// Computes â of this tick.
     fn accelerate(&mut self, period: f64) {
         let Some(changes) = self.changes.get(self.newest) else { return };
         let joints =
@@ -142,7 +146,7 @@ impl StatePrediction {
         self.began = true;
     }
 
-    /// A period in which q̇* changed as `back` ticks ago.
+    /// Advances the prediction by a period in which q̇* changed as `back` ticks ago.
     fn go_on(&mut self, back: usize, period: f64) {
         let index = (self.newest + REMEMBERED - back) % REMEMBERED;
         let Some(changes) = self.changes.get(index) else { return };
@@ -168,13 +172,12 @@ impl StatePrediction {
         &self.velocity
     }
 
-    /// How far what was measured can be trusted, 0 to 1.
+    /// The weight of the measurement, 0 to 1.
     pub fn weight(&self) -> f64 {
         weight(self.age)
     }
 
-    /// What a spring or damper is to see as desired in place of `desired`, where `predicted` is predicted: with the
-    /// weight of the measurement.
+    /// The desired value of a spring or damper, weighted with the measurement: between `predicted` and `desired`.
     pub fn towards(&self, desired: f64, predicted: f64) -> f64 {
         predicted + self.weight() * (desired - predicted)
     }

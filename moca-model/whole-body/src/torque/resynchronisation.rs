@@ -1,28 +1,27 @@
-//! A desired position that never runs away from the measured one.
+//! Resynchronisation of a desired position with the measured one.
 
 use crate::error::{Error, check_size};
 use crate::ik::leash::Leash;
 use crate::robot::joint::JointKind;
 use crate::robot::model::Model;
 
-/// Whether a robot follows what is desired.
+/// Whether a robot follows its desired position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Following {
-    /// It does.
+    /// The robot follows.
     Follows,
-    /// It does not since now: the end of the leash was reached.
+    /// The end of the leash was reached in this tick.
     Reached,
-    /// The desired position started anew from the measured one in this tick, because the robot does not
-    /// follow, or was to give way, and has not been let go on.
+    /// The desired position restarted from the measured one in this tick. The robot does not follow or was told to
+    /// yield, and has not been allowed to go on.
     Resynchronising,
 }
 
-/// Holds a desired position q* to the measured one q.
+/// Keeps a desired position q* near the measured position q.
 ///
-/// Within the leash q* is the caller's. Where a joint is farther from it than its leash the whole of q*
-/// starts anew from q, tick by tick, until the caller lets it go on, which it should do once the
-/// velocities that it asks for have come to rest. No difference q* − q is left then that a spring could
-/// release: a robot that was held does not jump when it is let go.
+/// Within the leash q* is the caller's. If a joint is farther from it than its leash, all of q* restarts from q in
+/// every tick. The caller ends this once its desired velocities have come to rest. Then no difference q* − q is left
+/// that a spring could release. A robot that was held does not jump when it is released.
 ///
 /// ```
 /// use whole_body::torque::{Following, Resynchronisation};
@@ -40,23 +39,24 @@ pub enum Following {
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Resynchronisation {
-    /// Of each entry of q \[rad or m\].
+    /// Leash of each entry of q \[rad or m\].
     lengths: Vec<f64>,
     state: State,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum State {
-    /// Nothing has been measured yet.
+    /// Before the first measurement.
     Unknown,
     Following,
     Resynchronising,
-    /// For one tick.
+    /// Restarting for one tick.
     Restarting,
 }
 
 impl Resynchronisation {
-    /// With the largest following error of each entry of q \[rad or m\]; infinite for none.
+    /// Creates a resynchronisation with the largest following error of each entry of q \[rad or m\]; infinite for no
+    /// limit.
     ///
     /// # Errors
     /// [`Error::Value`] for a length that is not positive.
@@ -68,7 +68,7 @@ impl Resynchronisation {
         Ok(Self { lengths, state: State::Unknown })
     }
 
-    /// For all joints of a robot; a floating base is estimated, not commanded, and has none.
+    /// Creates a resynchronisation for all joints of a robot. A floating base has no limit, since it is estimated.
     ///
     /// # Errors
     /// [`Error::Value`] for a leash out of range.
@@ -93,11 +93,11 @@ impl Resynchronisation {
         &self.lengths
     }
 
-    /// Holds `desired` to `measured`; `may_go_on` ends the resynchronisation, unless the leash is
-    /// reached. Allocates nothing.
+    /// Keeps `desired` near `measured`. `may_go_on` ends the resynchronisation, unless the leash is reached. Allocates
+    /// nothing.
     ///
     /// # Errors
-    /// [`Error::WrongSize`]; nothing has changed then.
+    /// [`Error::WrongSize`]; nothing is then changed.
     pub fn hold(
         &mut self,
         desired: &mut [f64],
@@ -121,19 +121,18 @@ impl Resynchronisation {
         Ok(if reached { Following::Reached } else { Following::Resynchronising })
     }
 
-    /// Lets the desired position be the measured one, from the next tick until it may go on: a robot
-    /// that is to give way.
+    /// Sets the desired position to the measured one from the next tick until it may go on. The robot then yields.
     pub fn resynchronise(&mut self) {
         self.state = State::Resynchronising;
     }
 
-    /// Lets the desired position start from the measured one in the next tick, and go on from there at once: the robot
-    /// follows, but did something else meanwhile.
+    /// Restarts the desired position from the measured one in the next tick and goes on at once. Use it when the robot
+    /// follows but did something else meanwhile.
     pub fn restart(&mut self) {
         self.state = State::Restarting;
     }
 
-    /// A number that is none counts as too far.
+    /// Returns whether the leash is reached. NaN counts as reached.
     fn is_reached(&self, desired: &[f64], measured: &[f64]) -> bool {
         let apart = desired.iter().zip(measured).map(|(desired, measured)| desired - measured);
         let within = apart.zip(&self.lengths).all(|(apart, length)| apart.abs() <= *length);

@@ -1,24 +1,24 @@
-//! What a robot needs beside springs and dampers: gravity, Coriolis forces, friction.
+//! Torques beside springs and dampers: gravity, Coriolis forces, friction.
 
 use crate::error::{Error, check_size};
 use crate::robot::model::Model;
 use crate::state::data::Data;
 
-/// Who adds a part of the torques that a robot needs.
+/// The side that adds a part of the torques that a robot needs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum CompensatedBy {
-    /// The robot itself, to every torque that it is sent.
+    /// The robot adds it to every torque command.
     Robot,
-    /// The torque law, to every torque that it sends.
+    /// The torque law adds it to every torque that it sends.
     Controller,
-    /// Nobody.
+    /// No side adds it.
     Nobody,
 }
 
-/// Who compensates gravity, Coriolis forces and friction. There is no default: gravity that both add is as far from
-/// right as gravity that nobody adds.
+/// The sides that compensate gravity, Coriolis forces and friction. There is no default: gravity that both sides add is
+/// as wrong as gravity that neither adds.
 ///
 /// ```
 /// use whole_body::torque::{CompensatedBy, Compensation};
@@ -34,20 +34,20 @@ pub struct Compensation {
     pub gravity: CompensatedBy,
     /// C(q, q̇) q̇.
     pub coriolis: CompensatedBy,
-    /// Friction in the joints; the torque law takes that of the robot's description, at q̇*.
+    /// Friction in the joints. The torque law uses that of the robot's description, at q̇*.
     pub friction: CompensatedBy,
 }
 
 impl Compensation {
-    /// An interface that adds nothing: simulated motors, and effort controllers of `ros2_control` on them. The torque
-    /// law adds gravity.
+    /// An interface that adds nothing, such as simulated motors and effort controllers of `ros2_control` on them. The
+    /// torque law adds gravity.
     pub const BARE: Self = Self {
         gravity: CompensatedBy::Controller,
         coriolis: CompensatedBy::Nobody,
         friction: CompensatedBy::Nobody,
     };
 
-    /// Robots of Franka, by libfranka or `franka_ros2`: they add gravity and friction themselves.
+    /// Franka robots under libfranka or `franka_ros2`, which add gravity and friction themselves.
     pub const FRANKA: Self = Self {
         gravity: CompensatedBy::Robot,
         coriolis: CompensatedBy::Nobody,
@@ -55,18 +55,18 @@ impl Compensation {
     };
 }
 
-/// How a robot moves, one element an entry of q or q̇.
+/// The motion of a robot, one element for each entry of q or q̇.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SupportedMotion<'a> {
     /// q.
     pub position: &'a [f64],
     /// q̇.
     pub velocity: &'a [f64],
-    /// q̈ that the model is to give.
+    /// q̈ that the model is to provide.
     pub acceleration: &'a [f64],
     /// q̇*.
     pub commanded: &'a [f64],
-    /// The share of M(q) q̈ + C(q, q̇) q̇ that the model is to give, 0 to 1: what springs and dampers lack.
+    /// Share of M(q) q̈ + C(q, q̇) q̇ that the model is to provide, 0 to 1. Springs and dampers lack this share.
     pub share: f64,
 }
 
@@ -108,11 +108,11 @@ pub struct SupportTorque {
 }
 
 impl SupportTorque {
-    /// The parts that the controller compensates, of a robot whose rotors have this inertia, seen at the joints
-    /// \[kg m²\], beside its mass matrix.
+    /// Creates the torques of the parts that the controller compensates. `rotor_inertia` is the rotors' inertia at the
+    /// joints \[kg m²\], which the mass matrix does not contain.
     ///
     /// # Errors
-    /// [`Error::Value`] where nobody compensates gravity, and for an inertia that is negative or not finite.
+    /// [`Error::Value`] if no side compensates gravity, and for an inertia that is negative or not finite.
     pub fn new(
         model: &Model,
         compensation: Compensation,
@@ -137,10 +137,10 @@ impl SupportTorque {
         })
     }
 
-    /// The torques for a motion, one an entry of q̇ \[Nm or N\]. Allocates nothing.
+    /// Computes the torques for a motion, one for each entry of q̇ \[Nm or N\]. Allocates nothing.
     ///
     /// # Errors
-    /// [`Error::WrongSize`], [`Error::Value`], [`Error::Value`] on the motion; the torques are then as before.
+    /// [`Error::WrongSize`]; [`Error::Value`] for the motion. The torques are then unchanged.
     pub fn update(
         &mut self,
         data: &mut Data,
@@ -180,7 +180,7 @@ impl SupportTorque {
         Ok(&self.torque)
     }
 
-    /// The torques as of the last update, one an entry of q̇ \[Nm or N\].
+    /// The torques of the last update, one for each entry of q̇ \[Nm or N\].
     pub fn torque(&self) -> &[f64] {
         &self.torque
     }

@@ -1,9 +1,9 @@
-//! What a URDF says of a robot's motion, element by element, as it stands in the text.
+//! The motion elements of a URDF as they stand in the text.
 
 use super::reader::{Element, Reader};
 use crate::error::{Error, urdf::UrdfError};
 
-/// The robot.
+/// The robot element.
 #[derive(Debug, Clone)]
 pub(crate) struct Document {
     pub(crate) name: String,
@@ -53,11 +53,11 @@ pub(crate) enum Kind {
     Revolute,
     Continuous,
     Prismatic,
-    /// Planar, floating, or none that URDF knows.
+    /// A planar or floating joint, or a type unknown to URDF.
     Other(String),
 }
 
-/// What `<limit>` states; URDF 1.2 writes an unlimited joint by leaving the attribute out.
+/// The numbers of `<limit>`. URDF 1.2 leaves an attribute out if the joint is unlimited.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Limit {
     pub(crate) lower: Option<f64>,
@@ -96,7 +96,7 @@ pub(crate) fn read(text: &str) -> Result<Document, Error> {
     Ok(robot)
 }
 
-/// Whether an omitted limit means that there is none, as since URDF 1.2.
+/// Whether a missing limit means that there is none, as since URDF 1.2.
 fn says_unlimited(root: &Element) -> Result<bool, Error> {
     let version = root.attribute("version")?.unwrap_or_default();
     let mut parts = version.trim().split('.').map(str::parse::<u32>);
@@ -225,7 +225,7 @@ fn joint(reader: &mut Reader, element: &Element, unlimited: bool) -> Result<Join
     })
 }
 
-/// Whether infinite or not is for the limits' own check.
+/// Reads a limit. Infinite values are left to the check of limits.
 fn read_limit(element: &Element, unlimited: bool) -> Result<Limit, Error> {
     let omitted = unlimited.then_some(f64::INFINITY);
     let deceleration = element.any_number("deceleration")?;

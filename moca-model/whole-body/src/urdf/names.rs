@@ -1,16 +1,16 @@
-//! Names as errors show them.
+//! Lists of names for error messages.
 
-/// How many names an error lists.
+/// Number of names that an error lists.
 const LISTED: usize = 20;
 
-/// The most similar names first, and how many more there are.
+/// Lists the most similar names first, and the number of further ones.
 pub(crate) fn nearest<'a>(asked: &str, known: impl Iterator<Item = &'a str>) -> String {
     let mut names: Vec<_> = known.map(|name| (distance(asked, name), name)).collect();
     names.sort_by_key(|(distance, _)| *distance);
     list(names.into_iter().map(|(_, name)| name))
 }
 
-/// Names in their order, and how many more there are.
+/// Lists names in their order, and the number of further ones.
 pub(crate) fn list<'a>(names: impl Iterator<Item = &'a str>) -> String {
     let names: Vec<_> = names.collect();
     match names.as_slice() {
@@ -23,7 +23,7 @@ pub(crate) fn list<'a>(names: impl Iterator<Item = &'a str>) -> String {
     }
 }
 
-/// The Levenshtein distance without regard to case, of the first 64 characters.
+/// The Levenshtein distance of the first 64 characters, ignoring case.
 fn distance(one: &str, other: &str) -> usize {
     let letters =
         |text: &str| -> Vec<char> { text.chars().take(64).flat_map(char::to_lowercase).collect() };
@@ -56,7 +56,7 @@ mod tests {
     }
 
     #[test]
-    fn the_nearest_comes_first_and_long_lists_are_cut() {
+    fn nearest_name_comes_first_and_lists_are_cut() {
         let known = ["base", "panda_hand", "panda_link1"];
         assert_eq!(nearest("panda_hnad", known.into_iter()), "panda_hand, panda_link1, base");
         let many: Vec<_> = (0..23).map(|number| number.to_string()).collect();

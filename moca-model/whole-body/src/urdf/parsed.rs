@@ -1,10 +1,10 @@
-//! Robots that `urdf-rs` has read.
+//! Conversion of robots that `urdf-rs` has read.
 
 use urdf_rs::{JointLimit, JointType, Pose, Robot};
 
 use super::document::{Document, Inertial, Joint, Kind, Limit, Link, Mimic, Origin};
 
-/// The line that errors name: what is parsed no longer knows its own.
+/// The line that errors name, since parsed robots do not know their lines.
 const NO_LINE: usize = 0;
 
 impl From<&Robot> for Document {
@@ -59,8 +59,8 @@ fn origin(pose: &Pose) -> Origin {
     Origin { xyz: *pose.xyz, rpy: *pose.rpy }
 }
 
-/// `urdf-rs` gives a joint without `<limit>` its default, and an acceleration or jerk that is left out
-/// infinity.
+/// Converts a limit. `urdf-rs` gives a joint without `<limit>` its default, and infinity for a missing acceleration or
+/// jerk.
 fn limit(limit: &JointLimit) -> Option<Limit> {
     let stated = |value: f64| value.is_finite().then_some(value);
     (*limit != JointLimit::default()).then(|| Limit {

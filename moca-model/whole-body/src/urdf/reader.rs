@@ -1,15 +1,15 @@
-//! A reader of XML elements that knows its line.
+//! An XML reader that knows the lines of elements.
 
 use quick_xml::Decoder;
 use quick_xml::events::{BytesStart, Event};
 
 use crate::error::{Error, urdf::UrdfError};
 
-/// Walks through the elements of a text from its start to its end.
+/// A reader that visits the elements of a text in order.
 pub(super) struct Reader<'a> {
     text: &'a str,
     xml: quick_xml::Reader<&'a [u8]>,
-    /// How far lines have been counted \[bytes\], and the line there.
+    /// Number of bytes whose lines were counted, and the line there.
     counted: usize,
     line: usize,
 }
@@ -54,7 +54,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The next element within `parent`; `None` where `parent` ends.
+    /// The next element within `parent`; `None` at the end of `parent`.
     pub(super) fn child(&mut self, parent: &Element) -> Result<Option<Element<'a>>, Error> {
         loop {
             match self.event()? {
@@ -66,9 +66,9 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Goes to the end of `element`.
+    /// Skips to the end of `element`.
     pub(super) fn skip(&mut self, element: &Element) -> Result<(), Error> {
-        // Not quick-xml's own way to the end: this one also names what is not closed.
+        // Unlike quick-xml's own method this one also names elements that are not closed.
         let mut depth = 0_usize;
         loop {
             match self.event()? {
@@ -81,7 +81,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Makes sure that nothing follows the robot.
+    /// Returns an error if something follows the robot.
     pub(super) fn end(&mut self) -> Result<(), Error> {
         loop {
             match self.event()? {
@@ -103,14 +103,14 @@ impl<'a> Reader<'a> {
     }
 
     fn element(&mut self, start: BytesStart<'a>) -> Element<'a> {
-        // The position is that of the element's end; the line is that of its start.
+        // The position is that of the element's end, the line that of its start.
         let end = self.xml.buffer_position();
         let line = self.line_at(end.saturating_sub(start.len() as u64 + 1));
         let name = String::from_utf8_lossy(start.name().as_ref()).into_owned();
         Element { start, name, line, decoder: self.xml.decoder() }
     }
 
-    /// The line of a position, which does not lie before any that was asked for.
+    /// The line of a position, which must not be before an earlier one.
     fn line_at(&mut self, position: u64) -> usize {
         let position = usize::try_from(position).unwrap_or(usize::MAX).min(self.text.len());
         let passed = self.text.as_bytes().get(self.counted..position).unwrap_or_default();
@@ -139,9 +139,9 @@ impl Element<'_> {
         self.line
     }
 
-    /// The attribute's text, if it is there.
+    /// The attribute's text, if it exists.
     pub(super) fn attribute(&self, name: &str) -> Result<Option<String>, Error> {
-        // The check for doubles would take the square of the attributes' number.
+        // The check for duplicates takes quadratic time in the number of attributes.
         for attribute in self.start.attributes().with_checks(false) {
             let broken = |reason: String| Error::from(UrdfError::Xml { line: self.line, reason });
             let attribute = attribute.map_err(|error| broken(error.to_string()))?;
@@ -155,7 +155,7 @@ impl Element<'_> {
         Ok(None)
     }
 
-    /// The attribute's text; an error if it is not there.
+    /// The attribute's text, or an error if it is missing.
     pub(super) fn needed(&self, name: &'static str) -> Result<String, Error> {
         self.attribute(name)?.ok_or_else(|| {
             Error::from(UrdfError::Missing {
@@ -172,7 +172,7 @@ impl Element<'_> {
         })
     }
 
-    /// Any number, infinite or NaN too.
+    /// Returns any number, including infinity and NaN.
     pub(super) fn any_number(&self, name: &str) -> Result<Option<f64>, Error> {
         let Some(text) = self.attribute(name)? else {
             return Ok(None);
@@ -181,7 +181,7 @@ impl Element<'_> {
         number.map(Some).map_err(|_| self.wrong(name, &text, "a number"))
     }
 
-    /// A finite number of sensible size.
+    /// Returns a finite number of sensible size.
     pub(super) fn number(&self, name: &str) -> Result<Option<f64>, Error> {
         Ok(self.numbers::<1>(name)?.map(|[number]| number))
     }
@@ -190,7 +190,7 @@ impl Element<'_> {
         self.number(name)?.ok_or_else(|| self.wrong(name, "", "a finite number"))
     }
 
-    /// Three finite numbers of sensible size.
+    /// Returns three finite numbers of sensible size.
     pub(super) fn vector(&self, name: &str) -> Result<Option<[f64; 3]>, Error> {
         self.numbers(name)
     }
@@ -230,7 +230,7 @@ fn expected(count: usize) -> &'static str {
     }
 }
 
-/// The start of a text that may be long.
+/// The beginning of a text that may be long.
 fn shortened(text: &str) -> String {
     let mut short: String = text.chars().take(60).collect();
     if short.len() < text.len() {

@@ -1,4 +1,4 @@
-//! A URDF whose names are unique and whose joints make a tree.
+//! A URDF with unique names whose joints form a tree.
 
 use std::collections::HashMap;
 
@@ -6,16 +6,16 @@ use super::document::{Document, Joint};
 use super::names::nearest;
 use crate::error::{Error, urdf::UrdfError};
 
-/// Links and joints by their places in the document.
+/// Links and joints by their indices in the document.
 pub(crate) struct Tree<'a> {
     pub(crate) document: &'a Document,
     links: HashMap<&'a str, usize>,
     joints: HashMap<&'a str, usize>,
-    /// By link: the joint that carries it.
+    /// Joint that carries each link.
     carrier: Vec<Option<usize>>,
-    /// By link: the joints that hang on it, in the document's order.
+    /// Joints on each link, in the document's order.
     hanging: Vec<Vec<usize>>,
-    /// By joint: its parent link and its child link.
+    /// Parent and child link of each joint.
     ends: Vec<(usize, usize)>,
 }
 
@@ -56,7 +56,7 @@ impl<'a> Tree<'a> {
         Ok(())
     }
 
-    /// Every link must be reached from the links without a parent.
+    /// Returns an error unless every link is reached from the links without a parent.
     fn check_loops(&self) -> Result<(), Error> {
         let mut reached = vec![false; self.carrier.len()];
         let mut to_visit: Vec<usize> = self.tops().collect();
@@ -67,7 +67,7 @@ impl<'a> Tree<'a> {
         let Some(link) = reached.iter().position(|reached| !reached) else {
             return Ok(());
         };
-        // Going up as often as there are links leads into the loop itself.
+        // As many steps upwards as there are links end in the loop itself.
         let up = |link: usize| self.carrier[link].map_or(link, |joint| self.ends[joint].0);
         let link = (0..self.carrier.len()).fold(link, |link, _| up(link));
         let joint = self.carrier[link].map(|joint| &self.document.joints[joint]);
@@ -78,12 +78,12 @@ impl<'a> Tree<'a> {
         }))
     }
 
-    /// Links that hang on no joint.
+    /// Links without a parent joint.
     fn tops(&self) -> impl Iterator<Item = usize> {
         (0..self.carrier.len()).filter(|&link| self.carrier[link].is_none())
     }
 
-    /// The link named `root`, or the only one that hangs on no joint.
+    /// The link named `root`, or the only one without a parent joint.
     pub(crate) fn root(&self, root: Option<&str>) -> Result<usize, Error> {
         if let Some(name) = root {
             return self.link(name, "the root");
@@ -124,7 +124,7 @@ impl<'a> Tree<'a> {
         })
     }
 
-    /// The joint `name`, which the joint of the URDF on `line` names, or the description.
+    /// The joint `name`, which a joint of the URDF on `line` or the description names.
     pub(crate) fn joint(
         &self,
         line: Option<usize>,
@@ -142,12 +142,12 @@ impl<'a> Tree<'a> {
         })
     }
 
-    /// The joints that hang on a link, in the document's order.
+    /// The joints on a link, in the document's order.
     pub(crate) fn joints_on(&self, link: usize) -> &[usize] {
         &self.hanging[link]
     }
 
-    /// The link that a joint hangs on.
+    /// The parent link of a joint.
     pub(crate) fn parent(&self, joint: usize) -> usize {
         self.ends[joint].0
     }

@@ -1,4 +1,4 @@
-//! What a step says of limits that joints do not have.
+//! Active limits that a step reports.
 
 use whole_body::limits::{End, LimitKind};
 use whole_body::tasks::PostureTask;
@@ -6,7 +6,7 @@ use whole_body::{Description, Ik, Model};
 
 use crate::support::stacks::PERIOD;
 
-/// A joint that turns, of this type and with this limit.
+/// A revolute joint of this type with this limit.
 fn hinge(kind: &str, limit: &str) -> Model {
     let urdf = format!(
         r#"<robot name="p"><link name="a"/><link name="b"/><joint name="j" type="{kind}">
@@ -15,7 +15,7 @@ fn hinge(kind: &str, limit: &str) -> Model {
     Model::from_urdf(&urdf, &Description::default()).unwrap()
 }
 
-/// The limits named after so many ticks on the way to a posture.
+/// The limits that are named after so many ticks on the way to a posture.
 fn named(model: &Model, target: f64, ticks: usize) -> Vec<(String, LimitKind, End)> {
     let mut q = vec![0.0];
     let mut builder = Ik::builder(model);
@@ -30,7 +30,7 @@ fn named(model: &Model, target: f64, ticks: usize) -> Vec<(String, LimitKind, En
 }
 
 #[test]
-fn a_joint_without_a_jerk_limit_rests_at_its_position_limit() {
+fn joint_without_jerk_limit_reports_position_limit() {
     let model = hinge("revolute", r#"<limit lower="-1" upper="1" velocity="1" effort="1"/>"#);
     assert_eq!(model.limits()[0].jerk, f64::INFINITY);
     assert_eq!(named(&model, 1.5, 3000), [("j".to_owned(), LimitKind::Position, End::Upper)]);

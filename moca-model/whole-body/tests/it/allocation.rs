@@ -1,4 +1,4 @@
-//! Nothing on the control path allocates after construction.
+//! No function of the control path allocates after construction.
 
 use allocation_counter::measure;
 use nalgebra::{DMatrix, IsometryMatrix3, Matrix3, Matrix3xX, Matrix6xX, Point3, Vector3, Vector6};
@@ -22,7 +22,7 @@ fn the_counter_counts() {
     assert!(measure(|| drop(std::hint::black_box(vec![1_u8]))).count_total > 0);
 }
 
-/// How often everything that a loop may call allocates.
+/// The number of allocations of all functions that a loop may call.
 fn allocations(urdf: &str, base: Base, frame: &str) -> u64 {
     let model = Model::from_urdf(urdf, &Description { base, ..Description::default() }).unwrap();
     let n = model.velocity_count();
@@ -75,7 +75,7 @@ fn allocations(urdf: &str, base: Base, frame: &str) -> u64 {
 fn kinematics_and_dynamics_allocate_nothing() {
     let humanoid = include_str!("../golden/humanoid.urdf");
     assert_eq!(allocations(humanoid, Base::Floating, "left_palm"), 0);
-    // Mimic joints take the way of Cholesky.
+    // Mimic joints need the factorisation by Cholesky.
     let two_arms = include_str!("../golden/two_arms.urdf");
     assert_eq!(allocations(two_arms, Base::Planar, "left_finger2_link"), 0);
 }
@@ -119,7 +119,7 @@ fn torques_observation_and_simulation_allocate_nothing() {
     assert_eq!(count, 0);
 }
 
-/// How often `steps` of a stack allocate, once all has been set up.
+/// The number of allocations of `steps` of a stack after its construction.
 fn allocations_of_steps(model: &Model) -> u64 {
     let tip = model.frames().last().unwrap().0;
     let mut builder = Ik::builder(model);

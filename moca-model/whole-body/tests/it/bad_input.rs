@@ -1,4 +1,4 @@
-//! States, sizes and ids that do not fit.
+//! States, sizes and ids that do not fit are errors.
 
 use nalgebra::{DMatrix, IsometryMatrix3, Matrix3, Matrix3xX, Matrix6xX, Point3, Vector3, Vector6};
 use whole_body::state::{ExternalWrench, Payload};
@@ -82,7 +82,7 @@ fn room_of_the_wrong_size() {
 
 #[test]
 fn data_and_ids_of_another_robot() {
-    // Of the same URDF and size: told apart all the same.
+    // Models of the same URDF and size are still different robots.
     let (model, other) = (humanoid(), humanoid());
     let mut data = Data::new(&other);
     let q = model.neutral();

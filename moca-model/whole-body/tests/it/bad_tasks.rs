@@ -1,4 +1,4 @@
-//! Tasks, targets, periods and levels that make no sense are errors that name them.
+//! Impossible tasks, targets, periods and levels are errors that name them.
 
 use nalgebra::{Point3, Vector3};
 use whole_body::ik::{Commanded, IkSettings, Leash};

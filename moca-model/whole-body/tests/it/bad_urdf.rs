@@ -1,4 +1,4 @@
-//! Texts that are no URDF, or none of a robot.
+//! Texts that are not a URDF, or not of a robot, are errors.
 
 use std::fmt::Write as _;
 
@@ -8,7 +8,7 @@ use whole_body::{Base, Data, Description, Error, Model};
 
 const MOCA: &str = include_str!("../../examples/urdf/moca.urdf");
 
-/// Asserts the variant of an error and words of its message.
+/// Asserts the variant of an error and parts of its message.
 macro_rules! assert_error {
     ($error:expr, $variant:pat $(, $word:expr)*) => {{
         let error = $error;
@@ -34,7 +34,7 @@ fn refused(description: Description) -> Error {
     Model::from_urdf(MOCA, &description).unwrap_err()
 }
 
-/// MOCA's URDF with one change, and the line where it is.
+/// MOCA's URDF with one change, and the line of the change.
 fn changed(from: &str, to: &str) -> (String, String) {
     let at = MOCA.find(from).unwrap_or_else(|| panic!("no {from}"));
     let line = MOCA[..at].lines().count().max(1);
@@ -246,7 +246,7 @@ fn trees_that_are_none() {
     // The finger carries the world, which carries the finger.
     let (text, _) = changed("<child link=\"panda_leftfinger\"/>", "<child link=\"world\"/>");
     assert_error!(error_of(&text), Error::Urdf(UrdfError::Loop { .. }), "loop", "tree", "line");
-    // What hangs on a loop is not named for it.
+    // Links below a loop are not blamed for it.
     let tail = |parent: &str, child: &str| {
         format!(
             "<link name=\"{child}\"/>\n<joint name=\"{parent}_{child}\" type=\"fixed\"><parent \
@@ -297,7 +297,7 @@ fn joints_that_cannot_be_moved() {
             kind,
             line
         );
-        // Nor can what hangs on one off the way to a tip be placed.
+        // Links below such a joint cannot be placed either, even if no tip needs them.
         let (text, _) = changed(
             "name=\"panda_finger_joint1\" type=\"prismatic\"",
             &format!("name=\"panda_finger_joint1\" type=\"{kind}\""),
@@ -424,7 +424,7 @@ proptest! {
     }
 
     #[test]
-    fn no_damage_to_a_urdf_makes_a_pose_that_is_not_finite(
+    fn damaged_urdfs_never_give_infinite_poses(
         start in 0..MOCA.len(), length in 0_usize..40, noise in "[ -~]{0,12}",
     ) {
         let end = (start + length).min(MOCA.len());

@@ -1,4 +1,4 @@
-//! Commands wait for a robot that is held, and brake where nothing can be computed.
+//! Commands wait for a robot that is held, and brake if nothing can be computed.
 
 use nalgebra::{Point3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
@@ -23,7 +23,7 @@ fn robot(model: &Model) -> (Commanded, TaskId<PositionTask>) {
     (Commanded::new(ik, &HOME, Leash::default()).unwrap(), position)
 }
 
-/// Velocities, accelerations and jerks of commands, checked against the model.
+/// Checks of velocities, accelerations and jerks of commands against the model.
 struct Watch {
     model: Model,
     last: [Vec<f64>; 3],
@@ -57,7 +57,7 @@ impl Watch {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
-    /// A robot that follows with a lag, is held for a while, and let go.
+    /// The robot follows with a lag, is held for some time, and is released.
     #[test]
     fn a_held_robot_is_waited_for(seed in any::<u64>(), lag in 0.002..0.02_f64) {
         let model = panda();
@@ -85,7 +85,7 @@ proptest! {
             }
         }
         prop_assert!(farthest <= 0.1 + 1e-6, "{}", farthest);
-        // Let go, the robot goes on.
+        // The released robot goes on.
         let apart = measured.iter().zip(robot.position()).map(|(a, b)| (a - b).abs());
         prop_assert!(apart.fold(0.0, f64::max) < 0.1);
     }
@@ -94,9 +94,9 @@ proptest! {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
-    /// A robot that stops at any moment, at once.
+    /// The robot stops suddenly at a random moment.
     #[test]
-    fn a_sudden_stop_is_overrun_by_no_more_than_the_bound(seed in any::<u64>(), begin in 50..900_u32) {
+    fn sudden_stop_is_overrun_within_the_bound(seed in any::<u64>(), begin in 50..900_u32) {
         let model = panda();
         let hand = model.frame_id("panda_hand_tcp").unwrap();
         let (mut robot, position) = robot(&model);
@@ -118,14 +118,14 @@ proptest! {
                 }
             }
         }
-        // In the end it waits at the leash.
+        // In the end the command waits at the leash.
         let apart = measured.iter().zip(robot.position()).map(|(a, b)| (a - b).abs());
         prop_assert!(apart.fold(0.0, f64::max) <= 0.1 + 1e-6);
     }
 }
 
 #[test]
-fn a_leash_does_not_slow_a_robot_that_follows() {
+fn leash_never_slows_a_following_robot() {
     let model = panda();
     let hand = model.frame_id("panda_hand_tcp").unwrap();
     let (mut robot, position) = robot(&model);
@@ -182,7 +182,7 @@ fn what_cannot_be_computed_brakes_and_says_why() {
     }
 }
 
-/// A humanoid that stands on its feet, with a hand that is to move.
+/// A humanoid that stands on its feet, with a task for one hand.
 fn standing(model: &Model, shift: Vector3<f64>) -> Commanded {
     let q = model.neutral();
     let mut builder = Ik::builder(model);
@@ -201,7 +201,7 @@ fn standing(model: &Model, shift: Vector3<f64>) -> Commanded {
 #[test]
 fn the_command_of_a_floating_base_waits_too() {
     let model = humanoid();
-    // Nothing holds the base but its leash.
+    // Only the leash holds the base.
     let base = model.frame_id("pelvis").unwrap();
     let mut builder = Ik::builder(&model);
     let task = builder.push("base", FrameTask::new(base));
@@ -218,7 +218,7 @@ fn the_command_of_a_floating_base_waits_too() {
         let command = robot.step(&q, PERIOD);
         assert!(command.fault.is_none());
         model.difference(&q, command.position, &mut apart).unwrap();
-        // Rotation vectors change at the angular velocity but for half their product: 5 % at 0.1 rad.
+        // Rotation vectors change at the angular velocity except for half their product: 5 % at 0.1 rad.
         assert!(apart[..3].iter().all(|apart| apart.abs() < 0.1 + 1e-9), "{apart:?}");
         assert!(apart[3..6].iter().all(|apart| apart.abs() < 0.105), "{apart:?}");
     }

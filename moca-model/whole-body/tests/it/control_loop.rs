@@ -1,4 +1,4 @@
-//! The loop with a real robot: its ticks, its watchdogs, its end.
+//! The loop with a real robot: ticks, timeouts and ending.
 
 use std::cell::RefCell;
 use std::rc::Rc;
@@ -12,17 +12,17 @@ use whole_body::control_loop::{
 
 const PERIOD: f64 = 1e-3;
 
-/// What happened, in order.
+/// An event of the robot's side, in order.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Event {
     Sent { at: f64, velocity: f64 },
     Halted { at: f64 },
 }
 
-/// A robot that takes time and falls silent.
+/// A robot whose calls take time and that may fall silent.
 struct Robot {
     clock: ManualClock,
-    /// What each tick takes \[s\], over and over.
+    /// Duration of each tick, repeated cyclically \[s\].
     takes: Vec<f64>,
     silent: Option<std::ops::Range<f64>>,
     breaks_at: f64,
@@ -30,7 +30,7 @@ struct Robot {
     events: Rc<RefCell<Vec<Event>>>,
 }
 
-/// A law that brakes by 0.1 m/s a tick.
+/// A law that reduces the velocity by 0.1 m/s a tick.
 struct Law {
     velocity: f64,
     stops: bool,
@@ -123,7 +123,7 @@ fn control(settings: LoopSettings) -> ControlLoop {
     ControlLoop::new(settings, measured).unwrap()
 }
 
-/// Runs until the clock says so; the loop, how it ended, the robot, the law.
+/// Runs until the clock says so. Returns the loop, its ending, the robot and the law.
 fn run(
     until: f64,
     change: impl FnOnce(&mut Robot, &mut Law),
@@ -152,7 +152,7 @@ fn ticks_come_once_a_period() {
 }
 
 proptest! {
-    /// Whatever a tick takes, no two begin in one period, and each due time is run or missed.
+    /// No two ticks begin in one period, however long they take. Each due time is run or missed.
     #[test]
     fn no_tick_is_caught_up(takes in prop::collection::vec(0.0..4e-3_f64, 1..20)) {
         let (control, ending, _, law) = run(0.3, |robot, _| robot.takes.clone_from(&takes));
@@ -161,7 +161,7 @@ proptest! {
         prop_assert!(periods.windows(2).all(|pair| pair[0] < pair[1]), "{:?}", periods);
         prop_assert!(law.times.windows(2).all(|pair| pair[1] - pair[0] > 0.049 * PERIOD));
         let statistics = control.statistics();
-        // What is due within a twentieth of the period after the last tick is missed.
+        // Ticks due within a twentieth of the period after the last tick are missed.
         let last = law.times.last().copied().unwrap_or_default();
         let due = (last / PERIOD + 0.05).floor() + 1.0;
         prop_assert_eq!((statistics.ticks + statistics.missed) as f64, due);
@@ -172,9 +172,9 @@ proptest! {
     }
 }
 
-/// In tenths of the period, so that the count rounds nothing.
+/// Times are in tenths of the period, so that counts do not round.
 #[test]
-fn after_a_late_tick_the_next_one_comes_when_it_is_due() {
+fn tick_after_a_late_one_keeps_its_time() {
     for tenths in 0..=1000_u32 {
         let (control, _, _, law) = run(0.17, |robot, _| {
             robot.takes = vec![0.0; 300];
@@ -195,14 +195,14 @@ fn a_stop_is_in_order() {
     let (_, ending, robot, _) = run(0.1, |_, _| {});
     assert_eq!(ending.unwrap().at_rest, Some(true));
     let sent = robot.sent();
-    // At full speed, then braking tick by tick, at rest at the end, and nothing after the halt.
+    // The robot runs at full speed, brakes tick by tick, is at rest at the end, and gets nothing after the halt.
     assert!(sent.iter().take(100).all(|(_, velocity)| *velocity == 0.5));
     assert!(sent.windows(2).all(|pair| (pair[0].1 - pair[1].1).abs() <= 0.1 + 1e-12));
     assert_eq!(sent.last().unwrap().1, 0.0);
 }
 
 #[test]
-fn a_law_that_does_not_come_to_rest_is_halted_all_the_same() {
+fn law_that_never_rests_is_halted() {
     let (_, ending, robot, _) = run(0.1, |_, law| law.never_rests = true);
     assert_eq!(ending.unwrap(), LoopEnding { cause: StopCause::Requested, at_rest: Some(false) });
     let last = robot.sent().last().unwrap().0;
@@ -210,7 +210,7 @@ fn a_law_that_does_not_come_to_rest_is_halted_all_the_same() {
 }
 
 #[test]
-fn a_silent_robot_ends_the_loop_and_a_short_gap_does_not() {
+fn only_long_silence_of_the_robot_stops() {
     let (control, ending, ..) = run(0.5, |robot, _| robot.silent = Some(0.0995..0.1155));
     assert_eq!(ending.unwrap().cause, StopCause::Requested);
     assert_eq!(control.statistics().unmeasured, 16);
@@ -218,13 +218,13 @@ fn a_silent_robot_ends_the_loop_and_a_short_gap_does_not() {
     let (_, ending, robot, _) = run(0.5, |robot, _| robot.silent = Some(0.1..9.0));
     assert_eq!(ending.unwrap(), LoopEnding { cause: StopCause::RobotSilent, at_rest: Some(true) });
     let begins = robot.sent().into_iter().find(|(_, velocity)| *velocity < 0.5).unwrap().0;
-    // 20 ms after the last measurement, at 0.099 s.
+    // The timeout is 20 ms after the last measurement, at 0.099 s.
     assert!((begins - 0.12).abs() < 1.5e-3, "{begins}");
 }
 
 #[test]
 fn a_silent_perception_ends_the_loop() {
-    // Never: as old as the loop.
+    // Perception that has never come is as old as the loop.
     for age in [f64::INFINITY, 31.0] {
         let (_, ending, _, law) = run(40.0, |_, law| law.age = Some(age));
         assert_eq!(ending.unwrap().cause, StopCause::PerceptionSilent);
@@ -243,7 +243,7 @@ fn nothing_is_sent_before_the_first_measurement() {
     let (_, ending, robot, _) = run(9.0, |robot, _| robot.silent = Some(0.0..99.0));
     assert!(matches!(ending, Err(LoopError::NoMeasurement { waited }) if waited > 5.0));
     assert!(robot.sent().is_empty());
-    // Asked to stop while it waits.
+    // The stop is requested while the loop waits.
     let (_, ending, robot, _) = run(1.0, |robot, _| robot.silent = Some(0.0..99.0));
     assert_eq!(ending.unwrap().cause, StopCause::Requested);
     assert!(robot.sent().is_empty());
@@ -288,13 +288,13 @@ fn settings_out_of_range_are_refused() {
 }
 
 #[test]
-fn the_clock_of_the_system_waits_at_least_as_long_as_asked() {
+fn system_clock_never_wakes_too_early() {
     for spin in [0.0, 1e-3] {
         let mut clock = MonotonicClock::new(spin);
         let until = clock.now() + 2e-3;
         clock.sleep_until(until);
         assert!(clock.now() >= until);
-        // The past is no reason to wait, and no reason to panic.
+        // A time in the past neither waits nor panics.
         clock.sleep_until(-1.0);
         clock.sleep_until(f64::NAN);
     }

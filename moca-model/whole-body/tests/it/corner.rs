@@ -1,5 +1,5 @@
-//! A base that cannot move sideways, in the corner of its room: its limits of position, of acceleration and of its
-//! wheels all meet where it stands.
+//! A base that cannot move sideways in the corner of its room. Its limits of position, acceleration and wheels all
+//! apply there.
 
 use nalgebra::Point3;
 use whole_body::limits::WheelLimit;
@@ -12,7 +12,7 @@ use crate::support::stacks::{PERIOD, Random};
 
 const ROBOT: &str = "<robot name='cart'><link name='base'/></robot>";
 
-/// A cart in a room of these sizes, its corner at zero.
+/// A cart in a room of these sizes with its corner at zero.
 fn cart(room: [f64; 2]) -> Model {
     let linear = |size: f64| LimitOverride {
         position: Some((-size, 0.0)),
@@ -24,7 +24,7 @@ fn cart(room: [f64; 2]) -> Model {
     Model::from_urdf(ROBOT, &description).unwrap()
 }
 
-/// Drives from `q` towards `target` and expects that every tick is solved. Returns where it ends.
+/// Drives from `q` towards `target`, expecting that every tick is solved. Returns the final configuration.
 fn drive(room: [f64; 2], mut q: Vec<f64>, target: [f64; 2], ticks: usize) -> Vec<f64> {
     let model = cart(room);
     let mut builder = Ik::builder(&model);

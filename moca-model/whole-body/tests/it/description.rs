@@ -1,4 +1,4 @@
-//! What a description changes of a URDF.
+//! Effects of a description on a URDF.
 
 use approx::assert_abs_diff_eq;
 use nalgebra::{DMatrix, Isometry3, Matrix6xX, Vector3};
@@ -23,7 +23,7 @@ fn names(model: &Model) -> Vec<&str> {
 }
 
 #[test]
-fn joints_stand_behind_the_base_in_the_order_of_the_text() {
+fn joints_follow_the_base_in_textual_order() {
     let model = read(TWO_ARMS, &Description { base: Base::Planar, ..Description::default() });
     let expected = [
         "base_x",
@@ -91,7 +91,7 @@ fn tips_and_root_restrict_what_moves() {
 }
 
 #[test]
-fn a_held_joint_is_one_that_does_not_move() {
+fn held_joint_equals_a_fixed_one() {
     let free = read(TWO_ARMS, &Description::default());
     let held = vec![("left_arm3".to_owned(), 0.7), ("left_finger2".to_owned(), 0.01)];
     let held = read(TWO_ARMS, &Description { held, ..Description::default() });
@@ -115,7 +115,7 @@ fn a_held_joint_is_one_that_does_not_move() {
 }
 
 #[test]
-fn a_held_joint_carries_its_mass_to_where_it_is_held() {
+fn held_joint_moves_its_mass_along() {
     let free = read(TWO_ARMS, &Description::default());
     let held = vec![("left_arm3".to_owned(), 0.7), ("right_finger1".to_owned(), 0.02)];
     let held = read(TWO_ARMS, &Description { held, ..Description::default() });
@@ -213,7 +213,7 @@ fn limits_come_from_the_urdf_and_the_description() {
 }
 
 #[test]
-fn limits_missing_in_the_urdf_may_come_from_the_description() {
+fn description_completes_limits_missing_in_the_urdf() {
     let limit = "<limit lower=\"-1.7628\" upper=\"1.7628\" velocity=\"2.175\" effort=\"87\"/>";
     assert_eq!(MOCA.matches(limit).count(), 1);
     let known = LimitOverride {
@@ -244,7 +244,7 @@ fn acceleration_deceleration_and_jerk_count() {
 }
 
 #[test]
-fn a_limit_that_urdf_1_2_leaves_out_is_none() {
+fn limit_missing_in_newer_urdf_means_unlimited() {
     let urdf = |version: &str| {
         format!(
             "<robot name=\"r\" version=\"{version}\"><link name=\"a\"/><link name=\"b\"/>\
@@ -261,7 +261,7 @@ fn a_limit_that_urdf_1_2_leaves_out_is_none() {
 }
 
 #[test]
-fn limits_that_cannot_be_meant_can_be_ignored_and_are_named() {
+fn ignored_unusable_limits_are_warned_about() {
     let text = MOCA.replacen(
         "lower=\"-2.8973\" upper=\"2.8973\" velocity=\"2.175\"",
         "lower=\"0\" upper=\"0\" velocity=\"0\"",
@@ -310,7 +310,7 @@ fn inertias_that_are_none_are_named() {
 }
 
 #[test]
-fn friction_is_that_of_the_joints_which_have_it() {
+fn friction_acts_only_on_described_joints() {
     let friction =
         (1..8).zip(JointFriction::PANDA).map(|(number, own)| (format!("panda_joint{number}"), own));
     let model = read(MOCA, &Description { friction: friction.collect(), ..Description::default() });
@@ -323,7 +323,7 @@ fn friction_is_that_of_the_joints_which_have_it() {
         assert_eq!(out[..3], [0.0; 3]);
         assert!(out[3..10].iter().all(|torque| torque * sign > 0.05));
     }
-    // φ₁ (1/(1+exp(−φ₂(0.5+φ₃))) − 1/(1+exp(−φ₂φ₃))) of the first joint, in Python.
+    // The expected value of the first joint is φ₁ (1/(1+exp(−φ₂(0.5+φ₃))) − 1/(1+exp(−φ₂φ₃))), computed in Python.
     assert_abs_diff_eq!(out[3], 0.213_075_758_660_284, epsilon = 1e-12);
 }
 
@@ -335,7 +335,7 @@ fn a_mimic_of_a_mimic_follows_the_first() {
              link=\"{parent}\"/><child link=\"{child}\"/><axis xyz=\"0 0 1\"/>{mimic}</joint>"
         )
     };
-    // The last follows the middle one, which stands behind it in the text.
+    // The last joint follows the middle one, which is behind it in the text.
     let urdf = [
         "<robot name=\"r\"><link name=\"world\"/>".to_owned(),
         joint("last", "world", "c", "<mimic joint=\"middle\" multiplier=\"-0.5\" offset=\"0.3\"/>"),
@@ -365,10 +365,10 @@ fn with_mimics() -> impl Strategy<Value = Robot> {
 
 proptest! {
     #[test]
-    fn a_mimic_joint_is_a_free_one_on_a_leash((robot, state) in with_mimics().prop_flat_map(states)) {
+    fn mimic_joint_equals_a_constrained_free_joint((robot, state) in with_mimics().prop_flat_map(states)) {
         let model = robot.model();
         let free = Model::from_urdf(&without_mimics(&robot.urdf()), &robot.description()).unwrap();
-        // q̇ of all joints from q̇ of those that move by themselves.
+        // The expansion maps q̇ of the independent joints to q̇ of all joints.
         let mut expansion = DMatrix::zeros(free.velocity_count(), model.velocity_count());
         let mut q = free.neutral();
         for joint in model.joints() {
@@ -404,8 +404,8 @@ proptest! {
 
     #[test]
     fn the_order_of_elements_does_not_matter((robot, state) in robots_of(&[Kind::Revolute, Kind::Fixed, Kind::Prismatic]).prop_flat_map(states)) {
-        // Links and joints from the last to the first: joints then keep their order along each way,
-        // and branches change theirs.
+        // Links and joints are written from the last to the first. Joints keep their order along each path; branches
+        // change theirs.
         let urdf = robot.urdf();
         let body = urdf.trim_start_matches("<robot name=\"random\">\n").trim_end_matches("</robot>\n");
         let mut elements: Vec<_> = body.split_inclusive("</joint>\n").flat_map(|part| part.split_inclusive("</link>\n")).collect();
@@ -429,7 +429,7 @@ proptest! {
     }
 }
 
-/// The text with all `<mimic …/>` taken out.
+/// The text without all `<mimic …/>`.
 fn without_mimics(urdf: &str) -> String {
     let mut parts = urdf.split("<mimic");
     let first = parts.next().unwrap().to_owned();

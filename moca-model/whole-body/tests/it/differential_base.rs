@@ -35,20 +35,20 @@ fn drive(model: &Model, wheels: WheelLimit) -> Drive {
     let mut builder = Ik::builder(model);
     builder.limit("wheels", wheels);
     let mast = model.frame_id("mast").unwrap();
-    // It brakes at half of what the base can.
+    // It brakes at half of the base's deceleration.
     let feedback = Feedback { gain: 5.0, deceleration: 0.2 };
     let task = PositionTask::new(mast).with_axes(&[Axis::X, Axis::Y]).with_feedback(feedback);
     let tip = builder.push("tip", task);
     Drive { ik: builder.build_at(&model.neutral()).unwrap(), tip }
 }
 
-/// Across the heading, in magnitude.
+/// The speed across the heading.
 fn sideways(yaw: f64, v: &[f64]) -> f64 {
     (yaw.cos() * v[1] - yaw.sin() * v[0]).abs()
 }
 
 #[test]
-fn does_not_slide_where_it_would_turn_faster_than_it_can() {
+fn base_does_not_slide_at_full_turn_rate() {
     let model = model(LimitOverride::of_speed(1.0, 0.5), LimitOverride::of_speed(1.5, 1.0));
     let Drive { mut ik, tip } = drive(&model, WheelLimit::differential(2.0, 0.5));
     ik.task_mut(tip).unwrap().set_target(Point3::new(0.5, -4.0, 0.0)).unwrap();
@@ -67,7 +67,8 @@ fn does_not_slide_where_it_would_turn_faster_than_it_can() {
     assert!((mast - Vector3::new(0.5, -4.0, 0.0)).norm() < 1e-3, "{mast}");
 }
 
-/// Speed, acceleration and range of both axes; those of the yaw; targets that jump; beside another limit; braking.
+/// Moves to jumping targets with the given speed, acceleration and range of both axes and of the yaw. It may have
+/// another limit and brake at times.
 fn soak(seed: u64, linear: [f64; 2], angular: [f64; 2], half: Option<f64>, is_slow: bool) -> f64 {
     let range = half.map(|half| (-half, half));
     let along = LimitOverride { position: range, ..LimitOverride::of_speed(linear[0], linear[1]) };
@@ -121,9 +122,9 @@ proptest! {
     }
 }
 
-/// The command is held back along its heading where the robot stands.
+/// The robot is held, so that the command waits along its heading.
 #[test]
-fn waits_for_a_robot_that_is_held_without_sliding() {
+fn command_waits_for_held_base_without_sliding() {
     let model = model(LimitOverride::of_speed(1.0, 0.5), LimitOverride::of_speed(1.5, 1.0));
     let Drive { mut ik, tip } = drive(&model, WheelLimit::differential(2.0, 0.5));
     ik.task_mut(tip).unwrap().set_target(Point3::new(2.0, 1.0, 0.0)).unwrap();

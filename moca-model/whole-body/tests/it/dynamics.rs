@@ -30,7 +30,7 @@ fn size(values: &DVector<f64>) -> f64 {
     values.amax().max(1.0)
 }
 
-/// The state a little later or earlier, with constant q̈ in the coordinates of q̇.
+/// The state after `time`, also negative, with constant q̈ in the coordinates of q̇.
 fn moved(model: &Model, state: &State, time: f64) -> State {
     let rates = state.v.iter().zip(&state.a);
     let mean: Vec<_> = rates.clone().map(|(v, a)| v + 0.5 * a * time).collect();
@@ -55,7 +55,7 @@ proptest! {
     }
 
     #[test]
-    fn the_mass_matrix_is_that_of_the_kinetic_energy((robot, state) in robots_with_states()) {
+    fn mass_matrix_gives_the_kinetic_energy((robot, state) in robots_with_states()) {
         let model = robot.model();
         let v = DVector::from_column_slice(&state.v);
         let expected = 0.5 * v.dot(&(mass_matrix(&model, &state.q) * &v));
@@ -66,7 +66,7 @@ proptest! {
     }
 
     #[test]
-    fn forces_are_linear_in_acceleration_by_the_mass_matrix((robot, state) in robots_with_states()) {
+    fn mass_matrix_maps_acceleration_to_force((robot, state) in robots_with_states()) {
         let model = robot.model();
         let a = DVector::from_column_slice(&state.a);
         let still = State { a: vec![0.0; state.a.len()], ..state.clone() };
@@ -115,7 +115,7 @@ proptest! {
     }
 
     #[test]
-    fn the_energys_rate_is_the_power_of_the_motors((robot, state) in robots_with_states()) {
+    fn rate_of_energy_is_motor_power((robot, state) in robots_with_states()) {
         let model = robot.model();
         let [before, later] = [-STEP, STEP].map(|time| {
             let State { q, v, .. } = moved(&model, &state, time);
@@ -129,7 +129,7 @@ proptest! {
     }
 
     #[test]
-    fn the_momentums_rate_is_the_force_on_a_floating_base((robot, state) in floating()) {
+    fn rate_of_momentum_is_the_base_force((robot, state) in floating()) {
         let model = robot.model();
         let at = |time: f64| {
             let State { q, v, .. } = moved(&model, &state, time);
@@ -201,7 +201,7 @@ proptest! {
     }
 
     #[test]
-    fn a_payload_weighs_what_it_weighs_until_it_is_detached((robot, state) in robots_with_states()) {
+    fn payload_counts_until_it_is_detached((robot, state) in robots_with_states()) {
         let model = robot.model();
         let frame = last_frame(&model);
         let mut data = Data::new(&model);
@@ -226,7 +226,7 @@ proptest! {
         let own = pose.rotation.inverse() * turning;
         let kinetic = 0.5 * (2.0 * velocity.norm_squared() + own.dot(&(payload.inertia * own)));
         let potential = -2.0 * model.gravity().dot(&(pose * payload.centre).coords);
-        // What hangs on the world does not count.
+        // Payloads on the world do not count.
         let moves = model.base() == Base::Floating || model.moved_by(frame).unwrap().next().is_some();
         let share = if moves { 1.0 } else { 0.0 };
         assert_abs_diff_eq!(with.0 - without.0, share * kinetic, epsilon = 1e-9 * with.0.max(1.0));

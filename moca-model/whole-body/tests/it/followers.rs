@@ -1,4 +1,4 @@
-//! Limits of joints that follow others.
+//! Limits of mimic joints.
 
 use proptest::prelude::*;
 use whole_body::limits::LimitKind;
@@ -8,7 +8,7 @@ use whole_body::{Description, Ik, Model};
 
 use crate::support::stacks::PERIOD;
 
-/// j1, and j2 = multiplier j1 + offset.
+/// A model with j1 and j2 = multiplier j1 + offset.
 fn model(multiplier: f64, offset: f64, limits: [&str; 2], description: &Description) -> Model {
     let urdf = format!(
         r#"<robot name="m"><link name="a"/><link name="b"/><link name="c"/>
@@ -26,7 +26,7 @@ const ONE: &str = r#"<limit lower="-1" upper="1" velocity="2" effort="5"/>"#;
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(32))]
 
-    /// Wherever the posture pulls, and however fast.
+    /// The posture has any target and speed.
     #[test]
     fn are_kept(
         multiplier in prop_oneof![-4.0..-0.3_f64, 0.3..4.0_f64], offset in -0.5..0.5_f64,
@@ -47,7 +47,7 @@ proptest! {
             let follower = multiplier * q[0] + offset;
             prop_assert!(q[0].abs() <= 1.0 + 1e-9 && follower.abs() <= 1.0 + 1e-9);
         }
-        // At the end of one of the two.
+        // One of the two joints is at its limit.
         prop_assert!((1.0 - q[0].abs()).min(1.0 - (multiplier * q[0] + offset).abs()) < 1e-6);
     }
 }
@@ -79,7 +79,7 @@ fn are_named_where_they_are_in_force() {
 }
 
 #[test]
-fn that_bind_less_or_are_not_stated_change_nothing() {
+fn looser_or_missing_limits_change_nothing() {
     let unwarned = |model: &Model| {
         let ours = |warning: &&Warning| {
             matches!(warning, Warning::FollowerLimit { .. } | Warning::FollowerRange { .. })
@@ -95,7 +95,7 @@ fn that_bind_less_or_are_not_stated_change_nothing() {
 }
 
 #[test]
-fn of_a_description_count_and_a_range_that_leaves_nothing_is_named() {
+fn described_limits_count_and_empty_ranges_warn() {
     let own = LimitOverride { position: Some((-0.3, 0.6)), ..LimitOverride::default() };
     let limits = vec![("j2".to_owned(), own)];
     let description = Description { limits, ..Description::default() };

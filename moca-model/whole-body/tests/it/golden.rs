@@ -1,4 +1,4 @@
-//! Values of an independent implementation: Pinocchio on the same URDFs (`golden/make.py`).
+//! Comparison with Pinocchio on the same URDFs (`golden/make.py`).
 
 use approx::assert_abs_diff_eq;
 use nalgebra::{DMatrix, Matrix3xX, Matrix6xX, UnitVector3, Vector3};
@@ -7,7 +7,7 @@ use whole_body::{Axes, Base, Data, Description, Model};
 
 const TOLERANCE: f64 = 1e-10;
 
-/// The numbers of an array; of an object those of the named entries.
+/// The numbers of an array, or those of the named entries of an object.
 fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().into_iter().flatten().map(|value| value.as_f64().unwrap()).collect()
 }
@@ -16,11 +16,11 @@ fn names(value: &Value) -> Vec<&str> {
     value.as_array().unwrap().iter().map(|name| name.as_str().unwrap()).collect()
 }
 
-/// Joint-wise values in the order of the model, from those in the order of the golden file.
+/// The order of the model's joints in the golden file.
 struct Order(Vec<usize>);
 
 impl Order {
-    /// `base` entries come first in both.
+    /// The first `base` entries are the same in both.
     fn new(model: &Model, golden: &[&str], base: usize) -> Self {
         let joints = model.joints().iter().map(|joint| joint.name.as_str());
         let places = joints.filter_map(|name| golden.iter().position(|other| *other == name));
@@ -115,7 +115,7 @@ fn check(urdf: &str, golden: &str) {
     }
 }
 
-/// Equal to [`TOLERANCE`] of the largest entry, or of 1 where all are smaller.
+/// Asserts equality to [`TOLERANCE`] of the largest entry, or of 1 if all entries are smaller.
 fn assert_close(ours: &[f64], theirs: &[f64]) {
     assert_eq!(ours.len(), theirs.len());
     let size = theirs.iter().fold(1.0_f64, |size, value| size.max(value.abs()));
@@ -135,7 +135,7 @@ fn a_humanoid_on_a_floating_base() {
 }
 
 #[test]
-fn two_arms_on_a_planar_base_with_a_lift_wheels_and_mimicking_fingers() {
+fn two_arms_on_a_planar_base() {
     check(include_str!("../golden/two_arms.urdf"), include_str!("../golden/two_arms.json"));
 }
 

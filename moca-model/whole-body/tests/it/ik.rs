@@ -1,4 +1,4 @@
-//! Priorities, weights, masks, names, and what a step reports.
+//! Priorities, weights, masks, names, and reports of steps.
 
 use nalgebra::{Point3, Vector3, Vector6};
 use proptest::prelude::*;
@@ -17,7 +17,7 @@ fn robots() -> [Model; 5] {
     [panda(), two_arms(), humanoid(), bush(), moca()]
 }
 
-/// Slacks of the first `count` of four levels, one step from rest or from a motion.
+/// Slacks of the first `count` of four levels after one step, from rest or in motion.
 fn slacks(model: &Model, seed: u64, count: usize) -> Vec<f64> {
     let mut random = Random(seed);
     let q = random.configuration(model, 0.0);
@@ -71,7 +71,7 @@ proptest! {
     }
 }
 
-/// Two tasks of one level that contradict each other meet where their weights say.
+/// Two tasks of one level contradict each other and meet where their weights say.
 #[test]
 fn weights_of_a_level_divide_what_is_missing() {
     let model = panda();
@@ -122,8 +122,7 @@ fn coordinates_that_a_mask_leaves_out_are_free() {
     assert!((end - wanted).norm() < 1e-4, "{end} for {wanted}");
 }
 
-/// A target that moves is followed without lag if its velocity is given, and behind by its velocity
-/// over the gain if not.
+/// The frame follows without lag if the target's velocity is given. Otherwise it lags by the velocity over the gain.
 #[test]
 fn feed_forward_takes_the_lag_away() {
     let model = panda();
@@ -143,7 +142,7 @@ fn feed_forward_takes_the_lag_away() {
             behind = (target - pose(&model, &q, hand).translation.vector).norm();
             ik.step(&q, PERIOD).unwrap().integrate(&mut q).unwrap();
         }
-        // v/gain + v²/(2 deceleration).
+        // The expected lag solves v/gain + v²/(2 deceleration).
         assert!((behind - lag).abs() < 2e-5, "{behind} for {lag}");
     }
 }
@@ -252,7 +251,7 @@ mod quadratics {
     }
 }
 
-/// Tasks whose targets were not set keep what they find; those that were set keep them.
+/// Targets that were not set are set to the present state; others are kept.
 #[test]
 fn build_at_holds_what_has_no_target() {
     let model = panda();

@@ -1,4 +1,4 @@
-//! The figures that the documentation states: a Panda on a circle.
+//! Numbers that the documentation states for a Panda on a circle.
 
 use nalgebra::{Point3, Vector3};
 use whole_body::tasks::{OrientationTask, PositionTask, PostureTask};
@@ -10,7 +10,7 @@ use crate::support::stacks::{PERIOD, panda, panda_of_acceleration};
 
 const HOME: [f64; 7] = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785];
 
-/// Worst errors \[m, rad\] at full speed, and a second after the path has slowed.
+/// Largest errors \[m, rad\] at full speed, and a second after the path has slowed down.
 #[derive(Debug)]
 struct Errors {
     position: f64,
@@ -26,7 +26,8 @@ fn smooth(s: f64) -> f64 {
     s * s * s * (10.0 - s * (15.0 - 6.0 * s))
 }
 
-/// Circles of 0.1 m in the y-z plane: up to speed within a second, from 6 to 6.5 s down to a tenth.
+/// Follows circles of 0.1 m in the y-z plane. They reach full speed within a second and slow down to a tenth from 6 to
+/// 6.5 s.
 fn circle(time_of_round: f64) -> Errors {
     circle_of(&panda(), time_of_round)
 }
@@ -79,19 +80,19 @@ fn circle_of(model: &Model, time_of_round: f64) -> Errors {
 }
 
 #[test]
-fn a_round_of_4_s_is_followed_within_a_tenth_of_a_millimetre() {
+fn slow_circle_errs_less_than_tenth_of_millimetre() {
     let errors = circle(4.0);
     assert!(errors.position < 1e-4 && errors.orientation < 1e-4, "{errors:?}");
 }
 
 #[test]
-fn a_round_of_1_25_s_is_followed_within_half_a_millimetre() {
+fn fast_circle_errs_less_than_half_a_millimetre() {
     let errors = circle(1.25);
     assert!(errors.position < 5e-4 && errors.orientation < 5e-4, "{errors:?}");
 }
 
-/// At 0.8 s a round, joints saturate: the position stays, the orientation gives way and is back
-/// within a second after the path has slowed. At 0.7 s the position cannot be kept either.
+/// At 0.8 s a round, joints saturate. The position stays, and the orientation recovers within a second after the path
+/// has slowed down. At 0.7 s the position cannot be kept either.
 #[test]
 fn where_joints_saturate_the_position_comes_first() {
     let errors = circle(0.8);
@@ -107,8 +108,8 @@ fn where_joints_saturate_the_position_comes_first() {
     }
 }
 
-/// At 1 s a round, joints whose accelerations are limited to 0.8 of a Panda's and less saturate; from 0.65
-/// down they cannot keep the position either.
+/// At 1 s a round, joints with at most 0.8 of a Panda's accelerations saturate. From 0.65 down they cannot keep the
+/// position either.
 #[test]
 fn where_accelerations_saturate_the_position_comes_first() {
     let errors = circle_of(&panda_of_acceleration(0.7), 1.0);

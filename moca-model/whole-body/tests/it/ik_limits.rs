@@ -1,4 +1,4 @@
-//! Limits hold, whatever is asked and wherever the robot starts.
+//! Limits hold for all tasks and from all starts.
 
 use nalgebra::{Point3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
@@ -13,13 +13,13 @@ use crate::support::monitor::Monitor;
 use crate::support::stacks::{PERIOD, Random, bush, humanoid, moca, panda, two_arms};
 use crate::support::{last_frame, pose};
 
-/// Ticks of each robot; more with the environment variable `WHOLE_BODY_TICKS`, for all five.
+/// Number of ticks for each robot. The environment variable `WHOLE_BODY_TICKS` sets another one for all five.
 fn ticks() -> u64 {
     let asked = std::env::var("WHOLE_BODY_TICKS").ok().and_then(|text| text.parse::<u64>().ok());
     asked.map_or(3000, |all| all / 5)
 }
 
-/// Random cases of each property; others with `WHOLE_BODY_CASES`.
+/// Number of random cases of each property. The environment variable `WHOLE_BODY_CASES` sets another one.
 fn cases() -> u32 {
     std::env::var("WHOLE_BODY_CASES").ok().and_then(|text| text.parse().ok()).unwrap_or(12)
 }
@@ -51,7 +51,7 @@ fn random_targets(ik: &mut Ik, tasks: &Tasks, model: &Model, random: &mut Random
     ik.task_mut(tasks.posture).unwrap().set_target(&elsewhere).unwrap();
 }
 
-/// Random starts, in part outside the limits, and random targets that jump.
+/// Random starts, some outside the limits, and random targets that jump.
 fn soak(model: &Model, seed: u64, ticks: u64) {
     let mut random = Random(seed);
     let (mut done, episode) = (0, 700);
@@ -119,9 +119,9 @@ fn joints_outside_come_back_and_rest_there() {
     assert!(ik.velocity().iter().all(|v| v.abs() < 1e-6));
 }
 
-/// The stretched arm is singular, and what is left of the error cannot be taken away.
+/// The stretched arm is singular, and the remaining error cannot be reduced.
 #[test]
-fn a_target_out_of_reach_is_approached_and_waited_at() {
+fn arm_rests_at_an_unreachable_target() {
     let model = panda();
     let hand = model.frame_id("panda_hand_tcp").unwrap();
     for far in [
@@ -149,7 +149,7 @@ fn a_target_out_of_reach_is_approached_and_waited_at() {
             monitor.check(&q);
         }
         assert!(fastest < 1e-2 && strongest < 0.1, "{far}: {fastest} rad/s, {strongest} rad/s²");
-        // As far as the arm reaches in that direction, about its shoulder.
+        // The expected point is as far as the arm reaches in that direction from its shoulder.
         let reached = pose(&model, &q, hand).translation.vector;
         let shoulder = Vector3::new(0.0, 0.0, 0.333);
         let (way, wanted) = (reached - shoulder, far - shoulder);
@@ -208,7 +208,7 @@ fn a_frame_keeps_its_cartesian_limits() {
 }
 
 #[test]
-fn wheels_keep_their_speed_and_a_differential_base_its_direction() {
+fn wheel_limits_keep_speed_and_direction() {
     let model = two_arms();
     let base = model.frame_id("base").unwrap();
     for (name, limit) in [
@@ -262,7 +262,7 @@ fn wheels_keep_their_speed_and_a_differential_base_its_direction() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(cases()))]
 
-    /// With any limits of acceleration and jerk, and targets that jump.
+    /// Limits of acceleration and jerk are random, and targets jump.
     #[test]
     fn wheels_keep_their_speed_with_jerk_limits(
         seed in any::<u64>(), acceleration in 0.3..3.0_f64, time in 0.02..0.5_f64,
@@ -314,7 +314,7 @@ proptest! {
         }
     }
 
-    /// From rest, with targets that jump.
+    /// The robot starts at rest, and targets jump.
     #[test]
     fn frames_keep_their_cartesian_limits(
         seed in any::<u64>(), linear in 0.05..0.5_f64, angular in 0.2..1.5_f64,
@@ -324,7 +324,7 @@ proptest! {
     }
 }
 
-/// Joints that are fast together and cancel at the hand: one comes to its limit, or the hand turns beside them.
+/// Fast joints cancel each other at the hand. One reaches its limit, or the hand rotates beside them.
 #[test]
 fn joints_that_cancel_at_a_frame_stop_together() {
     for (seed, linear, angular) in [
@@ -339,8 +339,8 @@ fn joints_that_cancel_at_a_frame_stop_together() {
     }
 }
 
-/// The largest share of the limits \[m/s, rad/s\] at which the hand of a Panda moves, and in which tick, from
-/// rest and with targets that jump.
+/// The largest velocity of a Panda's hand over its limits \[m/s, rad/s\], and its tick. The robot starts at rest, and
+/// targets jump.
 fn largest_use_of_cartesian_limits(seed: u64, linear: f64, angular: f64) -> (f64, usize) {
     let model = panda();
     let hand = model.frame_id("panda_hand_tcp").unwrap();

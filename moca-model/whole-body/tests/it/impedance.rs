@@ -1,4 +1,4 @@
-//! Joint impedance: the paper's torque, within its limits, finite or not at all.
+//! Joint impedance gives the paper's torque within its limits, or an error.
 
 use approx::assert_abs_diff_eq;
 use proptest::prelude::*;
@@ -43,7 +43,7 @@ proptest! {
     }
 
     #[test]
-    fn torque_and_its_change_stay_within_the_limits_whatever_is_asked(
+    fn torque_and_its_rate_stay_within_limits(
         steps in prop::collection::vec((seven(1e3), seven(1e3), seven(200.0)), 1..50),
     ) {
         let mut impedance = panda(ImpedanceSettings::default()).unwrap();
@@ -63,7 +63,7 @@ proptest! {
     }
 
     #[test]
-    fn numbers_however_large_give_a_torque_within_limits_or_an_error(
+    fn huge_numbers_give_limited_torque_or_error(
         q in prop::array::uniform7(prop::num::f64::ANY), v in prop::array::uniform7(prop::num::f64::ANY),
         g in prop::array::uniform7(prop::num::f64::ANY),
     ) {
@@ -79,7 +79,7 @@ proptest! {
 }
 
 #[test]
-fn an_arm_where_it_should_be_only_carries_itself() {
+fn arm_at_its_target_only_supports_itself() {
     let mut impedance = panda(ImpedanceSettings::default()).unwrap();
     let state = JointState { position: &[0.4; 7], velocity: &[0.1; 7] };
     let gravity = [0.0, -38.0, -3.0, 18.0, 0.6, 1.5, 0.0];
@@ -87,7 +87,7 @@ fn an_arm_where_it_should_be_only_carries_itself() {
 }
 
 #[test]
-fn a_torque_rises_by_the_rate_until_it_is_reached() {
+fn torque_rises_at_the_rate_limit() {
     let mut impedance = panda(ImpedanceSettings::default()).unwrap();
     let rest = JointState { position: &[0.0; 7], velocity: &[0.0; 7] };
     let desired = JointState { position: &[0.0175; 7], velocity: &[0.0; 7] }; // 10.5 Nm on joint 1
@@ -128,7 +128,7 @@ fn bad_input_gives_an_error_and_no_torque() {
     }
     assert!(impedance.torque(rest, rest, &[0.0; 7], f64::NAN).is_err());
 
-    // The rate limit goes on from the torque that left: 1 Nm, then at most 2 Nm.
+    // The rate limit continues from the last torque: 1 Nm, then at most 2 Nm.
     let torque = impedance.torque(pulled, rest, &[0.0; 7], DT).unwrap();
     assert_abs_diff_eq!(torque[0], 2.0, epsilon = 1e-12);
 }

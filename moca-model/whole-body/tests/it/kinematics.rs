@@ -110,7 +110,7 @@ proptest! {
 }
 
 #[test]
-fn a_model_is_shared_and_data_goes_to_its_thread() {
+fn model_is_shared_and_data_is_sent() {
     fn shared<T: Send + Sync>() {}
     fn sent<T: Send>() {}
     shared::<whole_body::Model>();

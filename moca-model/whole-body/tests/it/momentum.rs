@@ -1,4 +1,4 @@
-//! What pushes the robot is found from its momentum.
+//! External torques are found from the robot's momentum.
 
 use nalgebra::Vector3;
 use proptest::prelude::*;
@@ -31,7 +31,7 @@ pub(crate) const HOME: [f64; 7] = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785];
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// ṗ = τ + Cᵀ q̇ − g, by a difference along the motion; p = M q̇.
+    /// ṗ = τ + Cᵀ q̇ − g is checked by a difference along the motion, and p = M q̇.
     #[test]
     fn momentum_changes_by_torque_and_bias((robot, state) in robots_with_states()) {
         let model = robot.model();
@@ -71,8 +71,7 @@ proptest! {
     }
 }
 
-/// An arm under random torques, observed, for half a second; what is observed at the end, and the
-/// largest on the way.
+/// Observes an arm under random torques for half a second. Returns the final estimate and the largest one.
 fn observed(
     model: &Model,
     rotor_inertia: f64,
@@ -87,7 +86,7 @@ fn observed(
     let (mut data, mut random) = (Data::new(model), Random(seed));
     let (mut gravity, mut push) = ([0.0; 7], [0.0; 7]);
     let mut largest = 0.0_f64;
-    // An arm that is pushed gives way slowly: little changes within the observer's lag.
+    // An arm that is pushed yields slowly, so that it hardly changes within the observer's lag.
     let damping = if external.is_empty() { 5.0 } else { 60.0 };
     for tick in 0..500 {
         if tick % 25 == 0 {
@@ -111,7 +110,7 @@ fn in_free_motion_nothing_is_found() {
         let (_, most, arm) = observed(&arm(false), 0.0, ObservedFriction::External, &[], seed);
         assert!(arm.velocity().iter().any(|v| v.abs() > 0.1), "it moves");
         assert!(most < 5e-3, "{most} Nm");
-        // With rotors and friction too, by a sensor behind the gear and a model of the friction.
+        // The arm has rotors and friction, a sensor behind the gear and a model of the friction.
         let (_, most, _) = observed(&self::arm(true), 0.2, ObservedFriction::Modelled, &[], seed);
         assert!(most < 5e-3, "{most} Nm");
         let (_, most, _) = observed(&self::arm(true), 0.2, ObservedFriction::External, &[], seed);
@@ -120,7 +119,7 @@ fn in_free_motion_nothing_is_found() {
 }
 
 #[test]
-fn a_constant_push_is_found_and_explained_by_a_force() {
+fn constant_push_is_estimated_as_a_force() {
     let model = arm(true);
     let tool = model.frame_id("panda_tcp").unwrap();
     for (seed, force) in
@@ -136,7 +135,7 @@ fn a_constant_push_is_found_and_explained_by_a_force() {
         posed.jacobian_into(tool, Axes::World, &mut jacobian).unwrap();
         let expected = jacobian.transpose() * wrench;
         for joint in 0..7 {
-            // What changed within the observer's lag of 20 ms.
+            // The tolerance is what changed within the observer's lag of 20 ms.
             let apart = (found[joint] - expected[joint]).abs();
             assert!(apart < 0.03 * (1.0 + expected.amax()), "{joint}: {found:?} {expected}");
         }
@@ -147,13 +146,13 @@ fn a_constant_push_is_found_and_explained_by_a_force() {
 }
 
 #[test]
-fn the_estimate_follows_a_push_with_the_rate_given() {
+fn estimate_follows_a_push_at_its_rate() {
     let model = arm(false);
     let settings = ObserverSettings { rates: vec![20.0; 7], ..ObserverSettings::default() };
     let mut observer = MomentumObserver::new(&model, settings).unwrap();
     let mut data = Data::new(&model);
     let mut gravity = [0.0; 7];
-    // The arm stands still with 4 Nm too much on the second joint: somebody takes them.
+    // The motor of the second joint exerts 4 Nm too much, but the arm is at rest because somebody holds it.
     for _ in 0..51 {
         let mut moving = data.pose(&model, &HOME).unwrap().moving(&[0.0; 7]).unwrap();
         moving.posed_mut().gravity_into(&mut gravity).unwrap();

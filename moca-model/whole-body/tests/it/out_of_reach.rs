@@ -44,7 +44,7 @@ fn panda_arm() -> Arm {
     Arm { model: panda(), hand: "panda_hand_tcp", shoulder: Vector3::new(0.0, 0.0, 0.333), start }
 }
 
-/// The left one of two, on a lift.
+/// The left one of two arms on a lift.
 fn left_arm() -> Arm {
     let urdf = include_str!("../../examples/urdf/two_arms.urdf");
     let tips = vec!["left_hand".to_owned()];
@@ -62,7 +62,7 @@ struct Reach {
     position: TaskId<PositionTask>,
 }
 
-/// Position over orientation over posture.
+/// A stack with position over orientation over posture.
 fn reach(arm: &Arm) -> Reach {
     let hand = arm.model.frame_id(arm.hand).unwrap();
     let mut builder = Ik::builder(&arm.model);
@@ -92,8 +92,8 @@ fn last_second(arm: &Arm, target: &Vector3<f64>) -> [f64; 2] {
     worst
 }
 
-/// Checks some of the targets; all with the environment variable `WHOLE_BODY_TARGETS`, and then says
-/// how many are rested at.
+/// Checks some of the targets. The environment variable `WHOLE_BODY_TARGETS` checks all and prints how many end at
+/// rest.
 fn rests_at(arm: &Arm, some: &[(usize, usize)]) {
     let all = std::env::var("WHOLE_BODY_TARGETS").is_ok();
     let (mut count, mut moving) = (0, Vec::new());
@@ -126,7 +126,7 @@ fn an_arm_on_a_lift_comes_to_rest() {
     rests_at(&left_arm(), &[(0, 1), (1, 1), (4, 0), (6, 0), (8, 1), (13, 0), (14, 1), (15, 0)]);
 }
 
-/// A stretched arm first has to bend: that takes longer than the way.
+/// A stretched arm has to bend first, which takes longer than the way itself.
 #[test]
 fn a_target_that_comes_back_is_reached() {
     let arm = panda_arm();

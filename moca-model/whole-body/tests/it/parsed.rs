@@ -1,4 +1,4 @@
-//! Models of robots that `urdf-rs` has read: another reader, the same robot.
+//! Models of robots that `urdf-rs` has read are the same robots.
 
 use nalgebra::Matrix6xX;
 use proptest::prelude::*;
@@ -41,7 +41,7 @@ proptest! {
 }
 
 #[test]
-fn what_is_wrong_with_a_parsed_robot_is_an_error() {
+fn invalid_parsed_robot_is_an_error() {
     let text = r#"<robot name="loop">
       <link name="a"/> <link name="b"/>
       <joint name="j" type="floating"><parent link="a"/><child link="b"/></joint>

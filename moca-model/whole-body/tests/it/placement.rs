@@ -1,4 +1,4 @@
-//! Where links are, against plain products of poses, one after another.
+//! Poses of links, compared with plain products of poses.
 
 use approx::assert_abs_diff_eq;
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, UnitVector3, Vector3};
@@ -7,7 +7,7 @@ use whole_body::{Base, Data};
 
 use crate::support::{Kind, Piece, Robot, State, robots_of, states};
 
-/// Joints that follow none.
+/// Kinds of joints that follow no other.
 const KINDS: &[Kind] = &[Kind::Fixed, Kind::Prismatic, Kind::Revolute, Kind::Continuous];
 
 /// Trees on all bases, with states.
@@ -84,7 +84,7 @@ fn in_order_of_the_text(robot: &Robot, q: &[f64]) -> Vec<f64> {
 
 proptest! {
     #[test]
-    fn links_stand_where_the_product_of_poses_puts_them((robot, state) in trees()) {
+    fn link_poses_are_products_of_joint_poses((robot, state) in trees()) {
         let model = robot.model();
         let (poses, moment) = naive(&robot, &in_order_of_the_text(&robot, &state.q));
         let mut data = Data::new(&model);
@@ -98,7 +98,7 @@ proptest! {
     }
 
     #[test]
-    fn a_joint_moves_what_hangs_on_it_and_nothing_else((robot, state) in trees(), by in 0.1..1.0) {
+    fn joint_moves_its_subtree_and_nothing_else((robot, state) in trees(), by in 0.1..1.0) {
         let model = robot.model();
         let (mut data, mut other) = (Data::new(&model), Data::new(&model));
         let posed = data.pose(&model, &state.q).unwrap();

@@ -1,4 +1,4 @@
-//! Simulated robots move as rigid bodies do, and feel what touches them.
+//! Simulated robots move as rigid bodies, and contacts act on them.
 
 use std::sync::LazyLock;
 
@@ -22,7 +22,7 @@ fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().unwrap().iter().map(|number| number.as_f64().unwrap()).collect()
 }
 
-/// The largest difference to Pinocchio in a second \[rad\].
+/// The largest difference from Pinocchio in a second \[rad\].
 fn difference(case: &Value, substeps: u32) -> f64 {
     let model = arm(case["friction"].as_bool().unwrap());
     let drives: Vec<_> = numbers(&case["rotors"])
@@ -48,7 +48,7 @@ fn difference(case: &Value, substeps: u32) -> f64 {
 
 #[test]
 fn a_second_of_random_torques_is_pinocchios() {
-    // Without rotors and friction the last joint comes to 60 rad/s.
+    // The last joint reaches 60 rad/s without rotors and friction.
     for (case, substeps) in GOLDEN["cases"].as_array().unwrap().iter().zip([4, 1, 1]) {
         let most = difference(case, substeps);
         assert!(most < 1e-6, "{most} rad");
@@ -87,7 +87,7 @@ fn mobile() -> Model {
 }
 
 #[test]
-fn a_base_follows_velocities_and_its_arm_feels_it() {
+fn arm_reacts_to_velocity_of_its_base() {
     let model = mobile();
     assert_eq!(model.base(), Base::Planar);
     let mut drives = [JointDrive::TORQUE; 10];
@@ -146,7 +146,7 @@ fn a_collision_is_that_of_two_masses() {
         let contact = robot.contacts()[0];
         assert!((contact.peak_force - expected).abs() < 0.02 * expected, "{contact:?} {expected}");
         assert_eq!(contact.force, 0.0, "they have parted");
-        // And it bounces off by the laws of elastic impact.
+        // The robot bounces off by the laws of elastic impact.
         let after = speed * (mass - own) / (mass + own);
         assert!((contact.velocity - after).abs() < 0.05 * speed, "{} {after}", contact.velocity);
     }
@@ -168,7 +168,7 @@ fn torques_stay_within_the_effort_limits() {
 pub(crate) struct Noise(pub(crate) Random);
 
 impl RandomSource for Noise {
-    /// The sum of twelve even ones, but for six, is nearly normal.
+    /// The sum of twelve uniform numbers minus six is nearly normal.
     fn normal(&mut self) -> f64 {
         (0..12).map(|_| self.0.unit()).sum::<f64>() - 6.0
     }

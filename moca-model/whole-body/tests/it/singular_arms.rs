@@ -9,9 +9,10 @@ use crate::support::monitor::Monitor;
 use crate::support::stacks::{PERIOD, panda};
 use crate::support::{last_frame, pose};
 
-/// 200 starts over 12 arms, with targets 3 and 10 cm away that are in reach by more than 1 %. By line:
-/// the arm, the target (position, then the quaternion's i, j, k, w), the time to it without damping
-/// \[s\], `inf` where it is not reached, and the start.
+/// 200 starts of 12 arms, with targets 3 and 10 cm away that are in reach by more than 1 %.
+///
+/// Each line has the arm, the target (position, then the quaternion's i, j, k, w), the time to it without damping \[s\]
+/// and the start. The time is `inf` if the target is not reached.
 const STARTS: &str = include_str!("singular_starts.txt");
 
 fn apart(target: &Isometry3<f64>, now: &Isometry3<f64>) -> f64 {
@@ -27,8 +28,8 @@ fn ik(model: &Model, q: &[f64], target: Isometry3<f64>) -> Ik {
     ik
 }
 
-/// When the tool is within 1 mm of its place, and the fastest joint a second later; nothing if it is
-/// not there in ten seconds, or does not stay. Limits hold on the way.
+/// Returns the time at which the tool is within 1 mm of its place, and the speed of the fastest joint a second later.
+/// `None` if it is not there in ten seconds or does not stay. Limits hold on the way.
 fn arrival(model: &Model, start: &[f64], target: Isometry3<f64>) -> Option<[f64; 2]> {
     let (tool, mut q) = (last_frame(model), start.to_vec());
     let mut ik = ik(model, start, target);
@@ -49,10 +50,10 @@ fn arrival(model: &Model, start: &[f64], target: Isometry3<f64>) -> Option<[f64;
     arrived.filter(|_| stays).map(|tick| [f64::from(tick) * PERIOD, fastest])
 }
 
-/// Of the three that do not arrive, the arm does not without damping either. What moves after a second
-/// are joints that are left over, on their way to the posture.
+/// The three arms that do not arrive do not arrive without damping either. Joints that still move after a second are
+/// redundant ones on their way to the posture.
 #[test]
-fn nearly_all_arrive_and_most_as_fast_as_without_damping() {
+fn nearly_all_singular_starts_arrive() {
     let arms = arms();
     let (mut missed, mut late, mut moving) = (Vec::new(), Vec::new(), 0);
     for (number, line) in STARTS.lines().enumerate() {
@@ -80,7 +81,7 @@ fn nearly_all_arrive_and_most_as_fast_as_without_damping() {
     assert!(moving <= 1, "{moving} arms without joints left over move on");
 }
 
-/// ABB IRB 1600 in the middle of its range, 3 cm down.
+/// An ABB IRB 1600 in the middle of its range moves 3 cm down.
 #[test]
 fn an_elbow_over_the_first_axis_comes_back() {
     let model = arm("irb1600");
@@ -91,9 +92,9 @@ fn an_elbow_over_the_first_axis_comes_back() {
     assert!(time < 0.3 && speed < 0.01, "{time} s, {speed} rad/s");
 }
 
-/// UR5 with its wrist stretched, along a direction that it has.
+/// A UR5 with its wrist stretched moves along a direction that it has.
 #[test]
-fn a_way_beside_the_lost_direction_takes_no_longer() {
+fn lost_direction_does_not_slow_other_motion() {
     let model = arm("ur5");
     for (wrist, elbow) in [(0.0, 1.6), (0.0, 1.0), (0.02, 1.0)] {
         let q = vec![0.0, -0.6, elbow, 0.2, wrist, 0.0];
@@ -104,7 +105,7 @@ fn a_way_beside_the_lost_direction_takes_no_longer() {
     }
 }
 
-/// The way leads through singular configurations; nothing is given up for good.
+/// The path leads through singular configurations, but no target is given up for good.
 #[test]
 fn a_panda_arrives_far_away() {
     let model = panda();
@@ -122,7 +123,7 @@ fn a_panda_arrives_far_away() {
 
 /// Out of reach the arm comes to rest by itself, and leaves when the target comes back.
 #[test]
-fn a_target_that_comes_back_is_reached_from_rest() {
+fn returning_target_is_reached_from_rest() {
     let model = panda();
     let mut q = vec![0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785];
     let tool = last_frame(&model);

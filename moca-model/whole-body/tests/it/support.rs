@@ -17,11 +17,11 @@ pub(crate) enum Kind {
     Prismatic,
     Revolute,
     Continuous,
-    /// Follows the nearest free joint that stands before it in the text, if there is one.
+    /// Follows the nearest independent joint before it in the text, if there is one.
     Mimic,
 }
 
-/// A joint and the link that it carries; it hangs on link `parent` of those before it.
+/// A joint and the link that it carries. Its parent is one of the links before it.
 #[derive(Debug, Clone)]
 pub(crate) struct Piece {
     pub(crate) kind: Kind,
@@ -36,7 +36,7 @@ pub(crate) struct Piece {
     tilt: [f64; 3],
 }
 
-/// A robot as text, with a base to read it with.
+/// A robot as text, with the base to read it with.
 #[derive(Debug, Clone)]
 pub(crate) struct Robot {
     pub(crate) pieces: Vec<Piece>,
@@ -57,7 +57,7 @@ pub(crate) fn robots() -> impl Strategy<Value = Robot> {
     robots_of(&[Kind::Fixed, Kind::Prismatic, Kind::Revolute, Kind::Continuous, Kind::Mimic])
 }
 
-/// The same with joints of these kinds.
+/// Trees of up to ten joints of these kinds on all bases.
 pub(crate) fn robots_of(kinds: &'static [Kind]) -> impl Strategy<Value = Robot> {
     let base = prop_oneof![Just(Base::Fixed), Just(Base::Planar), Just(Base::Floating)];
     let kinds = prop::sample::select(kinds);
@@ -65,7 +65,7 @@ pub(crate) fn robots_of(kinds: &'static [Kind]) -> impl Strategy<Value = Robot> 
     (pieces, piece(Just(Kind::Fixed).boxed()), base)
         .prop_map(|(mut pieces, root, base)| {
             for (index, piece) in pieces.iter_mut().enumerate() {
-                // Long ways and branches alike.
+                // Long paths and branches are both likely.
                 piece.parent = index.saturating_sub(piece.parent);
             }
             Robot { pieces, base, root }
@@ -208,7 +208,7 @@ fn inertial(piece: &Piece) -> String {
     )
 }
 
-/// Where `integrate` takes q along `v` for `time` seconds.
+/// The result of `integrate` from q along `v` for `time` seconds.
 pub(crate) fn after(model: &Model, q: &[f64], v: &[f64], time: f64) -> Vec<f64> {
     let mut moved = q.to_vec();
     let displacement: Vec<_> = v.iter().map(|v| v * time).collect();
@@ -231,7 +231,7 @@ pub(crate) fn jacobian(model: &Model, q: &[f64], frame: FrameId, axes: Axes) -> 
     out
 }
 
-/// The twist, linear then angular in the world's axes, that takes one pose to another in `time`.
+/// The twist, linear, then angular in the world's axes, that takes one pose to another in `time`.
 pub(crate) fn twist_between(
     before: &Isometry3<f64>,
     after: &Isometry3<f64>,

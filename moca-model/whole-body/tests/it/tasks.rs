@@ -15,7 +15,7 @@ const STEP: f64 = 1e-5;
 const GAIN: f64 = 10.0;
 const FEEDBACK: Feedback = Feedback { gain: GAIN, deceleration: f64::INFINITY };
 
-/// Of a task whose target is where the robot is: what it asks for falls at the rate gain · A q̇.
+/// Checks a task whose target is at the robot's state: its right-hand side decreases at the rate gain · A q̇.
 fn is_derivative<T: Task + Clone>(model: &Model, task: &T, state: &State, tolerance: f64) {
     let [before, now, later] = [-STEP, 0.0, STEP]
         .map(|time| rows_at(model, task.clone(), &after(model, &state.q, &state.v, time)));
@@ -112,7 +112,7 @@ proptest! {
                 .with_coordinates(coordinates)
                 .with_gain(GAIN);
             let rows = rows_at(&model, task.clone(), &state.q);
-            // Far enough from singular, where w has a kink.
+            // The robot must not be close to singular, where w has a kink.
             prop_assume!(0.1 - rows[0].1 / GAIN > 1e-3);
             is_derivative(&model, &task, &state, 1e-3);
         }
@@ -132,7 +132,7 @@ fn manipulability_is_the_root_of_the_determinant() {
     assert!((found - expected).abs() < 1e-5 * expected, "{found} for {expected}");
 }
 
-/// Far targets, by formulas of their own.
+/// Far targets are checked by formulas of their own.
 #[test]
 fn errors_are_differences_in_the_stated_axes() {
     let model = humanoid();
@@ -155,7 +155,7 @@ fn errors_are_differences_in_the_stated_axes() {
     for (row, expected) in rows_at(&model, task.clone(), &q).iter().zip(&expected) {
         assert!((row.1 - expected).abs() < 1e-9 && row.1 == row.2);
     }
-    // The same in the axes of the hand.
+    // The same pose in the axes of the hand.
     let task = task.with_coordinates(PoseAxes::ALL, Axes::Local);
     let rows = rows_at(&model, task, &q);
     for part in [0, 3] {
@@ -168,7 +168,7 @@ fn errors_are_differences_in_the_stated_axes() {
 }
 
 #[test]
-fn an_axis_turns_the_shorter_way_and_out_of_the_opposite_direction() {
+fn axis_turns_the_shorter_way() {
     let model = two_arms();
     let head = model.frame_id("head").unwrap();
     let q = model.neutral();
@@ -177,7 +177,7 @@ fn an_axis_turns_the_shorter_way_and_out_of_the_opposite_direction() {
     let rows = rows_at(&model, task.clone(), &q);
     let speed = rows.iter().map(|row| row.1 * row.1).sum::<f64>().sqrt();
     assert!((speed - GAIN * std::f64::consts::FRAC_PI_2).abs() < 1e-9);
-    // About the world's z axis, as the neck yaws.
+    // The rotation is about the world's z axis, as that of neck_yaw.
     let yaw = model.joint(model.joint_id("neck_yaw").unwrap()).unwrap().velocity_index;
     let turned: f64 = rows.iter().map(|row| row.0[yaw] * row.1).sum();
     assert!((turned - speed).abs() < 1e-9);

@@ -1,4 +1,4 @@
-//! A Panda under torque control: it follows, it carries itself, it is held and let go.
+//! A Panda under torque control follows, supports itself, is held and released.
 
 use nalgebra::{Point3, Vector3};
 use whole_body::ik::Leash;
@@ -18,8 +18,7 @@ use crate::support::stacks::Random;
 
 const PERIOD: f64 = 1e-3;
 
-/// A Panda with friction and rotors, noisy and late sensors, commands that get lost, and a stack that
-/// moves the tool.
+/// A Panda with friction and rotors, noisy and late sensors, lost commands, and a stack that moves the tool.
 struct Loop {
     model: Model,
     ik: Ik,
@@ -29,7 +28,7 @@ struct Loop {
     sensors: Sensors,
     commands: Transmission,
     noise: Noise,
-    /// Whether the robot has not followed: it stays where it is then.
+    /// Whether the robot did not follow. It then stays where it is.
     held: bool,
     torque: Vec<f64>,
 }
@@ -67,12 +66,12 @@ impl Loop {
         }
     }
 
-    /// One period towards a target that stands.
+    /// One period towards a target at rest.
     fn step(&mut self, target: Point3<f64>) {
         self.step_along(target, Vector3::zeros());
     }
 
-    /// The same with a target that moves \[m/s\].
+    /// One period towards a target that moves at `velocity` \[m/s\].
     fn step_along(&mut self, target: Point3<f64>, velocity: Vector3<f64>) {
         self.sensors.measure(&self.robot, &mut self.noise).unwrap();
         let task = self.ik.task_mut(self.tool).unwrap();
@@ -108,9 +107,9 @@ impl Loop {
     }
 }
 
-/// The floors of the issue: 1 mm commanded, 5 mm actual, root mean square, with friction and noise.
+/// Root mean square errors are at most 1 mm for the command and 5 mm for the robot, with friction and noise.
 #[test]
-fn a_circle_at_a_quarter_of_a_metre_a_second_is_followed() {
+fn torque_control_follows_a_circle() {
     for radius in [0.1, 0.2] {
         let mut panda = Loop::new(TorqueSettings::new(Compensation::BARE));
         let start = panda.point(&HOME);
@@ -136,9 +135,9 @@ fn a_circle_at_a_quarter_of_a_metre_a_second_is_followed() {
     }
 }
 
-/// The floors of the issue: q* within the leash for 3 s at a wall, and no jump of more than 5 mm.
+/// q* stays within the leash for 3 s at a wall, and the robot jumps by at most 5 mm.
 #[test]
-fn an_arm_pushed_against_a_wall_is_let_go_without_a_jump() {
+fn arm_released_from_wall_does_not_jump() {
     let settings = TorqueSettings {
         leash: Leash { revolute: 0.05, ..Leash::default() },
         ..TorqueSettings::new(Compensation::BARE)
@@ -163,7 +162,7 @@ fn an_arm_pushed_against_a_wall_is_let_go_without_a_jump() {
         jump = jump.max((panda.point(panda.robot.position()) - before).norm());
         excursion = excursion.max(panda.excursion());
     }
-    // What is commanded in one period may come on top, and noise.
+    // The command of one period may come on top, and noise.
     assert!(excursion <= 0.05 + 2.61e-3 + 1e-4, "{excursion} rad");
     assert!(jump <= 5e-3, "{jump} m");
 }
@@ -179,7 +178,7 @@ fn an_arm_that_is_to_stay_stays() {
 }
 
 #[test]
-fn what_gives_way_follows_the_hand_that_pushes_it() {
+fn yielding_arm_follows_the_pushing_hand() {
     let mut panda = Loop::new(TorqueSettings::new(Compensation::BARE));
     let start = panda.point(&HOME);
     let tool = panda.model.frame_id("panda_tcp").unwrap();
@@ -217,7 +216,7 @@ fn what_torque_control_cannot_use() {
     assert!(control.step(&[0.0; 6], rest, 0.0, PERIOD).is_err());
     assert!(control.step(&[0.0; 7], rest, 0.0, -1.0).is_err());
     assert_eq!(control.desired(), HOME);
-    // One joint alone: the others are desired where they are.
+    // Only one joint has a torque drive. The desired position of the others is the measured one.
     let impedance = ImpedanceSettings {
         stiffness: vec![600.0],
         damping: vec![20.0],

@@ -1,4 +1,4 @@
-//! Files as ROS-Industrial and others write them: efforts of zero, other encodings.
+//! Files as ROS-Industrial and others write them, with efforts of zero and other encodings.
 
 use whole_body::robot::{JointLimits, LimitOverride, UrdfError};
 use whole_body::simulation::{JointDrive, RigidBodySimulation};
@@ -22,7 +22,7 @@ fn torque_control(model: &Model) -> Result<TorqueControl, Error> {
 }
 
 #[test]
-fn an_effort_of_zero_is_unknown_and_asked_for_where_torques_are_used() {
+fn zero_effort_counts_as_unknown() {
     for limit in [r#"effort="0""#, ""] {
         let model = Model::from_urdf(&urdf(limit), &Description::default()).unwrap();
         assert_eq!(model.limits()[0].effort, JointLimits::UNKNOWN_EFFORT);
@@ -49,7 +49,7 @@ fn an_effort_of_zero_is_unknown_and_asked_for_where_torques_are_used() {
 }
 
 #[test]
-fn limits_that_cannot_be_meant_are_told_apart_for_programs() {
+fn unusable_limit_errors_are_recognisable() {
     let text = urdf(r#"effort="1""#).replace(r#"velocity="1""#, r#"velocity="0""#);
     let error = Model::from_urdf(&text, &Description::default()).unwrap_err();
     assert!(error.is_unusable_limit() && !error.to_string().contains("::"), "{error}");

@@ -1,4 +1,4 @@
-//! Rows that the caller writes, tick after tick, some of which bound nothing.
+//! Rows that the caller writes in every tick, some of which have no bounds.
 
 use std::sync::LazyLock;
 
@@ -14,7 +14,7 @@ static PANDA: LazyLock<Model> = LazyLock::new(panda);
 const JOINTS: usize = 7;
 const ROWS: usize = 5;
 
-/// What one row asks: its coefficients, whether it bounds anything, and where.
+/// The content of one row: its coefficients, whether it has bounds, and its target.
 type Asked = ([f64; JOINTS], bool, f64);
 
 fn tick() -> impl Strategy<Value = Vec<Asked>> {
@@ -35,7 +35,7 @@ fn rows(tick: &[Asked]) -> Rows {
     rows
 }
 
-/// The task above one that asks all joints for a velocity of their own.
+/// The task above another one that asks all joints for velocities.
 fn stack(task: VelocityTask) -> (TaskStack, TaskId<VelocityTask>) {
     let model = &*PANDA;
     let mut first = TaskLevel::new("first");
@@ -64,7 +64,7 @@ fn solve(stack: &mut TaskStack) -> Vec<f64> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// Rows copied over those of the ticks before are the same as rows written one by one in a new stack.
+    /// Rows copied over those of earlier ticks equal rows written one by one in a new stack.
     #[test]
     fn what_ticks_before_left_does_not_matter(ticks in prop::collection::vec(tick(), 1..6)) {
         let (mut reused, id) = stack(VelocityTask::from_rows(&rows(&ticks[0])));
@@ -82,14 +82,14 @@ proptest! {
         }
     }
 
-    /// A row behind the last that bounds something is zero, whatever stood there before.
+    /// A row behind the last one with bounds is zero, whatever was there before.
     #[test]
-    fn a_row_that_bounded_nothing_is_zero_when_it_is_bounded(
+    fn newly_bounded_row_starts_from_zero(
         before in tick(), after in tick(), were_longer in any::<bool>(),
     ) {
         let mut task = VelocityTask::from_rows(&rows(&before));
         if were_longer {
-            // Rows that took other places in memory.
+            // Move the rows to other places in memory.
             task = VelocityTask::new(ROWS);
             for (index, asked) in before.iter().enumerate().take(ROWS - 1) {
                 let longer: Vec<f64> = asked.0.iter().chain(&asked.0).copied().collect();

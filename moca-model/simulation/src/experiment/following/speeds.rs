@@ -1,4 +1,4 @@
-//! People who walk straight on, at up to the robot's speed.
+//! People who walk straight at up to the robot's speed.
 
 use std::fmt;
 
@@ -18,60 +18,60 @@ use crate::experiment::walk::{ARM_SPEED, Walk};
 use crate::people::{CameraSettings, WalkerSettings, WalkingPath};
 use crate::run::{Scenario, Summary};
 
-/// How fast people walk \[m/s\]; the last is the robot's own speed.
+/// Speeds of the people \[m/s\]. The last one is the robot's own speed.
 const SPEEDS: [f64; 8] = [0.2, 0.4, 0.6, 0.8, 1.0, 1.2, 1.35, MOCA_AXIS_SPEED];
 
-/// How long they walk \[s\].
+/// Duration of the walk \[s\].
 const WALK: f64 = 8.0;
 
-/// What they do before, but for coming to the workplace, and after \[s\].
+/// Durations of what they do before, except for the approach to the workplace, and after \[s\].
 const BEFORE: f64 = 12.5;
 const AFTER: f64 = 8.0;
 
-/// From the walker's first place to the workplace \[m\].
+/// Distance from the walker's first place to the workplace \[m\].
 const APPROACH: f64 = 1.8;
 
-/// How far apart the cameras are along their way \[m\]: they walk as far as 12 m, and of depth measured from
-/// there, as the camera at the workplace sees it, the standard deviation is half a metre.
+/// Distance between the cameras along their way \[m\]. They walk as far as 12 m, where the depth measured from the
+/// workplace has a standard deviation of half a metre.
 const CAMERAS: f64 = 3.0;
 
-/// Case numbers apart from those of the random paths.
+/// First case number, apart from those of the random paths.
 const FIRST: u64 = 1 << 32;
 
-/// What it came to at each speed.
+/// The results at each speed.
 #[derive(Clone, Debug, Default, Serialize)]
 #[serde(transparent)]
 pub struct Speeds {
     pub(super) rows: Vec<SpeedResult>,
 }
 
-/// At one speed.
+/// The results at one speed.
 #[derive(Clone, Debug, Serialize)]
 pub struct SpeedResult {
-    /// \[m/s\].
+    /// The speed \[m/s\].
     pub(super) speed: f64,
-    /// Whether people are kept at a distance, which slows the robot near them.
+    /// Whether distances from people are kept, which slows the robot near them.
     pub(super) separation: bool,
     cases: usize,
-    /// How far the hand is from its place at this speed while the person walks evenly \[m\].
+    /// Distance of the hand from its nominal place at this speed while the person walks evenly \[m\].
     pub(super) steady_m: Spread,
-    /// How far it is from its place beside the standing person meanwhile \[m\].
+    /// Distance of the hand from its place beside the standing person meanwhile \[m\].
     pub(super) behind_m: Spread,
-    /// The largest of the latter on the way \[m\].
+    /// Largest distance from the place beside the standing person on the way \[m\].
     pub(super) largest_m: Spread,
-    /// Outside of the workspace while working together \[s\].
+    /// Time outside of the workspace while working together \[s\].
     outside_s: Spread,
-    /// What a robot at this speed keeps from a person of whom no more is known than that they do not come
-    /// nearer, so that it stops in time if they stand still: S_p with v_h = 0 and the base's braking \[m\].
+    /// S_p of a robot at this speed for v_h = 0 and the base's braking \[m\]. It lets the robot stop in time if the
+    /// person stands still.
     protective_m: f64,
     limit_violations: u64,
     separation_violations: u64,
     protective_stops: u64,
-    /// How often the robot retreated from the person, or stood because they were too near.
+    /// Number of times that the robot retreated from the person, or stood because they were too near.
     retreats: u64,
 }
 
-/// Somebody who walks straight on.
+/// A person who walks straight.
 #[derive(Clone, Debug)]
 pub struct Stroll {
     seed: u64,
@@ -80,7 +80,7 @@ pub struct Stroll {
     separation: bool,
 }
 
-/// What a stroll came to.
+/// The result of a straight walk.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct StrollTrial {
     speed: f64,
@@ -89,22 +89,22 @@ pub struct StrollTrial {
     error: DistanceError,
 }
 
-/// Every speed, with separation and without.
+/// Every speed, with and without separation.
 fn runs() -> impl Iterator<Item = (f64, bool)> {
     SPEEDS.into_iter().flat_map(|speed| [(speed, true), (speed, false)])
 }
 
-/// At each speed a tenth of the experiment's cases, at least one.
+/// The cases of a job: at each speed a tenth of the experiment's number, at least one.
 pub(super) fn cases(job: &Job) -> impl Iterator<Item = Stroll> {
     let (seed, each) = (job.seed, job.cases.div_ceil(10));
     runs().flat_map(move |(speed, separation)| {
-        // The same people with separation and without.
+        // The same people walk with and without separation.
         (FIRST..FIRST + each).map(move |number| Stroll { seed, number, speed, separation })
     })
 }
 
 impl Stroll {
-    /// Plays it with ergonomics.
+    /// Plays the walk with ergonomics.
     ///
     /// # Errors
     /// Settings that the controller refuses.
@@ -132,7 +132,7 @@ impl Stroll {
 }
 
 impl Speeds {
-    /// Of these trials.
+    /// Creates the result of these trials.
     pub(super) fn new(trials: &[StrollTrial]) -> Self {
         let rows = runs().filter_map(|(speed, separation)| {
             let same =
@@ -144,7 +144,7 @@ impl Speeds {
     }
 }
 
-/// Somebody who works, then walks backwards, straight but for a few degrees.
+/// A person who works, then walks backwards, straight within a few degrees.
 fn walker(speed: f64, draw: &mut impl Rng) -> WalkerSettings {
     let workplace = Point2::new(1.4, 0.0);
     let way = Rotation2::new(draw.random_range(-0.15..0.15)) * Vector2::x() * (speed * WALK);
@@ -159,11 +159,11 @@ fn walker(speed: f64, draw: &mut impl Rng) -> WalkerSettings {
     }
 }
 
-/// The same with a desired pose and a workspace that may be as fast as the robot.
+/// Lets the desired pose and the workspace of a scenario be as fast as the robot.
 fn quick(mut scenario: Scenario) -> Scenario {
     let settings = &mut scenario.settings;
     settings.desired = DesiredMotion { velocity: MOCA_AXIS_SPEED, ..settings.desired };
-    // As long as braking from there takes.
+    // The horizon is the time of braking from there.
     settings.horizon = MOCA_AXIS_SPEED / (settings.desired.acceleration / 3.0_f64.sqrt());
     settings.follower.speed = 1.2 * MOCA_AXIS_SPEED;
     scenario

@@ -1,4 +1,4 @@
-//! Whether and when the right surface is before the person, seen from outside.
+//! Judge of whether and when the right surface is in front of the person, by the true poses.
 
 use hrsw_safety::SafetyState;
 use moca_model::{DesiredMotion, Phase};
@@ -10,8 +10,7 @@ use crate::people::Truth;
 use crate::plant::Plant;
 use crate::run::Scenario;
 
-/// What the heading of the tracked person and the robot's following add to the room for orientations
-/// \[rad\].
+/// Tolerance of orientations for the errors of the tracked heading and of the robot's following \[rad\].
 const TOLERANCE: f64 = 0.05;
 
 /// A turn of the object.
@@ -19,34 +18,33 @@ const TOLERANCE: f64 = 0.05;
 pub struct Turn {
     /// Whether the robot has the object.
     pub grasped: bool,
-    /// Whether it began to turn it.
+    /// Whether the robot began to turn it.
     pub recognised: bool,
-    /// Whether the right surface is before the person when they stop working.
+    /// Whether the right surface is in front of the person when they stop working.
     pub right: bool,
-    /// By how much the tool is turned from the middle of the room for orientations then, as a rotation
-    /// vector \[rad\].
+    /// Rotation of the tool from the middle of the room for orientations at that time, as a rotation vector \[rad\].
     pub off: [f64; 3],
-    /// From the beginning of the turn to the work pose, in which it then stays \[s\].
+    /// Time from the beginning of the turn to the work pose, in which it then stays \[s\].
     pub time: Option<f64>,
-    /// Of that time, how long the robot is slowed, stands or retreats because of the person \[s\].
+    /// Part of that time in which the robot is slowed, stands or retreats because of the person \[s\].
     pub hindered: f64,
-    /// The least that the limits of the desired pose allow \[s\].
+    /// Least time that the limits of the desired pose allow \[s\].
     pub least_time: Option<f64>,
 }
 
 impl Turn {
-    /// The time over the least time; none of a turn that takes none.
+    /// The time over the least time; `None` if there was nothing to turn.
     pub fn ratio(&self) -> Option<f64> {
         let least = self.least_time.filter(|least| *least > 0.0)?;
         Some(self.time? / least)
     }
 }
 
-/// Watches the true tool and the true person.
+/// Compares the true tool with the true person.
 #[derive(Debug)]
 pub struct Judge<'a> {
     truth: &'a [Truth],
-    /// Of the tool in the person's frame, in the work pose.
+    /// Orientation of the tool in the person's frame in the work pose.
     goal: UnitQuaternion<f64>,
     room: Vector3<f64>,
     desired: DesiredMotion,
@@ -56,7 +54,7 @@ pub struct Judge<'a> {
 }
 
 impl<'a> Judge<'a> {
-    /// Of a scenario whose person needs this surface, which is opposite to the front.
+    /// Creates a judge for a scenario whose person needs this surface, which is opposite to the front.
     pub fn new(scenario: &Scenario, truth: &'a [Truth], needed: Surface) -> Self {
         let space = &scenario.settings.space;
         let half_turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), std::f64::consts::PI);
@@ -81,7 +79,7 @@ impl<'a> Judge<'a> {
         let Some(person) = next.checked_sub(1).and_then(|at| self.truth.get(at)) else {
             return;
         };
-        // When they stop working, nothing changes any more.
+        // Nothing changes after they stop working.
         if phase == Phase::Apart || !person.action.is_collaborative() {
             return;
         }
@@ -105,10 +103,10 @@ impl<'a> Judge<'a> {
         }
     }
 
-    /// The time to turn back by a rotation vector to the edge of the room, without coming to rest there.
+    /// The least time to turn back by a rotation vector to the edge of the room, without coming to rest there.
     fn least_time(&self, off: &Vector3<f64>) -> f64 {
         let axis = Unit::try_new(*off, 1e-9).unwrap_or_else(Vector3::z_axis);
-        // How far out the way along the geodesic enters the room.
+        // The distance along the geodesic at which it enters the room.
         let edge = (0..3).map(|i| self.room[i] / axis[i].abs()).fold(f64::INFINITY, f64::min);
         let angle = (off.norm() - edge).max(0.0);
         let speed = self.desired.angular_velocity;
@@ -121,7 +119,7 @@ impl<'a> Judge<'a> {
         }
     }
 
-    /// What it came to.
+    /// The result.
     pub fn turn(&self) -> Turn {
         let time = match (self.began, self.arrived) {
             (Some(began), Some(arrived)) => Some(arrived - began),

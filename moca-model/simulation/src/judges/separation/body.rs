@@ -1,4 +1,4 @@
-//! The capsules around the person's joints, apart from those that the controller makes.
+//! The capsules around the person's joints, independent of those of the controller.
 
 use vision_models::Body25;
 use vision_models::Body25::{
@@ -9,7 +9,7 @@ use vision_models::Body25::{
 use super::rod::Rod;
 use crate::people::Joints;
 
-/// From joint to joint and on by a length, with a radius \[m\]; whether it may touch what it works with.
+/// Capsules: start joint, end joint, extension, radius \[m\], and whether the part may touch the workpiece.
 const PARTS: [(Body25, Body25, f64, f64, bool); 12] = [
     (MidHip, Neck, 0.0, 0.15, true),
     (Neck, Nose, 0.0, 0.13, false),
@@ -25,15 +25,15 @@ const PARTS: [(Body25, Body25, f64, f64, bool); 12] = [
     (LeftElbow, LeftWrist, 0.15, 0.06, true),
 ];
 
-/// How many capsules a body has.
+/// The number of capsules of a body.
 pub(super) const PART_COUNT: usize = PARTS.len();
 
-/// Returns true if a part may touch a robot that it works with: all but the head.
+/// Returns true if a part may touch a robot that it works with, which excludes the head.
 pub(super) fn may_touch(part: usize) -> bool {
     PARTS[part].4
 }
 
-/// Returns true if a part is one of an arm.
+/// Returns true if a part belongs to an arm.
 pub(crate) fn is_arm(part: usize) -> bool {
     matches!(PARTS[part].1, RightElbow | RightWrist | LeftElbow | LeftWrist)
 }
@@ -47,7 +47,7 @@ pub(crate) fn capsules(joints: &Joints) -> [Rod; PART_COUNT] {
     })
 }
 
-/// The joints that the capsules are between.
+/// The joints at the ends of the capsules.
 pub(crate) fn joints() -> impl Iterator<Item = Body25> {
     PARTS.into_iter().flat_map(|(from, to, ..)| [from, to])
 }

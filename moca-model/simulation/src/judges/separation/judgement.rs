@@ -1,24 +1,24 @@
-//! Whether the robot keeps its distance from where the person truly is.
+//! Judge of the robot's distance from the true person.
 //!
-//! A pair of capsules, one of the robot's and one of the person's, is **in breach** in a tick in
-//! which the robot moves towards the person, v_r > 0, at a distance below the protective one,
+//! A pair is a capsule of the robot and one of the person. It is **in breach** in a tick if the robot moves towards the
+//! person, v_r > 0, within the protective distance
 //!
-//! S_p = v_h (T_r + T_s) + v_r T_r + S_s + C + Z_r,
+//! S_p = v_h (T_r + T_s) + v_r T_r + S_s + C + Z_r.
 //!
-//! with the stopping distance S_s = v_b²/(2a_b) + v_a²/(2a_a) and the stopping time T_s, the longer of
-//! v_b/a_b and v_a/a_a, of base and arm, each of which brings the capsule nearer by its share of v_r;
-//! v_r is the speed at which the command brings the robot's capsule nearer to the person's, held
-//! still, and v_h the speed at which the person's comes nearer to the robot's, held still. Z_d, the
-//! uncertainty of the person's place, drops out: here the place is known.
+//! The stopping distance is S_s = v_b²/(2a_b) + v_a²/(2a_a). The stopping time T_s is the longer of v_b/a_b and
+//! v_a/a_a. Here v_b and v_a are the shares of base and arm in the approach speed v_r. The speed v_r is that at which
+//! the command moves the robot's capsule towards the person's capsule, held still. The speed v_h is that of the
+//! person's capsule towards the robot's, held still. The uncertainty Z_d of the person's place is zero, since the judge
+//! knows the place.
 //!
-//! A breach is **the person's own** only
-//! - if it is none against the body, as it was and moved when the newest camera frame that had
-//!   reached the robot was taken: then the person has moved since; or
-//! - if the robot comes no nearer than in an emergency stop, in which every joint brakes at its
-//!   limits of acceleration and jerk: then the breach began before the robot could know of it.
+//! A breach is **the person's own** in two cases only:
+//! - There is no breach against the body as it was and moved in the newest camera frame that had reached the robot. The
+//!   person has then moved since.
+//! - The robot approaches no more than in an emergency stop, in which every joint brakes at its limits of acceleration
+//!   and jerk. The breach then began before the robot could know of it.
 //!
-//! Every other breach is a **violation**. A person who works with the robot may touch it, but for
-//! their head: these pairs count apart, as contact, of which the force is what counts.
+//! Every other breach is a **violation**. A person who works with the robot may touch it, except with the head. These
+//! pairs count separately as contacts, for which the force matters.
 
 use hrsw_safety::SeparationSettings;
 use moca_model::whole_body::robot::JointLimits;
@@ -26,13 +26,13 @@ use moca_model::whole_body::robot::JointLimits;
 use super::body::{self, PART_COUNT};
 use super::rod::{Ball, Rod};
 
-/// The robot moves towards a person from this speed on (m/s): rounding alone.
+/// Speed towards a person above which the robot approaches \[m/s\]; smaller values are rounding.
 const TOWARDS: f64 = 1e-6;
-/// Of the derivatives of distances (s).
+/// Step of the derivatives of distances \[s\].
 const STEP: f64 = 1e-6;
-/// What rounding may make of a distance (m).
+/// Tolerance of a distance for rounding \[m\].
 const ROUNDING: f64 = 1e-6;
-/// A part that may be touched counts as about to be touched from here on (m).
+/// Distance below which a part that may be touched counts as about to be touched \[m\].
 const TOUCHING: f64 = 0.05;
 
 /// The robot's capsules a moment before and after, at some velocity.
@@ -42,23 +42,23 @@ pub(super) struct Motion {
     pub(super) after: Vec<Rod>,
 }
 
-/// The robot's capsules now, and as they move: as commanded, and in an emergency stop.
+/// The robot's capsules now, and their motions as commanded and in an emergency stop.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Robot {
     pub(super) now: Vec<Rod>,
     pub(super) commanded: Motion,
-    /// The same, with the base alone.
+    /// The commanded motion of the base alone.
     pub(super) base: Motion,
     pub(super) stopping: Motion,
 }
 
 impl Motion {
-    /// How fast a capsule comes nearer to one that is held still \[m/s\].
+    /// The speed at which a capsule approaches one that is held still \[m/s\].
     fn towards(&self, link: usize, person: &Rod) -> f64 {
         (self.before[link].distance(person) - self.after[link].distance(person)) / (2.0 * STEP)
     }
 
-    /// How fast a capsule moves at most \[m/s\].
+    /// The largest speed of a capsule's points \[m/s\].
     fn fastest(&self, link: usize) -> f64 {
         self.before[link].farthest_move(&self.after[link]) / (2.0 * STEP)
     }
@@ -67,16 +67,16 @@ impl Motion {
 /// Half the time from `before` to `after` (s).
 pub(super) const MOMENT: f64 = STEP;
 
-/// The person's capsules, and those a period before.
+/// The person's capsules now and a period before.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Body {
     pub(super) now: [Rod; PART_COUNT],
-    /// None after a jump: a jump has no speed.
+    /// `None` after a jump, which has no speed.
     pub(super) before: Option<[Rod; PART_COUNT]>,
 }
 
 impl Body {
-    /// Balls around the parts, and how fast these move at most \[m/s\].
+    /// Balls around the parts, and their largest speeds \[m/s\].
     fn bounds(&self, period: f64) -> [(Ball, f64); PART_COUNT] {
         std::array::from_fn(|part| {
             let now = &self.now[part];
@@ -85,8 +85,7 @@ impl Body {
         })
     }
 
-    /// The distance of a part from a capsule of the robot \[m\], and how fast the part comes nearer to it
-    /// \[m/s\].
+    /// The distance of a part from a capsule of the robot \[m\], and the speed at which the part approaches it \[m/s\].
     fn closing(&self, link: &Rod, part: usize, period: f64) -> (f64, f64) {
         let gap = link.distance(&self.now[part]);
         let before = self.before.map(|before| link.distance(&before[part]));
@@ -94,22 +93,22 @@ impl Body {
     }
 }
 
-/// What the pairs of a tick show.
+/// The judgement of a tick.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Verdict {
-    /// The capsules of a pair that the robot is to blame for.
+    /// The pair of capsules that the robot is to blame for.
     pub violation: Option<Blame>,
-    /// A breach that is the person's own.
+    /// Whether there is a breach that is the person's own.
     pub person_caused: bool,
-    /// The robot comes nearer to a part that it may touch.
+    /// Whether the robot approaches a part that it may touch.
     pub contact: bool,
-    /// How fast the robot itself brings the two together, at most, of those parts that are within 5 cm (m/s): its
-    /// speed towards the part, less that at which the part goes away. None if none is.
+    /// Largest contact speed of parts within 5 cm \[m/s\]; `None` if there is none. It is the robot's speed towards the
+    /// part minus the speed at which the part moves away.
     pub contact_speed: Option<f64>,
 }
 
 impl Verdict {
-    /// Takes what another person shows.
+    /// Adds the judgement of another person.
     pub(super) fn add(&mut self, other: &Self) {
         self.violation = self.violation.or(other.violation);
         self.person_caused |= other.person_caused;
@@ -119,17 +118,17 @@ impl Verdict {
     }
 }
 
-/// What the robot is to blame for.
+/// A violation that the robot is to blame for.
 #[derive(Clone, Copy, Debug)]
 #[expect(dead_code, reason = "read by people, in its debug form")]
 pub struct Blame {
     link: usize,
     part: usize,
-    /// Of the robot towards the person \[m/s\].
+    /// Speed of the robot towards the person \[m/s\].
     speed: f64,
     /// Distance and speed of the person towards the robot \[m, m/s\].
     now: (f64, f64),
-    /// As the robot could know them.
+    /// Distance and approach speed of the person as the robot could know them.
     known: Option<(f64, f64)>,
 }
 
@@ -140,7 +139,7 @@ fn time_to_stop(settings: &SeparationSettings, [base, arm]: [f64; 2]) -> f64 {
     reaction_time + (base / of_base).max(arm / deceleration)
 }
 
-/// The formula above.
+/// The protective distance S_p of the formula above.
 fn protective_distance(settings: &SeparationSettings, person: f64, [base, arm]: [f64; 2]) -> f64 {
     let SeparationSettings { reaction_time, deceleration, intrusion, robot_uncertainty, .. } =
         *settings;
@@ -171,8 +170,8 @@ fn in_breach(
     distance < protective_distance(settings, coming.max(0.0), [base, towards - base])
 }
 
-/// Judges a tick: the body now, and as the newest frame that had arrived shows it; `contact` says that
-/// all but the head may touch the robot.
+/// Judges a tick for the present body and the one of the newest frame that had arrived. `contact` says that all parts
+/// except the head may touch the robot.
 pub(super) fn judge(
     settings: &SeparationSettings,
     robot: &Robot,
@@ -184,7 +183,7 @@ pub(super) fn judge(
     let mut verdict = Verdict::default();
     let parts = now.bounds(period);
     for link in 0..robot.now.len() {
-        // Most pairs are too far apart even if both came nearer as fast as they move.
+        // Most pairs are too far apart even at the largest speeds of both.
         let ball = robot.now[link].ball();
         let fastest = [robot.base.fastest(link), robot.commanded.fastest(link)];
         let standing = protective_distance(settings, 0.0, fastest) + ROUNDING;
@@ -222,17 +221,18 @@ pub(super) fn judge(
     verdict
 }
 
-/// Returns true if a pair comes no nearer than in an emergency stop.
+/// Returns true if a pair approaches no more than in an emergency stop.
 fn stops(robot: &Robot, body: &Body, (link, part): (usize, usize)) -> bool {
     let person = &body.now[part];
     let least = robot.stopping.towards(link, person);
     robot.commanded.towards(link, person) <= least.max(0.0) + TOWARDS
 }
 
-/// The velocities one period into an emergency stop: every joint brakes at its limit of acceleration,
-/// which it comes to, and leaves, at its limit of jerk.
+/// Writes the velocities one period into an emergency stop. Every joint brakes at its acceleration limit, which it
+/// reaches and leaves at its jerk limit.
 ///
-/// The last part of a stop, from the limit a to rest, is α² = 2 j v; α Δt + α²/(2j) = v comes onto it.
+/// The last part of a stop, from the limit a to rest, satisfies α² = 2 j v; the solution of α Δt + α²/(2j) = v leads to
+/// it.
 pub(super) fn emergency_stop(
     limits: &[JointLimits],
     acceleration: &[f64],

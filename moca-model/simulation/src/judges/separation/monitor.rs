@@ -1,4 +1,4 @@
-//! The robot's capsules, tick by tick.
+//! Judge of the robot's distance tick by tick.
 
 use hrsw_safety::{Capsule, SafetySettings, SeparationSettings};
 use moca_model::whole_body::robot::JointLimits;
@@ -11,15 +11,15 @@ use super::rod::Rod;
 use crate::Error;
 use crate::people::Joints;
 
-/// The person in a tick, each time with where they were a period before: none after a jump, or for
-/// somebody who counts as standing.
+/// The person in a tick, now and a period before. The earlier joints are `None` after a jump, or for a person who
+/// counts as standing.
 #[derive(Clone, Copy, Debug)]
 pub struct Moment<'a> {
-    /// Now \[m\].
+    /// Joints now \[m\].
     pub person: (&'a Joints, Option<&'a Joints>),
-    /// When the newest frame was taken that shows the person and has arrived \[m\].
+    /// Joints in the newest frame that shows the person and has arrived \[m\].
     pub known: Option<(&'a Joints, Option<&'a Joints>)>,
-    /// Whether all but the head may touch the robot.
+    /// Whether all parts except the head may touch the robot.
     pub contact: bool,
 }
 
@@ -29,22 +29,22 @@ pub struct SeparationMonitor {
     model: Model,
     data: Data,
     shapes: Vec<(FrameId, Rod)>,
-    /// How many of them are the robot's own.
+    /// Number of capsules that are the robot's own.
     own: usize,
     own_pairs: Vec<(usize, usize)>,
     settings: SeparationSettings,
     limits: Vec<JointLimits>,
     period: f64,
-    /// In an emergency stop, then as commanded.
+    /// Velocities in an emergency stop, then as commanded.
     velocity: Vec<f64>,
-    /// Commanded last, and how fast that changed.
+    /// Last commanded velocities, and their rates.
     last: Vec<f64>,
     acceleration: Vec<f64>,
     robot: Robot,
 }
 
 impl SeparationMonitor {
-    /// For a robot at rest, with the control period \[s\].
+    /// Creates a monitor for a robot at rest, with the control period \[s\].
     ///
     /// # Errors
     /// Bodies on links that the robot does not have.
@@ -71,17 +71,16 @@ impl SeparationMonitor {
         })
     }
 
-    /// A frame carries these as well, instead of what was carried before.
+    /// Replaces the capsules that a frame carries.
     pub fn carry(&mut self, frame: FrameId, capsules: &[Capsule]) {
         self.shapes.truncate(self.own);
         self.shapes.extend(capsules.iter().map(|capsule| (frame, rod(capsule))));
     }
 
-    /// Judges the tick of a command, n \[m/s, rad/s\], that begins at `configuration`, n \[m, rad\], for each
-    /// person.
+    /// Judges the tick of a command, n \[m/s, rad/s\], that begins at `configuration`, n \[m, rad\], for each person.
     ///
     /// # Errors
-    /// A configuration that is not one of the robot.
+    /// A configuration that does not belong to the robot.
     pub fn check(
         &mut self,
         velocity: &[f64],
@@ -111,14 +110,14 @@ impl SeparationMonitor {
         Ok(verdict)
     }
 
-    /// By how much bodies of the robot overlap that are to keep apart \[m\]: the most of all pairs.
+    /// The largest overlap of bodies of the robot that must keep apart \[m\].
     pub fn overlap(&self) -> f64 {
         let now = &self.robot.now;
         let overlaps = self.own_pairs.iter().map(|&(i, j)| -now[i].distance(&now[j]));
         overlaps.fold(0.0, f64::max)
     }
 
-    /// The robot's bodies now, and as they move: commanded, and in an emergency stop.
+    /// Computes the robot's bodies now, and their motions as commanded and in an emergency stop.
     fn place(&mut self, commanded_velocity: &[f64], configuration: &[f64]) -> Result<(), Error> {
         let Robot { now, commanded, base, stopping } = &mut self.robot;
         let base_joints = self.settings.base.map_or(0, |base| base.joints);

@@ -1,4 +1,4 @@
-//! The distance of two capsules, by itself: clamped closest points of two segments.
+//! The distance of two capsules by clamped closest points of two segments.
 
 use nalgebra::Vector3;
 
@@ -10,12 +10,12 @@ pub(crate) struct Rod {
 }
 
 impl Rod {
-    /// Between the surfaces \[m\]; negative where they overlap.
+    /// The distance between the surfaces \[m\]; negative if they overlap.
     pub(super) fn distance(&self, other: &Self) -> f64 {
         segments(&self.ends, &other.ends) - self.radius - other.radius
     }
 
-    /// How far a point of the segment moves at most to that of `other`, both of this radius \[m\].
+    /// The largest distance that a point of the segment moves to that of `other`, for equal radii \[m\].
     pub(super) fn farthest_move(&self, other: &Self) -> f64 {
         let ends = self.ends.iter().zip(&other.ends);
         ends.map(|(end, other)| (other - end).norm_squared()).fold(0.0, f64::max).sqrt()
@@ -28,7 +28,7 @@ impl Rod {
     }
 }
 
-/// A ball that holds a capsule \[m\].
+/// A ball that contains a capsule \[m\].
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ball {
     middle: Vector3<f64>,
@@ -36,16 +36,16 @@ pub(super) struct Ball {
 }
 
 impl Ball {
-    /// Returns true if two balls are farther apart than this \[m\]; what they hold then is, too.
+    /// Returns true if two balls are farther apart than this \[m\]. Then so are their contents.
     pub(super) fn is_beyond(&self, other: &Self, distance: f64) -> bool {
         let apart = distance + self.radius + other.radius;
         apart < 0.0 || (other.middle - self.middle).norm_squared() > apart * apart
     }
 }
 
-/// For the parameter s on the first segment the best t on the second is explicit, and the squared
-/// distance is then convex in s, with at most two kinks where t reaches an end: its minimum is at
-/// an end, a kink, or where the lines are nearest.
+/// The distance of two segments. Given the parameter s on the first one, the best t on the second is explicit. The
+/// squared distance is then convex in s, with at most two kinks where t reaches an end. Its minimum is at an end, at a
+/// kink, or where the lines are nearest.
 fn segments([a, b]: &[Vector3<f64>; 2], [c, d]: &[Vector3<f64>; 2]) -> f64 {
     let (u, w, r) = (b - a, d - c, c - a);
     let (uu, uw, ww) = (u.dot(&u), u.dot(&w), w.dot(&w));
@@ -55,7 +55,7 @@ fn segments([a, b]: &[Vector3<f64>; 2], [c, d]: &[Vector3<f64>; 2]) -> f64 {
         (point - (c + w * t)).norm_squared()
     };
     let along = |target: f64| if uu > 0.0 { (target / uu).clamp(0.0, 1.0) } else { 0.0 };
-    // Nearest to the two ends of the second segment, and the lines' nearest point.
+    // Points nearest to the two ends of the second segment, and the nearest point of the lines.
     let mut candidates = [0.0, 1.0, along(r.dot(&u)), along((d - a).dot(&u)), 0.0];
     let determinant = uu * ww - uw * uw;
     if determinant > 0.0 {

@@ -1,4 +1,4 @@
-//! From tasks to a stack of them.
+//! Construction of an [`Ik`] from tasks.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use crate::tasks::quadratic::QuadraticTask;
 use crate::tasks::task::{Limit, Task};
 use crate::tasks::variables::{VariableLayout, Variables};
 
-/// The name of the level of hard limits, which no other has.
+/// The name of the level of hard limits, which no other level may have.
 const LIMITS: &str = "limits";
 
 /// Collects the levels of an [`Ik`], highest priority first; see there for an example.
@@ -36,14 +36,13 @@ impl IkBuilder {
         }
     }
 
-    /// With these settings instead of the default ones.
+    /// Sets the settings, in place of the default ones.
     pub fn settings(&mut self, settings: IkSettings) -> &mut Self {
         self.settings = settings;
         self
     }
 
-    /// Adds a task on a level of its own, below all levels so far. Level and task have the same
-    /// name.
+    /// Adds a task on a level of its own below all present levels. Level and task have the same name.
     pub fn push<T: Task>(&mut self, name: impl Into<Arc<str>>, task: T) -> TaskId<T> {
         let name = name.into();
         let mut level = TaskLevel::new(Arc::clone(&name));
@@ -52,7 +51,7 @@ impl IkBuilder {
         id
     }
 
-    /// The same for a task that minimises a quadratic.
+    /// Adds a task that minimises a quadratic on a level of its own below all present levels.
     pub fn push_quadratic<T: QuadraticTask>(
         &mut self,
         name: impl Into<Arc<str>>,
@@ -65,30 +64,30 @@ impl IkBuilder {
         id
     }
 
-    /// Adds a level of several tasks below all levels so far.
+    /// Adds a level of several tasks below all present levels.
     pub fn push_level(&mut self, level: TaskLevel) -> &mut Self {
         self.levels.push(level);
         self
     }
 
-    /// Adds a hard limit beside those of the joints: it holds before all tasks. Where joints cannot
-    /// brake as fast as it asks, because of their acceleration and jerk limits, it is widened by what
-    /// is missing, so that limits never contradict each other.
+    /// Adds a hard limit beside those of the joints, above all tasks. The acceleration and jerk limits of the joints
+    /// may not allow them to brake as fast as it asks. The limit is then widened by the difference, so that limits
+    /// never contradict each other.
     pub fn limit<T: Limit>(&mut self, name: impl Into<Arc<str>>, limit: T) -> TaskId<T> {
         self.limits.constrain(name, limit)
     }
 
-    /// Variables beside q̇, unbounded at first, for tasks that trade them against velocities:
-    /// the rate of a desired pose, a slack.
+    /// Adds variables beside q̇, unbounded at first, for tasks that trade them against velocities. Examples are the
+    /// rate of a desired pose and a slack.
     pub fn variables(&mut self, name: &str, count: usize) -> Variables {
         self.variables.add(name, count)
     }
 
-    /// The inverse kinematics, with the robot at rest. Limits of the joints are the model's.
+    /// Builds the inverse kinematics, with the robot at rest. The limits of the joints are the model's.
     ///
     /// # Errors
-    /// [`Error::Nothing`], [`Error::Nothing`], [`Error::MixedLevel`], [`Error::NameTaken`];
-    /// [`Error::InTask`] for a task that this robot cannot do; those of the settings.
+    /// [`Error::Nothing`], [`Error::MixedLevel`], [`Error::NameTaken`]; [`Error::InTask`] for a task that this robot
+    /// cannot do; those of the settings.
     pub fn build(self) -> Result<Ik, Error> {
         self.settings.validate()?;
         if self.levels.is_empty() {
@@ -102,8 +101,8 @@ impl IkBuilder {
         Ik::new(self.model, self.settings, stack, has_limits)
     }
 
-    /// The same with the robot at rest at the configuration `q`: tasks whose targets were not set
-    /// keep what they find there, as by [`Ik::hold`].
+    /// Builds the inverse kinematics with the robot at rest at the configuration `q`. Targets that were not set are set
+    /// to what the robot has there, as by [`Ik::hold`].
     ///
     /// # Errors
     /// Those of [`build`](Self::build) and [`Ik::hold`].
@@ -114,7 +113,7 @@ impl IkBuilder {
     }
 }
 
-/// An error for a level with the name of the limits.
+/// Returns an error for a level with the name of the limits.
 fn expect_other_name(level: &TaskLevel) -> Result<(), Error> {
     if level.name() == LIMITS {
         return Err(Error::NameTaken { element: "level", name: LIMITS.to_owned() });

@@ -1,4 +1,4 @@
-//! What a step gave.
+//! The result of a step.
 
 use std::ops::Range;
 
@@ -23,9 +23,8 @@ pub struct Step<'a> {
 pub struct LevelReport<'a> {
     /// Its name.
     pub name: &'a str,
-    /// √(Σ wᵢ dᵢ²), dᵢ being how far row i is from its range: zero where all its tasks have the
-    /// velocities that they ask for, which near singular configurations they may not get. Zero for
-    /// quadratics.
+    /// √(Σ wᵢ dᵢ²), where dᵢ is the distance of row i to its range. Zero where all tasks get the velocities that they
+    /// ask for; near singular configurations tasks may get less. Zero for quadratics.
     pub slack: f64,
 }
 
@@ -79,8 +78,8 @@ impl<'a> Step<'a> {
         self.ik.period
     }
 
-    /// Whether every level is at its optimum; else the budget ran out, limits hold, and the next
-    /// step goes on from there.
+    /// Whether every level is at its optimum. Otherwise the budget ran out, limits still hold, and the next step
+    /// continues from there.
     pub fn status(&self) -> Status {
         self.ik.stack.solution().map_or(Status::Solved, ahqp_core::Solution::status)
     }
@@ -175,7 +174,7 @@ fn is_near(value: f64, bound: f64) -> bool {
     bound.is_finite() && (value - bound).abs() <= 1e-9 * (1e-3 + bound.abs())
 }
 
-/// √(Σ wᵢ dᵢ²) of some rows, dᵢ being how far row i is from its range.
+/// √(Σ wᵢ dᵢ²) of some rows, where dᵢ is the distance of row i to its range.
 fn violation(rows: &Rows, range: Range<usize>, x: &[f64]) -> f64 {
     let squares = range.filter_map(|index| {
         let (lower, upper) = (rows.lower().get(index)?, rows.upper().get(index)?);

@@ -1,4 +1,4 @@
-//! What each level determines: the rows of all levels, made orthogonal to those above.
+//! Orthogonalisation: the rows of each level without what the rows above determine.
 
 use std::ops::Range;
 
@@ -6,31 +6,31 @@ use ahqp_core::Rows;
 
 use crate::vector::{dot, subtract};
 
-/// The rows of all levels, scaled to norm one or less, and the orthonormal directions that they take in turn.
+/// The rows of all levels, scaled to norm one or less, and their orthonormal directions in order of priority.
 ///
-/// Of the directions only the coordinates of the rows along them are computed: they are the Cholesky
-/// factor of all rows' products with each other (Golub and Van Loan, *Matrix Computations*, 4th ed.,
-/// Sec. 4.2.5). That of a level's rows among themselves is the Cholesky factor of its G.
+/// Directions are only known by the coordinates of the rows along them. These are the Cholesky factor of the products
+/// of all rows with each other (Golub and Van Loan, *Matrix Computations*, 4th ed., Sec. 4.2.5). The block of a level's
+/// own rows is the Cholesky factor of its G.
 ///
-/// What belongs to two rows stands in the row of the one above, with the other one as the column; what
-/// stands in columns before a row's own means nothing. Columns are taken four at a time.
+/// A number that belongs to two rows stands in the row of the upper one and the column of the lower one. Columns before
+/// a row's own have no meaning. Columns are processed four at a time.
 #[derive(Debug, Clone)]
 pub(super) struct Directions {
-    /// How many rows there are.
+    /// Number of rows.
     count: usize,
-    /// Fours of columns.
+    /// Number of groups of four columns.
     width: usize,
     rows: Rows,
     norms: Vec<f64>,
-    /// One over the norms; zero in columns without rows.
+    /// Reciprocals of the norms; zero in columns without rows.
     scales: Vec<Four>,
-    /// What is missing to the scaled targets, after what the levels above do.
+    /// Residual of the scaled targets after the levels above.
     residual: Vec<Four>,
-    /// Of the scaled rows.
+    /// Products of the scaled rows with each other.
     products: Vec<Four>,
-    /// By direction: the coordinates of all rows. Those of rows that depend on others are zero.
+    /// Coordinates of all rows along each direction; zero where the direction's row depends on others.
     coordinates: Vec<Four>,
-    /// By direction: one over the coordinate of its own row; zero where there is no direction.
+    /// Reciprocal of each direction's coordinate of its own row; zero where there is no direction.
     reciprocals: Vec<f64>,
     /// The transposed inverse of a level's coordinates.
     inverse: Vec<Four>,
@@ -40,15 +40,15 @@ pub(super) struct Directions {
 
 type Four = [f64; 4];
 
-/// A row of which less than the root of this is left belongs to the levels below. Products are exact
-/// to 1e-16, so a direction is to 1e-16 over this, and the square of that is still less than this.
+/// Squared norm below which the rest of a row counts as zero. Products are exact to 1e-16, so the error of a direction
+/// is 1e-16 over this, and its square is still smaller.
 const NOTHING: f64 = 1e-9;
-/// Of the largest norm of a level's rows, the least that a row is scaled by: a row that has nearly
-/// vanished is one that is lost.
+/// Smallest norm over the largest norm of a level's rows that a row is scaled by. A row that has nearly vanished then
+/// counts as lost.
 const SMALLEST: f64 = 0.3;
 
 impl Directions {
-    /// With room for so many rows over so many variables, `most` of them on one level.
+    /// Creates room for `room` rows over `columns` variables, with at most `most` rows on one level.
     pub(super) fn new(room: usize, most: usize, columns: usize) -> Self {
         let (width, none) = (room.div_ceil(4), [0.0; 4]);
         Self {
@@ -71,8 +71,7 @@ impl Directions {
         self.count = 0;
     }
 
-    /// Takes the first `m` rows of the next level and returns their places; none, where there is no
-    /// room.
+    /// Takes the first `m` rows of the next level and returns their places; no places if there is no room.
     pub(super) fn push(&mut self, rows: &Rows, m: usize) -> Range<usize> {
         let first = self.count;
         if first + m > self.rows.len() {
@@ -92,8 +91,8 @@ impl Directions {
         first..self.count
     }
 
-    /// Takes a row with a target of zero in before place `at`; rows from there on stand one place later. Returns
-    /// false where there is no room.
+    /// Inserts a row with a target of zero before place `at`. Later rows move one place. Returns false if there is no
+    /// room.
     pub(super) fn insert(&mut self, at: usize, write: impl FnOnce(&mut [f64])) -> bool {
         let (count, columns) = (self.count, self.rows.columns());
         if count == self.rows.len() {
@@ -114,7 +113,7 @@ impl Directions {
         true
     }
 
-    /// Takes the rows of these places out; rows behind them stand so many places earlier.
+    /// Removes the rows at these places. Later rows move to the front.
     pub(super) fn remove(&mut self, places: Range<usize>) {
         let (count, columns) = (self.count, self.rows.columns());
         if let Ok(rows) = self.rows.coefficients_mut(places.start..count) {
@@ -125,14 +124,14 @@ impl Directions {
         self.count -= places.len();
     }
 
-    /// Scales the targets, and computes the directions of all rows.
+    /// Scales the targets and computes the directions of all rows.
     pub(super) fn factorise(&mut self) {
         let targets = self.residual.as_flattened_mut().iter_mut().zip(&self.norms);
         targets.take(self.count).for_each(|(target, norm)| *target /= norm);
         self.find_coordinates();
     }
 
-    /// Computes the directions of all rows anew, after some were taken in.
+    /// Computes the directions of all rows again, after rows were inserted.
     pub(super) fn find_coordinates(&mut self) {
         let (width, n) = (self.width, self.count);
         let scales = self.scales.as_flattened_mut();
@@ -140,7 +139,7 @@ impl Directions {
         for (i, scale) in scales[..n].iter_mut().enumerate() {
             let products = &mut self.products[i * width..][..width].as_flattened_mut()[i..n];
             let own = self.rows.row(i).unwrap_or_default();
-            // Of rows that there are: no error is possible.
+            // The rows exist, so no error is possible.
             let _ = self.rows.multiply_into(i, own, products);
             *scale = 1.0 / self.norms[i];
         }
@@ -162,7 +161,7 @@ impl Directions {
         }
     }
 
-    /// The trace of G⁻¹ of a level; infinite where a row depends on others.
+    /// The trace of G⁻¹ of a level; infinite if a row depends on others.
     pub(super) fn inverse_trace(&mut self, span: &Range<usize>) -> f64 {
         let width = span.len().div_ceil(4);
         let mut trace = 0.0;
@@ -205,8 +204,7 @@ impl Directions {
         }
     }
 
-    /// Writes the sum of a level's scaled rows, freed of what the rows above determine, with these
-    /// factors.
+    /// Writes the sum of a level's scaled rows times `factors`, projected on what the rows above leave.
     pub(super) fn combine(&mut self, span: &Range<usize>, factors: &[f64], out: &mut [f64]) {
         out.fill(0.0);
         let size = 4 * self.width;
@@ -214,7 +212,7 @@ impl Directions {
         for (factor, index) in factors.iter().zip(span.clone()) {
             subtract(out, -factor * scales[index], self.rows.row(index).unwrap_or_default());
         }
-        // Those above in the sum that has the same coordinates along their directions.
+        // Subtracts the combination of the rows above that has the same coordinates along their directions.
         let coordinates = self.coordinates.as_flattened();
         for above in (0..span.start).rev() {
             let own = &coordinates[above * size..][..size];
@@ -227,7 +225,7 @@ impl Directions {
         }
     }
 
-    /// Writes the orthonormal direction that a row takes; returns false if it takes none.
+    /// Writes the orthonormal direction of a row; returns false if it has none.
     pub(super) fn direction_into(&mut self, row: usize, out: &mut [f64]) -> bool {
         let reciprocal = self.reciprocals[row];
         if reciprocal > 0.0 {
@@ -236,8 +234,7 @@ impl Directions {
         reciprocal > 0.0
     }
 
-    /// ‖L⁻¹r‖² of a level, L Lᵀ being its G and r what is missing to its targets; `room` is room for
-    /// these.
+    /// ‖L⁻¹r‖² of a level, where L Lᵀ is its G and r the residual of its targets. `room` is scratch memory.
     pub(super) fn square_of_speed(&self, span: &Range<usize>, room: &mut [f64]) -> f64 {
         room.copy_from_slice(self.residual(span));
         let mut square = 0.0;
@@ -251,7 +248,7 @@ impl Directions {
         square
     }
 
-    /// Takes from the targets below what a level does by itself.
+    /// Subtracts what a level does by itself from the targets below.
     pub(super) fn take(&mut self, span: &Range<usize>) {
         if span.end == self.count {
             return;
@@ -263,12 +260,12 @@ impl Directions {
         }
     }
 
-    /// What is missing to the scaled targets of a level.
+    /// The residual of the scaled targets of a level.
     pub(super) fn residual(&self, span: &Range<usize>) -> &[f64] {
         &self.residual.as_flattened()[span.clone()]
     }
 
-    /// The same, to be reduced.
+    /// The residual of the scaled targets of a level, to be reduced.
     pub(super) fn residual_mut(&mut self, span: &Range<usize>) -> &mut [f64] {
         &mut self.residual.as_flattened_mut()[span.clone()]
     }

@@ -5,8 +5,8 @@ use proptest::prelude::*;
 
 use super::*;
 
-/// Damps levels over so many variables, highest priority first; says which were changed, and what was
-/// asked of them.
+/// Damps levels over `columns` variables, highest priority first. Returns for each whether it was changed, and its rows
+/// before.
 fn damp(levels: &mut [Rows], columns: usize) -> Vec<(bool, Rows)> {
     let counts: Vec<usize> = levels.iter().map(Rows::len).collect();
     let mut damping = SingularityDamping::new(0.1, &counts, columns, columns).clone();
@@ -61,7 +61,7 @@ proptest! {
         a.set_row(2, &near);
         prop_assume!(a.row_iter().all(|row| row.norm() > 0.1));
         let (rows, _) = damped(&a, &b);
-        // By the singular value decomposition of the rows as they weigh, for w = 1.
+        // The reference is the singular value decomposition of the weighted rows.
         let scale = DVector::from_iterator(3, a.row_iter().map(|row| row.norm()));
         let unit = DMatrix::from_fn(3, 6, |i, j| a[(i, j)] / scale[i]);
         let inverses = unit.singular_values().map(|sigma| 1.0 / (sigma * sigma));
@@ -80,7 +80,7 @@ proptest! {
         let (matrix, found) = normal_equations(&rows);
         prop_assert!((matrix - a.transpose() * &a).norm() < 1e-7);
         prop_assert!((found - a.transpose() * u * parts).norm() < 1e-7);
-        // Only what is nearly lost is handed over.
+        // Only directions that are nearly lost become ranges.
         let least = svd.singular_values.min();
         let share = ((9.0 - closeness / 0.01) / 8.0).clamp(0.0, 1.0);
         let room = 0.05 * share * least * (1.0 - least / 0.01).max(0.0);
@@ -110,7 +110,7 @@ proptest! {
         prop_assert!(!damped[0].0 && damped[1].0);
         prop_assert_eq!(above.lower()[0], 0.5);
         prop_assert_eq!(damped[1].1.lower()[0], b);
-        // x₀ = 0.5; what x₁ must add is damped, and may be more or less at will.
+        // x₀ = 0.5. The rest is left to x₁, is damped, and may exceed the target or miss it.
         let row = below.row(0).unwrap();
         for bound in [below.lower()[0], below.upper()[0]] {
             prop_assert!(((bound - 0.5 * row[0]) / row[1]).abs() <= 3.1);
@@ -119,7 +119,7 @@ proptest! {
 
     /// Whatever other levels there are, and however many rows they have.
     #[test]
-    fn levels_of_different_sizes_are_damped_as_if_alone(
+    fn damping_of_a_level_ignores_other_levels(
         above in 1_usize..8, own in 1_usize..6, closeness in 1e-6..0.1_f64,
         entries in prop::collection::vec(-1.0..1.0_f64, 6 * 6),
         b in prop::collection::vec(-1.0..1.0_f64, 6),
@@ -151,7 +151,7 @@ proptest! {
         let mut rows = Rows::equalities(&a, &[one, 2.0 * other]).unwrap();
         rows.set_weights(&[weight, 0.25]).unwrap();
         damp(std::slice::from_mut(&mut rows), 2);
-        // With rows of norm one the second weighs 0.25 · 4.
+        // The second row weighs 0.25 · 4 after scaling to norm one.
         let (matrix, right) = normal_equations(&rows);
         let found = right[0] / matrix[(0, 0)];
         let expected = (weight * one + other) / (weight + 1.0);

@@ -1,17 +1,17 @@
-//! Velocities of a planar base that moves along its heading alone.
+//! Velocity intervals of a planar base that only moves along its heading.
 
 use ahqp_core::VelocityInterval;
 
 use super::{Joint, JointIntervals};
 
-/// Share of the acceleration limit that a base may use to turn its velocity: |v ω| at most.
+/// Largest share of the acceleration limit that rotates the base's velocity: |v ω| is at most this share.
 const TURNING: f64 = 0.6;
-/// Share of the acceleration limit that is left along the heading beside that: 0.6² + 0.8² = 1.
+/// Share of the acceleration limit that remains along the heading: 0.6² + 0.8² = 1.
 const ALONG: f64 = 0.8;
-/// A component of the heading below this is rounding.
+/// Components of the heading below this are rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// The heading of a planar base, and how fast it may go along it.
+/// The heading of a planar base, and its speeds along it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Heading {
     cosine: f64,
@@ -19,20 +19,20 @@ pub(crate) struct Heading {
     along: VelocityInterval,
 }
 
-/// How a base moves that goes along its heading.
+/// The motion of a base along its heading.
 #[derive(Debug, Clone, Copy)]
 struct Motion {
-    /// Along the heading \[m/s\].
+    /// Speed along the heading \[m/s\].
     speed: f64,
     /// \[rad/s\]
     turn: f64,
-    /// The time in which both shrink evenly to zero, within the accelerations \[s\].
+    /// Time in which both can shrink evenly to zero within the accelerations \[s\].
     stop: f64,
-    /// Share of both that is left after this period.
+    /// Share of both that remains after this period.
     share: f64,
 }
 
-/// Limits of a base: the smaller acceleration of x and y \[m/s²\], and that of its yaw \[rad/s²\]; infinite for none.
+/// Acceleration limits of a base: the smaller one of x and y \[m/s²\] and that of yaw \[rad/s²\]; infinite if missing.
 #[derive(Debug, Clone, Copy)]
 struct Accelerations {
     linear: f64,
@@ -45,15 +45,15 @@ pub(crate) fn turning_acceleration(acceleration: f64) -> f64 {
 }
 
 impl JointIntervals {
-    /// Narrows the intervals of a planar base to what it can do along its heading, so that it can stop without
-    /// sliding. Returns none where it cannot help sliding: it moves sideways already, or its yaw jumped.
+    /// Narrows the intervals of a planar base to velocities along its heading from which it can stop without sliding.
+    /// Returns `None` if sliding is inevitable, because the base moves sideways already or its yaw jumped.
     ///
-    /// A velocity along the heading turns with the base, by v ω Δt a period. With |v ω| ≤ 0.6 a, which a limit of
-    /// the wheels has to hold, 0.8 a is left along the heading at any yaw. In front of position limits v and ω can
-    /// shrink evenly to zero in a time T: the base then goes v T/2 along an arc that turns by ω T/2, which is
-    /// (v T/2) (k + ω T/2) at most towards a wall, k being the cosine between its normal and the heading.
+    /// A velocity along the heading rotates with the base, by v ω Δt a period. A limit of the wheels keeps |v ω| ≤ 0.6
+    /// a, which leaves 0.8 a along the heading at any yaw. In front of position limits v and ω can shrink evenly to
+    /// zero in a time T. The base then moves v T/2 along an arc that turns by ω T/2 in total. The distance towards a
+    /// wall is at most (v T/2) (k + ω T/2), where k is the cosine between its normal and the heading.
     ///
-    /// `longest` is the time in which it must be able to stop \[s\].
+    /// `longest` is the time in which the base must be able to stop \[s\].
     pub(crate) fn keep_heading(
         &mut self,
         q: &[f64],
@@ -84,7 +84,7 @@ impl JointIntervals {
         Some(heading)
     }
 
-    /// Brings the intervals of x and y in line with the heading again, after they were narrowed further.
+    /// Aligns the intervals of x and y with the heading again, after they were narrowed further.
     pub(crate) fn align_with(&mut self, heading: &Heading) {
         let mut heading = *heading;
         let direction = [heading.cosine, heading.sine];
@@ -115,7 +115,7 @@ impl JointIntervals {
         x.hypot(*y) / (ALONG * accelerations.linear)
     }
 
-    /// Writes the velocities with which a planar base at this yaw brakes along its heading.
+    /// Writes the velocities of a planar base that brakes along its heading at this yaw.
     pub(crate) fn brake_along(&self, yaw: f64, v: &[f64], period: f64, out: &mut [f64]) {
         let (Some(&[x, y, turn]), Some(accelerations)) =
             (v.first_chunk::<3>(), self.base_accelerations())
@@ -129,7 +129,7 @@ impl JointIntervals {
         out.iter_mut().zip(slowed).for_each(|(out, slowed)| *out = slowed);
     }
 
-    /// The box around the velocities that the heading allows.
+    /// Sets the intervals of x and y to the bounding box of the velocities that the heading allows.
     fn align(&mut self, heading: &Heading) {
         for (interval, part) in self.now.iter_mut().zip([heading.cosine, heading.sine]) {
             let ends = [heading.along.lower, heading.along.upper]
@@ -154,7 +154,7 @@ impl Motion {
     }
 }
 
-/// The speeds along a direction that the intervals of x and y have in common.
+/// The range of speeds along a direction that the intervals of x and y allow.
 fn speeds(direction: [f64; 2], intervals: &[VelocityInterval]) -> Option<VelocityInterval> {
     let mut common = VelocityInterval { lower: f64::NEG_INFINITY, upper: f64::INFINITY };
     for (part, interval) in direction.into_iter().zip(intervals) {
@@ -167,14 +167,14 @@ fn speeds(direction: [f64; 2], intervals: &[VelocityInterval]) -> Option<Velocit
     (common.lower <= common.upper).then_some(common)
 }
 
-/// An interval without what is beyond −most\[0\] and most\[1\]; its nearest end where nothing is left.
+/// The interval cut to −most\[0\] and most\[1\]; its nearest end if nothing remains.
 fn within(interval: VelocityInterval, most: [f64; 2]) -> VelocityInterval {
     let into = |velocity: f64| velocity.max(interval.lower).min(interval.upper);
     VelocityInterval { lower: into(-most[0]), upper: into(most[1]) }
 }
 
-/// The largest turn, and the largest speeds backwards and forwards, with which the base can stop on an arc that
-/// leaves room to its position limits.
+/// The largest turn rate and the largest speeds backwards and forwards from which the base can stop on an arc. The arc
+/// stays within the base's position limits.
 fn arc(
     direction: [f64; 2],
     rooms: [[f64; 2]; 2],
@@ -182,7 +182,7 @@ fn arc(
     accelerations: Accelerations,
     period: f64,
 ) -> (f64, [f64; 2]) {
-    // By wall: the part of the heading that points to it, and the way to it.
+    // Each wall has the component of the heading towards it and the distance to it.
     let walls = |sign: f64| {
         direction.into_iter().zip(rooms).flat_map(move |(part, [down, up])| {
             [(-sign * part, down.max(0.0)), (sign * part, up.max(0.0))]

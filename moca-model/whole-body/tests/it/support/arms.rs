@@ -1,4 +1,4 @@
-//! Public arms by their published dimensions.
+//! Public arms with their published dimensions.
 
 use std::fmt::Write as _;
 
@@ -6,19 +6,19 @@ use whole_body::{Description, Model};
 
 use super::stacks::panda;
 
-/// An arm by Denavit and Hartenberg's parameters, as Siciliano et al. 2009, Sec. 2.8.2, take them.
+/// An arm by Denavit-Hartenberg parameters in the convention of Siciliano et al. 2009, Sec. 2.8.2.
 struct Arm {
     name: &'static str,
     /// Length a \[m\], twist α in quarter turns, offset d \[m\], and the angle at zero in quarter turns.
     links: &'static [[f64; 4]],
-    /// Range to both sides and speed of the joints \[°, °/s\].
+    /// Range to each side and speed of the joints \[°, °/s\].
     joints: &'static [[f64; 2]],
 }
 
 const ELBOW: f64 = -1.0;
 
-/// From the makers' data sheets: Universal Robots UR3e, UR5, UR10e; ABB IRB 1600-6/1.45, IRB 120; KUKA KR 6 R900,
-/// LBR iiwa 7 and 14; Fanuc LR Mate 200iD; Yaskawa GP7; Stäubli TX2-60. Ranges are cut to be alike to both sides.
+/// Values are from the manufacturers' data sheets: Universal Robots UR3e, UR5, UR10e; ABB IRB 1600-6/1.45, IRB 120;
+/// KUKA KR 6 R900, LBR iiwa 7 and 14; Fanuc LR Mate 200iD; Yaskawa GP7; Stäubli TX2-60. Ranges are cut to be symmetric.
 const ARMS: [Arm; 11] = [
     Arm {
         name: "ur3e",
@@ -228,7 +228,7 @@ const ARMS: [Arm; 11] = [
     },
 ];
 
-/// Their tools are the last frames.
+/// The models of the arms. Their tools are the last frames.
 pub(crate) fn arms() -> Vec<Model> {
     let mut arms: Vec<_> = ARMS.iter().map(Arm::model).collect();
     arms.push(panda());
@@ -243,13 +243,13 @@ impl Arm {
     fn model(&self) -> Model {
         let mut text = format!("<robot name=\"{}\"><link name=\"link0\"/>", self.name);
         let quarter = std::f64::consts::FRAC_PI_2;
-        // Of the link before, behind its joint.
+        // Position and roll of the previous link behind its joint.
         let (mut xyz, mut roll) = ([0.0, 0.0], 0.0);
         for (index, (link, joint)) in self.links.iter().zip(self.joints).enumerate() {
             let [length, twist, offset, angle] = *link;
             let [range, speed] = joint.map(f64::to_radians);
             let next = index + 1;
-            // Rx(α) of the link before, then Rz(angle): roll, pitch, yaw of a rotation about x and then its own z.
+            // The rotation is Rx(α) of the link before, then Rz(angle), as roll, pitch and yaw.
             let turn = nalgebra::UnitQuaternion::from_euler_angles(roll, 0.0, 0.0)
                 * nalgebra::UnitQuaternion::from_euler_angles(0.0, 0.0, angle * quarter);
             let (r, p, y) = turn.euler_angles();

@@ -1,10 +1,10 @@
-//! A look at every tick of a motion.
+//! Checks of every tick of a motion.
 
 use whole_body::Model;
 
 use super::stacks::PERIOD;
 
-/// Checks every tick against the model's limits alone, by differences of positions.
+/// Checks every tick against the model's limits by differences of positions.
 pub(crate) struct Monitor {
     model: Model,
     last: Vec<f64>,
@@ -31,7 +31,7 @@ impl Monitor {
             let velocity = moved[entry] / PERIOD;
             let acceleration = (velocity - self.velocity[entry]) / PERIOD;
             let jerk = (acceleration - self.acceleration[entry]) / PERIOD;
-            // Differences of positions of about 1 round to 1e-16 / Δt, 1e-16 / Δt², …
+            // Differences of positions of about 1 have rounding errors of 1e-16 / Δt, 1e-16 / Δt², …
             for (what, value, limit, rounding) in [
                 ("velocity", velocity, limits.velocity, 1e-11),
                 ("acceleration", acceleration, limits.acceleration, 1e-8),

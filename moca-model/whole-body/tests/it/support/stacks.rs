@@ -1,4 +1,4 @@
-//! Robots with realistic limits, random numbers, and a look at the rows of a task.
+//! Robots with realistic limits, random numbers, and the rows of a task.
 
 use std::sync::{Arc, Mutex};
 
@@ -13,7 +13,7 @@ pub(crate) fn panda() -> Model {
     Model::from_urdf(urdf, &Description::default()).unwrap()
 }
 
-/// A Panda whose joints may have this share of their accelerations.
+/// A Panda with this share of its acceleration limits.
 pub(crate) fn panda_of_acceleration(share: f64) -> Model {
     let urdf = include_str!("../../../examples/urdf/panda.urdf");
     let model = panda();
@@ -38,24 +38,24 @@ pub(crate) fn humanoid() -> Model {
     Model::from_urdf(urdf, &description).unwrap()
 }
 
-/// Limits of acceleration are the default, of jerk there are none.
+/// A random tree with the default acceleration limits and no jerk limits.
 pub(crate) fn bush() -> Model {
     Model::from_urdf(include_str!("../../golden/bush.urdf"), &Description::default()).unwrap()
 }
 
-/// The fingers are held.
+/// MOCA with its fingers held.
 pub(crate) fn moca() -> Model {
     let urdf = include_str!("../../../examples/urdf/moca.urdf");
     let tips = vec!["panda_tcp".to_owned()];
     Model::from_urdf(urdf, &Description { tips, ..Description::default() }).unwrap()
 }
 
-/// Numbers that look random (the SplitMix64 generator).
+/// Pseudo-random numbers (the SplitMix64 generator).
 #[derive(Debug, Clone)]
 pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
-    /// From 0 to 1.
+    /// A number from 0 to 1.
     pub(crate) fn unit(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
@@ -69,14 +69,14 @@ impl Random {
         lower + self.unit() * (upper - lower)
     }
 
-    /// A configuration within the limits of position, stretched by `beyond` to both sides.
+    /// A configuration within the position limits, stretched by `beyond` to both sides.
     pub(crate) fn configuration(&mut self, model: &Model, beyond: f64) -> Vec<f64> {
         let mut moves = vec![0.0; model.velocity_count()];
         let neutral = model.neutral();
         for (entry, (to, limits)) in moves.iter_mut().zip(model.limits()).enumerate() {
             let (lower, upper) = (limits.lower.max(-2.0), limits.upper.min(2.0));
             let margin = beyond * (upper - lower);
-            // Zero is no position of every joint.
+            // Zero is not within the range of every joint.
             let from = neutral.get(entry + neutral.len() - model.velocity_count());
             *to = self.within(lower - margin, upper + margin) - from.copied().unwrap_or(0.0);
         }
@@ -86,10 +86,10 @@ impl Random {
     }
 }
 
-/// What a task wrote last: coefficients, lower, upper.
+/// The last rows of a task: coefficients, lower bound, upper bound.
 pub(crate) type Recorded = Arc<Mutex<Vec<(Vec<f64>, f64, f64)>>>;
 
-/// A task of a user's own: another task, and a record of what it writes.
+/// A task that wraps another one and records what it writes.
 #[derive(Debug, Clone)]
 pub(crate) struct Recording<T> {
     pub(crate) task: T,
