@@ -263,8 +263,8 @@ impl Factorisation {
         rounding
     }
 
-    /// Calls `each` with the id, the place in the stack and the share of every row that decides x, for a row that
-    /// depends on them.
+    /// Splits a row into shares of the rows that decide x. Calls `each` with the id, the place in the stack and the
+    /// share of each of them.
     fn for_each_part(&mut self, group: usize, at: usize, mut each: impl FnMut(usize, usize, f64)) {
         let n = self.stride;
         let Group { rank, first_pivot, .. } = self.groups[group];

@@ -93,6 +93,8 @@ pub struct LimitMonitor {
     /// Rates of the velocities in the last tick.
     acceleration: Vec<f64>,
     twist: Vector6<f64>,
+    /// Time since the last command \[s\].
+    elapsed: f64,
     /// Time for which each joint has been outside since the start \[s\]; `None` for joints within their range.
     outside: Vec<Option<f64>>,
     margins: Margins,
@@ -111,12 +113,28 @@ impl LimitMonitor {
             .collect();
         let (velocity, acceleration) = (vec![0.0; joints.len()], vec![0.0; joints.len()]);
         let (twist, margins) = (Vector6::zeros(), Margins::FULL);
-        Self { joints, desired, base, period, velocity, acceleration, twist, outside, margins }
+        Self {
+            joints,
+            desired,
+            base,
+            period,
+            velocity,
+            acceleration,
+            twist,
+            elapsed: period,
+            outside,
+            margins,
+        }
     }
 
     /// The smallest margins so far.
     pub fn margins(&self) -> Margins {
         self.margins
+    }
+
+    /// Takes a period in which no command came. Velocities of the next one may change for that time, too.
+    pub fn miss(&mut self) {
+        self.elapsed += self.period;
     }
 
     /// Takes a command and the configuration before it, n \[rad or m\]. A number that is not finite violates its limit.
@@ -139,7 +157,7 @@ impl LimitMonitor {
             breaches.limit |= self.speed(v.abs(), velocity);
             let change = v - std::mem::replace(&mut self.velocity[index], v);
             breaches.acceleration |= self.change(change.abs(), acceleration);
-            breaches.jerk |= self.jerk(index, change / self.period, jerk);
+            breaches.jerk |= self.jerk(index, change / self.elapsed, jerk);
             breaches.range |= self.position(index, q, v, returning);
         }
         if let Some(MecanumBase { speed, lever, axis_speed }) = self.base {
@@ -160,6 +178,7 @@ impl LimitMonitor {
             }
             breaches.desired_acceleration |= self.change(part(&change).norm(), acceleration);
         }
+        self.elapsed = self.period;
         breaches
     }
 
@@ -179,23 +198,23 @@ impl LimitMonitor {
         !kept
     }
 
-    /// Returns true if a velocity changes too much in a period.
+    /// Returns true if a velocity changes too much since the last command.
     fn change(&mut self, change: f64, limit: f64) -> bool {
-        let left = 1.0 - change / self.period / limit;
+        let left = 1.0 - change / self.elapsed / limit;
         self.margins.acceleration = self.margins.acceleration.min(left);
-        let kept = left >= -ROUNDING / self.period;
+        let kept = left >= -ROUNDING / self.elapsed;
         !kept
     }
 
-    /// Returns true if the acceleration of a joint changes too much in a period.
+    /// Returns true if the acceleration of a joint changes too much since the last command.
     fn jerk(&mut self, index: usize, acceleration: f64, limit: f64) -> bool {
         let change = acceleration - std::mem::replace(&mut self.acceleration[index], acceleration);
         if limit.is_infinite() {
             return false;
         }
-        let left = 1.0 - change.abs() / self.period / limit;
+        let left = 1.0 - change.abs() / self.elapsed / limit;
         self.margins.jerk = self.margins.jerk.min(left);
-        let kept = left >= -ROUNDING / self.period;
+        let kept = left >= -ROUNDING / self.elapsed;
         !kept
     }
 

@@ -196,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn no_arm_whips_in_a_movement_beside_an_object() {
+    fn no_arm_whips_beside_an_object() {
         let works = Activity::Use(Tool::Drill);
         let goal = Goal { floor: Point2::origin(), heading: 0.0, speed: 0.5, stop: true };
         let mut fastest = 0.0_f64;

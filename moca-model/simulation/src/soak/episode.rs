@@ -184,7 +184,12 @@ impl Episode {
         }
         let disturbance = self.disturbances.present(now);
         let is_late = matches!(disturbance, Some((Disturbance::TicksLate, _)));
-        let tick_us = if is_late && self.tick % 10 < 4 { None } else { Some(self.control(now)?) };
+        let tick_us = if is_late && self.tick % 10 < 4 {
+            self.monitor.miss();
+            None
+        } else {
+            Some(self.control(now)?)
+        };
         if self.plant.command().joint_velocity.iter().all(|velocity| velocity.is_finite()) {
             self.plant.act(&self.disturbances.push(now))?;
         }

@@ -98,6 +98,10 @@ pub struct Monitor {
     pub counts: Counts,
     /// How disturbances have ended.
     pub ended: Endings,
+    period: f64,
+    /// Path commanded since measurements are frozen \[rad or m\], and how long it has been too short to notice \[s\].
+    frozen_path: f64,
+    hidden: f64,
     /// Whether the tick before had no time, or no measurement.
     was_blind: bool,
     /// Ticks left in which joints may be outside their ranges by a push.
@@ -128,6 +132,9 @@ impl Monitor {
             ended: Endings::default(),
             settling: 0,
             pushed_overlap: 0.0,
+            period,
+            frozen_path: 0.0,
+            hidden: 0.0,
             was_blind: false,
             contact_speeds: Vec::new(),
             first_wrong: None,
@@ -139,6 +146,26 @@ impl Monitor {
         self.separation.carry(tool, std::slice::from_ref(object));
     }
 
+    /// Takes a period in which the controller had no turn.
+    pub fn miss(&mut self) {
+        self.limits.miss();
+    }
+
+    /// Returns how long what is wrong at present could not be noticed \[s\]. A frozen measurement equals a measured
+    /// one while the robot stands.
+    fn hidden_time(&mut self, tick: &Tick<'_>) -> f64 {
+        let Some((Disturbance::MeasurementFrozen, lasts)) = tick.disturbance else {
+            (self.frozen_path, self.hidden) = (0.0, 0.0);
+            return 0.0;
+        };
+        let speeds = tick.command.joint_velocity.iter().map(|velocity| velocity.abs());
+        self.frozen_path += speeds.fold(0.0, f64::max) * self.period;
+        if self.frozen_path < NOTICEABLE {
+            self.hidden = lasts;
+        }
+        self.hidden
+    }
+
     /// Checks a tick.
     ///
     /// # Errors
@@ -146,13 +173,15 @@ impl Monitor {
     pub fn check(&mut self, tick: &Tick<'_>) -> Result<(), Error> {
         let command = tick.command;
         let is_settling = self.settle(tick);
+        let hidden = self.hidden_time(tick);
         let counts = &mut self.counts;
         let blind = tick.disturbance.is_some_and(|(what, _)| what.leaves_nothing_to_solve());
         // The tick after a wrong time has no time either.
         let was_blind = std::mem::replace(&mut self.was_blind, blind);
         let could_solve = !blind && !was_blind;
         if let Some((disturbance, lasts)) = tick.disturbance {
-            counts.wrong_states += u64::from(command.safety < disturbance.least_state(lasts));
+            let least = disturbance.least_state(lasts - hidden);
+            counts.wrong_states += u64::from(command.safety < least);
         }
         counts.infeasible += u64::from(!command.outcome.is_optimal() && could_solve);
         if !is_finite(command) {
@@ -232,6 +261,9 @@ fn is_unseen(command: &Command) -> bool {
     let unseen = [Fault::MissingMeasurement, Fault::FrozenMeasurement];
     command.fault.is_some_and(|fault| unseen.contains(&fault))
 }
+
+/// Commanded path beyond which frozen measurements are told from a robot that stands \[rad or m\].
+const NOTICEABLE: f64 = 1e-3;
 
 /// A robot that gives a little under its own weight comes no nearer to itself than this \[m\].
 const SAGGING: f64 = 1e-3;
