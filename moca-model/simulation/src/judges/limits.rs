@@ -90,8 +90,9 @@ pub struct LimitMonitor {
     base: Option<MecanumBase>,
     period: f64,
     velocity: Vec<f64>,
-    /// Rates of the velocities in the last tick.
-    acceleration: Vec<f64>,
+    /// Least and greatest rates of the velocities in the last tick. They differ after a missed one: the change may have
+    /// come at any time since.
+    acceleration: Vec<[f64; 2]>,
     twist: Vector6<f64>,
     /// Time since the last command \[s\].
     elapsed: f64,
@@ -111,7 +112,7 @@ impl LimitMonitor {
             .zip(configuration)
             .map(|(limits, q)| (!(limits.lower..=limits.upper).contains(q)).then_some(0.0))
             .collect();
-        let (velocity, acceleration) = (vec![0.0; joints.len()], vec![0.0; joints.len()]);
+        let (velocity, acceleration) = (vec![0.0; joints.len()], vec![[0.0; 2]; joints.len()]);
         let (twist, margins) = (Vector6::zeros(), Margins::FULL);
         Self {
             joints,
@@ -148,16 +149,16 @@ impl LimitMonitor {
         if command.fault == Some(Fault::RobotStopped) {
             // The robot takes no commands, so that the next one begins at rest.
             self.velocity.copy_from_slice(&command.joint_velocity);
-            self.acceleration.fill(0.0);
+            self.acceleration.fill([0.0; 2]);
             self.twist = command.desired_twist;
         }
         for (index, (&v, &q)) in command.joint_velocity.iter().zip(configuration).enumerate() {
             let Some(limits) = self.joints.get(index).copied() else { continue };
-            let JointLimits { velocity, acceleration, jerk, .. } = limits;
+            let JointLimits { velocity, acceleration, .. } = limits;
             breaches.limit |= self.speed(v.abs(), velocity);
             let change = v - std::mem::replace(&mut self.velocity[index], v);
             breaches.acceleration |= self.change(change.abs(), acceleration);
-            breaches.jerk |= self.jerk(index, change / self.elapsed, jerk);
+            breaches.jerk |= self.jerk(index, change, limits);
             breaches.range |= self.position(index, q, v, returning);
         }
         if let Some(MecanumBase { speed, lever, axis_speed }) = self.base {
@@ -207,14 +208,30 @@ impl LimitMonitor {
     }
 
     /// Returns true if the acceleration of a joint changes too much since the last command.
-    fn jerk(&mut self, index: usize, acceleration: f64, limit: f64) -> bool {
-        let change = acceleration - std::mem::replace(&mut self.acceleration[index], acceleration);
-        if limit.is_infinite() {
+    fn jerk(&mut self, index: usize, change: f64, limits: JointLimits) -> bool {
+        let (slow, fast) = (change / self.elapsed, change / self.period);
+        let fast = if self.elapsed > self.period {
+            fast.clamp(-limits.acceleration, limits.acceleration)
+        } else {
+            fast
+        };
+        let now = [slow.min(fast), slow.max(fast)];
+        let before = std::mem::replace(&mut self.acceleration[index], now);
+        if limits.jerk.is_infinite() {
             return false;
         }
-        let left = 1.0 - change.abs() / self.elapsed / limit;
+        let gap = (now[0] - before[1]).max(before[0] - now[1]).max(0.0);
+        let left = 1.0 - gap / self.elapsed / limits.jerk;
         self.margins.jerk = self.margins.jerk.min(left);
         let kept = left >= -ROUNDING / self.elapsed;
+        if kept {
+            let most = limits.jerk * self.elapsed;
+            let reached = [now[0].max(before[0] - most), now[1].min(before[1] + most)];
+            // Rounding may leave nothing between the two.
+            if reached[0] <= reached[1] {
+                self.acceleration[index] = reached;
+            }
+        }
         !kept
     }
 
