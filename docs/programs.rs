@@ -46,6 +46,34 @@ struct WholeBody;
 mod tests {
     use std::{fs, path::Path};
 
+    /// Returns the statements of a program, without comments and white space.
+    fn statements(program: &str) -> Vec<String> {
+        let lines = program.lines().map(|line| {
+            line.split(" // ").next().unwrap().split("  # ").next().unwrap().trim().to_owned()
+        });
+        lines.filter(|line| line.len() > 2).collect()
+    }
+
+    #[test]
+    fn readme_shows_the_example_of_both_languages() {
+        let readme = include_str!("../README.md");
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../moca-model");
+        for (language, file) in [
+            ("```rust", "whole-body/examples/panda_circle.rs"),
+            ("```python", "python/examples/panda_circle.py"),
+        ] {
+            let example = fs::read_to_string(root.join(file)).unwrap();
+            let shown = readme.split(language).nth(1).unwrap().split("```").next().unwrap();
+            let control = shown.split("start =").nth(1).unwrap().lines().skip(1);
+            for statement in statements(&control.collect::<Vec<_>>().join("\n")) {
+                assert!(
+                    statement == "Ok(())" || example.contains(&statement),
+                    "{file}: {statement}"
+                );
+            }
+        }
+    }
+
     #[test]
     fn every_page_with_a_program_is_compiled() {
         let listed = include_str!("programs.rs");

@@ -8,7 +8,7 @@ use crate::failure::{AhqpStatus, Failure, Result, call};
 use crate::handle::{free, give, read, write};
 use crate::views::{AhqpMatrix, AhqpVector, optional_text};
 
-/// A hierarchical quadratic programme: levels of objectives and constraints, highest priority first.
+/// A hierarchical quadratic program: levels of objectives and constraints, highest priority first.
 #[derive(Debug, Clone)]
 pub struct AhqpHierarchy(pub(crate) Hierarchy);
 

@@ -11,7 +11,7 @@ use crate::shared::Shared;
 /// Largest number of variables. Dense factors of more would not fit into memory.
 const MOST_VARIABLES: usize = 4096;
 
-/// A hierarchical quadratic programme over n variables: levels of objectives and constraints, highest
+/// A hierarchical quadratic program over n variables: levels of objectives and constraints, highest
 /// priority first.
 ///
 /// It lexicographically minimises the levels' objectives, subject to the bounds of the variables and the hard
