@@ -2,7 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use vision_models::{Camera, DepthImage, ImageBody, PersonBox, file::read_bytes, is_hidden};
+use vision_models::{
+    Camera, DepthImage, ImageBody, JointFrame, PersonBox, file::read_bytes, is_hidden,
+};
 
 use crate::{error::Error, frames::format::FrameEntry};
 
@@ -94,8 +96,11 @@ impl PoseSource for SkeletonFolder {
                 Err(error) if error.kind() == std::io::ErrorKind::NotFound => continue,
                 bytes => bytes.map_err(Error::read(&path))?,
             };
-            let people = ImageBody::from_openpose(&bytes);
-            return people.map(Some).map_err(Error::content(&path));
+            let size = frame.camera.intrinsics().size();
+            let frames =
+                JointFrame::from_json(&bytes, Some(size)).map_err(Error::content(&path))?;
+            let people = frames.into_iter().flat_map(|frame| frame.people);
+            return Ok(Some(people.map(|person| person.image).collect()));
         }
         Ok(None)
     }

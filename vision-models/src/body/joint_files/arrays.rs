@@ -8,6 +8,9 @@ use serde::{
 };
 use serde_json::value::RawValue;
 
+use super::of_syntax;
+use crate::error::Error;
+
 /// The first `MOST` elements of an array, as they stand in the text, and how many there are.
 #[derive(Debug)]
 pub(super) struct Bounded<'a, const MOST: usize> {
@@ -43,5 +46,45 @@ impl<'de, const MOST: usize> Visitor<'de> for Elements<MOST> {
             count += 1;
         }
         Ok(Bounded { first, count })
+    }
+}
+
+/// Does something with each element of an array, one after the other, until it fails.
+pub(super) fn for_each(
+    array: &RawValue,
+    mut each: impl FnMut(usize, &RawValue) -> Result<(), Error>,
+) -> Result<(), Error> {
+    let mut failed = None;
+    let visitor = Each { each: &mut each, failed: &mut failed };
+    let read = serde_json::Deserializer::from_str(array.get()).deserialize_seq(visitor);
+    match (failed, read) {
+        (Some(error), _) => Err(error),
+        (None, Err(error)) => Err(of_syntax(&error)),
+        (None, Ok(())) => Ok(()),
+    }
+}
+
+struct Each<'a> {
+    each: &'a mut dyn FnMut(usize, &RawValue) -> Result<(), Error>,
+    failed: &'a mut Option<Error>,
+}
+
+impl<'de> Visitor<'de> for Each<'_> {
+    type Value = ();
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("an array")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut elements: A) -> Result<(), A::Error> {
+        let mut index = 0;
+        while let Some(element) = elements.next_element::<&RawValue>()? {
+            if let Err(error) = (self.each)(index, element) {
+                *self.failed = Some(error);
+                return Err(serde::de::Error::custom("an element"));
+            }
+            index += 1;
+        }
+        Ok(())
     }
 }
