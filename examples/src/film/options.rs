@@ -1,6 +1,6 @@
 //! What is filmed, by which cameras, and what is known of the person.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use anyhow::{Result, bail, ensure};
 use clap::Args;

@@ -2,7 +2,7 @@
 
 use std::{
     fs::File,
-    io::{BufReader, ErrorKind, Read, Seek},
+    io::{BufRead, BufReader, ErrorKind, Read, Seek},
     path::{Path, PathBuf},
     process::{Child, ChildStdout, Command, Stdio},
 };
@@ -48,9 +48,10 @@ impl FilmImages {
     /// # Errors
     /// A file that is not there, a folder without images, and a machine without `ffmpeg`, by their names.
     pub fn open(path: &Path, rate: f64) -> Result<Self, Error> {
-        let source = match path.metadata().map_err(Error::read(path))?.is_dir() {
-            true => Source::Folder(list_frames(path).map_err(Error::content(path))?.into_iter()),
-            false => Source::Video(Video::open(path, rate)?),
+        let source = if path.metadata().map_err(Error::read(path))?.is_dir() {
+            Source::Folder(list_frames(path).map_err(Error::content(path))?.into_iter())
+        } else {
+            Source::Video(Video::open(path, rate)?)
         };
         Ok(Self { source })
     }
@@ -131,7 +132,7 @@ impl Drop for Video {
 }
 
 /// Reads an image of the Portable Pixmap format; `None` at the end of the stream.
-fn read_ppm(stream: &mut impl Read) -> std::io::Result<Option<Array3<u8>>> {
+fn read_ppm(stream: &mut impl BufRead) -> std::io::Result<Option<Array3<u8>>> {
     let wrong = |what: String| std::io::Error::new(ErrorKind::InvalidData, what);
     let mut magic = [0; 2];
     let Some(first) = stream.bytes().next() else { return Ok(None) };

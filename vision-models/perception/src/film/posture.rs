@@ -62,7 +62,8 @@ impl Film {
     /// Takes the views and their cameras in the same order: one whose place above the floor is known, or several.
     ///
     /// # Errors
-    /// [`Error::Unfit`] for another number of cameras than views; [`Error::Vision`] for settings and cameras.
+    /// [`Error::Unfit`] for another number of cameras than views, and for images of another size than the calibration's, by
+    /// more than the hundredth by which codecs pad and crop; [`Error::Vision`] for settings and cameras.
     pub fn new(
         mut views: Vec<View>,
         cameras: Vec<CalibratedCamera>,
@@ -74,11 +75,13 @@ impl Film {
             return Err(Error::unfit("the views", found, "give a camera for each film"));
         }
         for (view, camera) in views.iter().zip(&cameras) {
-            let size = camera.intrinsics.size();
-            if view.size().is_some_and(|images| images != size) {
-                let images = view.size().unwrap_or_default();
+            let (calibrated, images) = (camera.intrinsics.size(), view.size());
+            let Some(images) = images else { continue };
+            let differs =
+                |axis: usize| images[axis].abs_diff(calibrated[axis]) * 100 > calibrated[axis];
+            if differs(0) || differs(1) {
                 let found =
-                    format!("calibrated for {size:?} pixels, but the images have {images:?}");
+                    format!("calibrated for {calibrated:?} pixels, but the images have {images:?}");
                 return Err(Error::at(format!("camera {}", camera.name), found));
             }
         }
