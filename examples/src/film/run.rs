@@ -40,7 +40,7 @@ pub struct FilmReport {
     action_levels: [f64; 5],
     /// By the lengths of limbs (m).
     stature: Option<f64>,
-    stature_standard_error: Option<f64>,
+    stature_sigma: Option<f64>,
 }
 
 /// The columns before the scores.
@@ -89,8 +89,7 @@ pub fn score(
     }
     progress.finish();
     let stature = film.stature();
-    let report =
-        report(&postures, stature.map(|stature| [stature.stature, stature.standard_error]));
+    let report = report(&postures, stature);
     if report.scored == 0 {
         bail!("{}: nobody whose trunk was seen", options.title());
     }
@@ -108,7 +107,7 @@ pub fn score(
         keep(file)?;
     }
     if let Some(file) = recording {
-        let stature = stature.map(|stature| (stature.stature * 1e3).round() / 1e3);
+        let stature = stature.map(|[stature, _]| (stature * 1e3).round() / 1e3);
         let mut writer =
             Writer::new(file, &Header { rate: options.rate(), stature, ..Header::default() })?;
         for FilmedPosture { time, body, .. } in &postures {
@@ -135,7 +134,7 @@ fn report(postures: &[FilmedPosture], stature: Option<[f64; 2]>) -> FilmReport {
         rula_max: 0,
         action_levels: [0.0; 5],
         stature: stature.map(|[stature, _]| stature),
-        stature_standard_error: stature.map(|[_, error]| error),
+        stature_sigma: stature.map(|[_, sigma]| sigma),
     };
     for (scores, _) in postures.iter().filter_map(|posture| posture.scores) {
         report.scored += 1;
@@ -198,10 +197,10 @@ fn print(report: &FilmReport, postures: &[FilmedPosture], session: &mut Session)
             )?;
         }
     }
-    if let Some((stature, error)) = report.stature.zip(report.stature_standard_error) {
+    if let Some((stature, sigma)) = report.stature.zip(report.stature_sigma) {
         writeln!(
             out,
-            "stature by the lengths of limbs {stature:.2} m, standard error {error:.2} m"
+            "stature by the lengths of limbs {stature:.2} m, standard deviation {sigma:.2} m"
         )?;
     }
     Ok(())

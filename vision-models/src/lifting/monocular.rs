@@ -153,6 +153,8 @@ pub struct MonocularLifter {
     leg: Mean,
     /// The scale by the floor.
     floor: Mean,
+    /// The last scale and its standard deviation.
+    size: Option<[f64; 2]>,
 }
 
 /// A mean that forgets slowly.
@@ -183,7 +185,14 @@ impl MonocularLifter {
         let pose = camera.world_from_camera.ok_or_else(|| {
             Error::value("the place of the camera", "not known", "its height and tilt")
         })?;
-        Ok(Self { camera, pose, settings, leg: Mean::default(), floor: Mean::default() })
+        Ok(Self {
+            camera,
+            pose,
+            settings,
+            leg: Mean::default(),
+            floor: Mean::default(),
+            size: None,
+        })
     }
 
     /// Places the person; `None` without metric joints, or with so few in the image that nobody can tell.
@@ -194,6 +203,7 @@ impl MonocularLifter {
         }
         let (metric, shift) = self.shifted(person, metric)?;
         let [scale, sigma] = self.scale(person, &metric, &shift);
+        self.size = Some([scale, sigma]);
         let rotation = *self.pose.rotation.to_rotation_matrix().matrix();
         let pixel = self.settings.noise.sigma(&person.image);
         let [fx, fy] = self.camera.intrinsics.focal();
@@ -224,6 +234,13 @@ impl MonocularLifter {
         let mut common = place * place.transpose() * (sigma / scale).powi(2);
         common[(2, 2)] += height_sigma.powi(2) + (tilt_sigma * place.xy().norm()).powi(2);
         Some(PlacedBody { body, common, scale, scale_sigma: sigma })
+    }
+
+    /// The person's stature by the legs of all images, and its standard deviation with that of people's proportions (m).
+    pub fn stature(&self) -> Option<[f64; 2]> {
+        let (leg, [scale, sigma]) = (self.leg.get()?, self.size?);
+        let stature = scale * leg / LEG;
+        Some([stature, stature * (sigma / scale).hypot(LEG_SIGMA)])
     }
 
     /// The metric joints in the camera's axes and their shift, both as large as the network says.

@@ -125,6 +125,11 @@ fn the_floor_tells_how_large_somebody_is() {
         assert!((floor.scale - size).abs() < 0.7 * (1.0 - size).abs(), "{}", floor.scale);
         let both = lift(MonocularSettings { stature, ..settings() });
         assert!(both.scale_sigma < known.scale_sigma.min(floor.scale_sigma));
+        let mut lifter = MonocularLifter::new(camera.clone(), settings()).unwrap();
+        assert_eq!(lifter.stature(), None);
+        lifter.lift(&observed).unwrap();
+        let [own, sigma] = lifter.stature().unwrap();
+        assert!((own - LEG * size / 0.491).abs() < 2.0 * sigma && sigma < 0.15, "{own} {sigma}");
     }
 }
 

@@ -4,12 +4,15 @@ use ergo_map::Worksheet;
 use nalgebra::{Point3, Vector3};
 use vision_models::{
     Body, Body25, BodyTracker, CalibratedCamera, MonocularLifter, MonocularSettings, Percept,
-    StatureEstimate, TrackerSettings, TriangulationSettings, Triangulator,
+    TrackerSettings, TriangulationSettings, Triangulator,
 };
 
 use super::view::View;
 use crate::error::Error;
 use crate::percepts::{Assessor, MeasuredAssessment, PostureSettings};
+
+/// How much legs differ for a stature, as a part of it.
+const PROPORTIONS: f64 = 0.04;
 
 /// A person goes no farther from one image to the next (m).
 const FAR: f64 = 1.0;
@@ -134,9 +137,14 @@ impl Film {
         Ok(Some(FilmedPosture { number, time, body, scores }))
     }
 
-    /// The person's stature by the lengths of their limbs.
-    pub fn stature(&self) -> Option<StatureEstimate> {
-        self.tracker.stature()
+    /// The person's stature by the lengths of their limbs, and its standard deviation with that of people's proportions (m).
+    pub fn stature(&self) -> Option<[f64; 2]> {
+        if let Placing::Monocular(lifter) = &self.placing {
+            return lifter.stature();
+        }
+        let estimate = self.tracker.stature()?;
+        let sigma = estimate.standard_error.hypot(PROPORTIONS * estimate.stature);
+        Some([estimate.stature, sigma])
     }
 
     /// The person among everybody.
