@@ -12,7 +12,7 @@ use serde::Serialize;
 
 /// Scores filled-in REBA sheets, one a row of a table (CSV, also with semicolons and decimal commas), or a person on film.
 ///
-/// Of a film it prints the scores along time; --output is a table of all images, with the sheet of each. Of a table the
+/// A film gives the scores along time; --output is then a table of all images, with the sheet of each. A table's
 /// first line names the columns. Needed are the angles in degrees: trunk_flex_deg,
 /// neck_flex_deg, knee_flex_deg, upper_arm_flex_deg, lower_arm_flex_deg and wrist_flex_deg. The
 /// book's page "Scores, maps and pictures" names the others, such as load_kg and coupling.

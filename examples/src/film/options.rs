@@ -80,8 +80,8 @@ fn size(text: &str) -> Result<[usize; 2], String> {
 impl FilmOptions {
     /// What is filmed, for titles and messages.
     pub fn title(&self) -> String {
-        let names = self.video.iter().chain(&self.joints).map(|path| path.display().to_string());
-        names.collect::<Vec<_>>().join(", ")
+        let name = |path: &PathBuf| path.file_name().unwrap_or_default().display().to_string();
+        self.video.iter().chain(&self.joints).map(name).collect::<Vec<_>>().join(", ")
     }
 
     /// Images a second.

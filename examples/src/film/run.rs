@@ -17,10 +17,10 @@ use crate::program::{Ending, OutputFile, Session};
 /// What is written beside what is printed.
 #[derive(Args, Debug)]
 pub struct Outputs {
-    /// Of a film: write a picture of the scores along time (SVG).
+    /// Write a picture of a film's scores along time (SVG).
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
-    /// Of a film: write the joints in the world as a recording, which `follow` plays (JSON Lines).
+    /// Write the joints of a film in the world as a recording, which `follow` plays (JSON Lines).
     #[arg(long, value_name = "FILE")]
     recording: Option<PathBuf>,
 }
@@ -38,7 +38,7 @@ pub struct FilmReport {
     rula_max: u8,
     /// Shares of the scored time at each of REBA's action levels.
     action_levels: [f64; 5],
-    /// By the lengths of limbs (m).
+    /// Follows from the lengths of limbs (m).
     stature: Option<f64>,
     stature_sigma: Option<f64>,
 }

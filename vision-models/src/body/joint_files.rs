@@ -27,29 +27,29 @@ pub struct JointFrame {
 /// What an object may hold. Names are those of the programs.
 #[derive(Deserialize)]
 struct Entry<'a> {
-    /// Of OpenPose.
+    /// OpenPose's, an image.
     #[serde(borrow)]
     people: Option<&'a RawValue>,
-    /// Of mmpose's demo, a film.
+    /// A film of mmpose's demo.
     #[serde(borrow, alias = "frames")]
     instance_info: Option<&'a RawValue>,
-    /// Of mmpose, an image.
+    /// An image of mmpose.
     #[serde(borrow)]
     instances: Option<&'a RawValue>,
     #[serde(borrow, alias = "frame", alias = "frame_number", alias = "frame_index")]
     frame_id: Option<&'a RawValue>,
-    /// Of COCO and AlphaPose.
+    /// COCO's and AlphaPose's.
     #[serde(borrow)]
     image_id: Option<&'a RawValue>,
-    /// Of COCO, AlphaPose and mmpose, a person.
+    /// A person of COCO, AlphaPose and mmpose.
     #[serde(borrow)]
     keypoints: Option<&'a RawValue>,
     #[serde(borrow)]
     keypoint_scores: Option<&'a RawValue>,
-    /// Of MediaPipe, in the image.
+    /// MediaPipe's, in the image.
     #[serde(borrow, alias = "landmark", alias = "pose_landmarks", alias = "poseLandmarks")]
     landmarks: Option<&'a RawValue>,
-    /// Of MediaPipe, in metres.
+    /// MediaPipe's, in metres.
     #[serde(
         borrow,
         alias = "poseWorldLandmarks",

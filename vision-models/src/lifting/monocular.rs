@@ -22,7 +22,7 @@ const FOOT_SIGMA: f64 = 0.04;
 /// A foot is seen that a network is surer of.
 const SURE: f64 = 0.5;
 
-/// Without joints in the image a person is this far ahead of the camera (m).
+/// How far ahead of the camera a person is whose joints are not in the image (m).
 const AHEAD: f64 = 3.0;
 /// Fewer joints do not tell where a person is.
 const JOINTS: usize = 6;
@@ -39,7 +39,7 @@ const IMAGES: f64 = 250.0;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MonocularSettings {
-    /// Of the joints in the image.
+    /// The error of the joints in the image.
     pub noise: PixelNoise,
     /// Standard deviation of how much farther a joint is than the hips (m).
     pub depth_sigma: f64,
@@ -119,10 +119,10 @@ impl PlacedBody {
 
 /// Places a person by the metric joints of a network, the joints in the image and the camera's place above the floor.
 ///
-/// The metric joints $\boldsymbol m_j$, turned so that their depth is along the ray to the hips, have the shift
-/// $\boldsymbol t$ with which they are seen where the image shows them (linear least squares). The scale $s$ is 1 or
-/// follows from the stature; the lower foot on the floor says it once more. Both count by their variances. A
-/// joint is on its ray at the depth $s (t_z + m_{j,z})$.
+/// The metric joints $\boldsymbol m_j$ are turned so that their depth is along the ray to the hips. Their shift
+/// $\boldsymbol t$ is the one with which they appear where the image shows them (linear least squares). The scale $s$ is 1
+/// or follows from the stature; the lower foot on the floor says it once more. Both count by their variances. A joint is on
+/// its ray at the depth $s (t_z + m_{j,z})$.
 ///
 /// ```
 /// use vision_models::{

@@ -29,7 +29,7 @@ const AGREE: f64 = 4.0;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TriangulationSettings {
-    /// Of the joints in an image.
+    /// The error of the joints in an image.
     pub noise: PixelNoise,
     /// A view whose joint is farther off than so many standard deviations is an outlier.
     pub outlier: f64,
@@ -69,10 +69,10 @@ impl TriangulationSettings {
 /// Finds joints in the world that calibrated cameras see at the same time. Two views that agree are enough, whatever the
 /// others show.
 ///
-/// Every pair of views proposes a point. The views within [`TriangulationSettings::outlier`] standard deviations of it
-/// support it, and the point with the most support, then with the least error, is refined over them. It has the
-/// covariance of that least-squares problem, enlarged where the errors are larger than expected. If two views alone
-/// support it, and two others support another place as well, nobody can tell, and the joint is left out.
+/// Every pair of views proposes a point. The views within [`TriangulationSettings::outlier`] standard deviations support it.
+/// The point with the most support, then the least error, is refined over those views. It has the covariance of that
+/// least-squares problem, enlarged where the errors are larger than expected. If two views alone support it, and other pairs
+/// support another place, the joint is left out.
 ///
 /// ```
 /// use nalgebra::{Point2, Point3};

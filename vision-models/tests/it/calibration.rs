@@ -4,8 +4,8 @@ use nalgebra::{Point2, Point3, Rotation3, Vector3, point};
 use proptest::prelude::*;
 use vision_models::{CalibratedCamera, Distortion, Error};
 
-/// A system of one camera for video, two metres to the right of the origin and 1.5 m high, which looks along y, and one
-/// for markers. Qualisys' cameras look along their own -z, y upwards: its axes are x, z and -y of the world.
+/// A system of a camera for video and one for markers. The first is two metres to the right of the origin and 1.5 m high, and
+/// looks along y. Qualisys' cameras look along their own -z, y upwards: its axes are x, z and -y of the world.
 const QUALISYS: &str = r#"<?xml version="1.0"?>
 <calibration type="regular">
   <cameras>
@@ -105,7 +105,7 @@ fn qualisys_has_its_own_units_and_axes() {
 }
 
 #[test]
-fn ros_and_opencv_tell_the_lens_and_perhaps_the_place() {
+fn ros_and_opencv_tell_lens_and_place() {
     let camera = one(ROS);
     assert_eq!(camera.name, "narrow_stereo");
     assert_eq!(camera.intrinsics.focal(), [600.0, 601.0]);

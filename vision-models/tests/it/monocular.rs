@@ -114,7 +114,7 @@ fn the_floor_tells_how_large_somebody_is() {
             let mut lifter = MonocularLifter::new(camera.clone(), settings).unwrap();
             lifter.lift(&observed).unwrap()
         };
-        // By the tape measure alone, by the camera's height alone, and by both.
+        // The tape measure alone tells it, the camera's height alone, and both.
         let blind = MonocularSettings { height_sigma: 10.0, ..settings() };
         assert!((lift(blind).scale - 1.0).abs() < 0.01);
         let stature = Some(LEG * size / 0.491);
@@ -135,7 +135,7 @@ fn the_floor_tells_how_large_somebody_is() {
 
 /// People of several sizes at several places: errors of joints, and of where the person is.
 #[test]
-fn errors_of_placed_people_are_as_large_as_claimed() {
+fn placed_people_are_off_as_claimed() {
     let (mut own, mut world, mut count) = (0.0, 0.0, 0.0);
     for seed in 0..600 {
         let mut random = Random::new(seed);

@@ -128,7 +128,7 @@ fn errors_are_as_large_as_covariances_say() {
         // Three numbers each: less where the errors in the images enlarge the covariance.
         assert!((2.0..3.2).contains(&mean), "{count} views: {mean}");
         assert!(beyond <= 6, "{count} views: {beyond} of {given}");
-        // Of three views, one beyond three standard deviations leaves two pairs that nobody can tell apart.
+        // One of three views beyond three standard deviations leaves two pairs that nobody can tell apart.
         assert!(given > 2850, "{count} views: {given}");
     }
 }
@@ -154,7 +154,7 @@ fn two_of_four_views_suffice() {
             given += 1;
             off += usize::from(square(&(found - point), &covariance) > TEN_THOUSANDTH);
         }
-        // With two that are wrong, chance agrees at times: the joint is then left out.
+        // Two that are wrong agree at times by chance: the joint is then left out.
         let least = [1900, 1000][wrong - 1];
         assert!(given > least, "{wrong} wrong: {given} given");
         assert!(off * 100 <= given, "{wrong} wrong: {off} off of {given}");

@@ -20,9 +20,9 @@ const FAR: f64 = 1.0;
 /// How people on film are placed and scored.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FilmSettings {
-    /// By one camera.
+    /// How one camera places people.
     pub monocular: MonocularSettings,
-    /// By several.
+    /// How several do.
     pub triangulation: TriangulationSettings,
     /// What is known of the person beside.
     pub posture: PostureSettings,
@@ -65,8 +65,8 @@ impl Film {
     /// Takes the views and their cameras in the same order: one whose place above the floor is known, or several.
     ///
     /// # Errors
-    /// [`Error::Unfit`] for another number of cameras than views, and for images of another size than the calibration's, by
-    /// more than the hundredth by which codecs pad and crop; [`Error::Vision`] for settings and cameras.
+    /// [`Error::Unfit`] for another number of cameras than views. The same for images of another size than the calibration's,
+    /// by more than the hundredth by which codecs pad and crop. [`Error::Vision`] for settings and cameras.
     pub fn new(
         mut views: Vec<View>,
         cameras: Vec<CalibratedCamera>,

@@ -18,7 +18,7 @@ const DETECTOR: &str = "pose_solution_packed_assets.data";
 #[derive(Debug)]
 pub struct View {
     source: Source,
-    /// Of the next image, from 0.
+    /// The next image, from 0.
     number: u64,
     /// Images a second.
     rate: f64,
@@ -67,9 +67,9 @@ impl View {
         Ok(Self { source, number: 0, rate })
     }
 
-    /// Opens a file with the joints of a whole film, or a folder with a file of joints for each image, whose names end in
-    /// the image's number. There are so many images a second, of `size` in pixels: [`JointFrame::from_json`] says which
-    /// files need it.
+    /// Opens a file with the joints of a whole film, or a folder with a file of joints for each image. In a folder the names
+    /// end in the image's number. There are so many images a second, of `size` in pixels: [`JointFrame::from_json`] says
+    /// which files need it.
     ///
     /// # Errors
     /// A file that cannot be used, by its name.
