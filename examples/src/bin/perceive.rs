@@ -43,8 +43,8 @@ struct Options {
     /// Where the recording goes (JSON Lines).
     #[arg(long, short, value_name = "FILE")]
     output: PathBuf,
-    /// The folder of OpenPose's JSON, a file a frame such as 000012_keypoints.json or 000000000012_keypoints.json, joints in
-    /// pixels.
+    /// The folder of joints, a file a frame such as 000012_keypoints.json or 000000000012_keypoints.json: JSON of OpenPose,
+    /// mmpose, AlphaPose, COCO or MediaPipe.
     #[arg(long, value_name = "FOLDER", group = "joints")]
     skeletons: Option<PathBuf>,
     /// The weights of a pose network: a simple baseline or OpenPose, as their tensors say; or BlazePose's landmarks, a

@@ -206,7 +206,7 @@ fn print(report: &FilmReport, postures: &[FilmedPosture], session: &mut Session)
     Ok(())
 }
 
-/// A row for each image with scores, which [`Worksheet`]'s table can score again.
+/// A row for each image with scores. The first columns are a table of sheets.
 fn write_table(out: &mut impl Write, postures: &[FilmedPosture]) -> Result<()> {
     writeln!(out, "{},{},rula", COLUMNS.join(","), Worksheet::SCORES.join(","))?;
     for posture in postures {

@@ -153,15 +153,17 @@ fn several_cameras_score_a_person() {
     for (axis, expected) in UPRIGHT[10].iter().enumerate() {
         assert!((frame["keypoints"][4][axis].as_f64().unwrap() - expected).abs() < 1e-3, "{frame}");
     }
-    // The table is a table of sheets.
-    let again = Runs::new("reba").with(&["--input", &table, "--quiet"]).run().done();
-    let scores = |text: &str, name: &str| -> Vec<String> {
+    // Its first columns are a table of sheets.
+    let first = fs::read_to_string(&table).unwrap();
+    let sheets = first.lines().map(|line| line.split(',').take(16).collect::<Vec<_>>().join(","));
+    let sheets = sheets.collect::<Vec<_>>().join("\n");
+    let again = Runs::new("reba").with(&["--input", "-", "--quiet"]).run_on(&sheets).done();
+    let scores = |text: &str| -> Vec<String> {
         let mut rows = csv::Reader::from_reader(text.as_bytes());
-        let column = rows.headers().unwrap().iter().rposition(|column| column == name).unwrap();
+        let column = rows.headers().unwrap().iter().position(|column| column == "reba").unwrap();
         rows.records().map(|row| row.unwrap()[column].to_owned()).collect()
     };
-    let first = fs::read_to_string(&table).unwrap();
-    assert_eq!(scores(&first, "reba"), scores(&again.output, "reba"));
+    assert_eq!(scores(&first), scores(&again.output));
 }
 
 #[test]

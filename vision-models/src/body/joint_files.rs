@@ -228,7 +228,6 @@ fn of_syntax(error: &serde_json::Error) -> Error {
 }
 
 fn refuse(problem: &str) -> Error {
-    let wanted = "give OpenPose's \"people\", each with \"pose_keypoints_2d\" of numbers x, y, confidence (BODY_25 has \
-                  75); mmpose's or COCO's \"keypoints\"; or MediaPipe's \"landmarks\"";
+    let wanted = "give OpenPose's \"people\", mmpose's or COCO's \"keypoints\", or MediaPipe's \"landmarks\"";
     Error::malformed("no JSON of joints", format!("{problem}; {wanted}"))
 }
