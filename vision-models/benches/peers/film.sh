@@ -29,4 +29,4 @@ for camera in "$folder"/frames/*/; do
     "$target/reba" --video "$folder/frames/$camera" --pose "${networks[1]}" --camera-height "$height" --camera-tilt "$tilt" \
         --field-of-view "$view" $(outputs "$camera")
 done
-"$python" -W ignore "$here/film.py" compare "$folder" 2> /dev/null
+"$python" -W ignore "$here/film.py" compare "$folder"
