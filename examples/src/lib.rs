@@ -2,6 +2,7 @@
 
 pub mod actions;
 pub mod experiment;
+pub mod film;
 pub mod infer;
 pub mod learning;
 pub mod maps;

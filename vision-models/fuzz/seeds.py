@@ -59,6 +59,12 @@ seed("depth", "small.png", buffer.getvalue())
 joint = b"1.5,2e2,0.7"
 for name, joints in [("body25", 25), ("coco18", 18)]:
     person = b'{"person_id":[-1],"pose_keypoints_2d":[' + b",".join([joint] * joints) + b"]}"
-    seed("openpose", name, b'{"version":1.3,"people":[' + person + b"," + person + b"]}")
+    seed("joints", name, b'{"version":1.3,"people":[' + person + b"," + person + b"]}")
+mark = b'{"x":0.5,"y":0.25,"z":-0.1,"visibility":0.9}'
+marks = b"[" + b",".join([mark] * 33) + b"]"
+seed("joints", "mediapipe", b'[{"landmarks":[' + marks + b'],"worldLandmarks":[' + marks + b"]}]")
+pairs, scores = b",".join([b"[1,2]"] * 17), b",".join([b"0.9"] * 17)
+instance = b'{"keypoints":[' + pairs + b'],"keypoint_scores":[' + scores + b"]}"
+seed("joints", "mmpose", b'{"instance_info":[{"frame_id":1,"instances":[' + instance + b"]}]}")
 for name in ["operators", "blaze_detector"]:
     seed("tensorflow_lite", name, (data / f"{name}.tflite").read_bytes())

@@ -3,12 +3,14 @@
 mod filter;
 mod identity;
 mod image_body;
+#[cfg(feature = "inference")]
+mod joint_files;
+mod joint_layout;
 mod joints;
 mod keypoints;
 mod lean;
 mod lengths;
-#[cfg(feature = "inference")]
-mod openpose;
+mod observed;
 mod people;
 mod pose;
 mod possible;
@@ -20,9 +22,13 @@ mod tracker;
 mod two_models;
 
 pub use image_body::{ImageBody, ImageKeypoint};
+#[cfg(feature = "inference")]
+pub use joint_files::JointFrame;
+pub use joint_layout::{JointLayout, Middle};
 pub use joints::JointVelocity;
 pub use keypoints::{Body, Body25, Keypoint};
 pub use lengths::{SegmentLength, StatureEstimate};
+pub use observed::{MetricBody, ObservedBody};
 pub use people::{People, PeopleSettings, PersonId, PersonTrack};
 pub use pose::{TrackStatus, TrackedPerson};
 pub use possible::ImpossibleBody;

@@ -81,12 +81,14 @@ mod svm;
 mod weights;
 
 pub use action::{Action, ActionGroup, Intention, Tool, WalkingDirection};
+#[cfg(feature = "inference")]
+pub use body::JointFrame;
 pub use body::{
-    Body, Body25, BodySegment, BodyTracker, ImageBody, ImageKeypoint, ImpossibleBody,
-    JointVelocity, Keypoint, People, PeopleSettings, PersonId, PersonTrack, SegmentLength,
-    StatureEstimate, TrackStatus, TrackedPerson, TrackerSettings,
+    Body, Body25, BodySegment, BodyTracker, ImageBody, ImageKeypoint, ImpossibleBody, JointLayout,
+    JointVelocity, Keypoint, MetricBody, Middle, ObservedBody, People, PeopleSettings, PersonId,
+    PersonTrack, SegmentLength, StatureEstimate, TrackStatus, TrackedPerson, TrackerSettings,
 };
-pub use camera::{Camera, DepthImage, DepthNoise, Intrinsics};
+pub use camera::{CalibratedCamera, Camera, DepthImage, DepthNoise, Distortion, Intrinsics};
 #[cfg(feature = "inference")]
 pub use camera::{decode_depth, read_depth};
 pub use confidence::Confidence;
@@ -99,7 +101,10 @@ pub use head::{Epoch, FeatureScaling, HeadSettings, HeadTrainer, LinearHead};
 pub use kernels::InstructionSet;
 #[cfg(feature = "inference")]
 pub use labels::ClassNames;
-pub use lifting::{CrossSection, Lifter, LiftingSettings, SkinDepths};
+pub use lifting::{
+    CrossSection, Lifter, LiftingSettings, MonocularLifter, MonocularSettings, PixelNoise,
+    PlacedBody, SkinDepths, TriangulationSettings, Triangulator,
+};
 #[cfg(feature = "inference")]
 pub use metrics::{ConfusionMatrix, softmax, top_k};
 pub use nalgebra;

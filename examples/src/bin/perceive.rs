@@ -44,8 +44,8 @@ struct Options {
     /// The recording to write (JSON Lines).
     #[arg(long, short, value_name = "FILE")]
     output: PathBuf,
-    /// The folder of OpenPose's JSON, a file for each frame such as 000012_keypoints.json or
-    /// 000000000012_keypoints.json, with joints in pixels.
+    /// The folder of joints, a file a frame such as 000012_keypoints.json or 000000000012_keypoints.json: JSON of OpenPose,
+    /// mmpose, AlphaPose, COCO or MediaPipe.
     #[arg(long, value_name = "FOLDER", group = "joints")]
     skeletons: Option<PathBuf>,
     /// The weights of a pose network. Their tensors identify a simple baseline or OpenPose. A .tflite of MediaPipe's

@@ -188,12 +188,15 @@ fn skeletons_are_found_by_openpose_names() {
     let plain = perceive(film(|_| {}).path()).run().done().json();
     let seen = plain["with_body"].as_u64().unwrap();
     assert!(seen > 0, "{plain}");
-    for prefix in ["", "video_", "film-2_"] {
+    let openpose = "_keypoints.json";
+    for (prefix, end) in
+        [("", openpose), ("video_", openpose), ("film-2_", openpose), ("film-2_", ".json")]
+    {
         let folder = film(|folder| {
-            rename_skeletons(folder, |number| format!("{prefix}{number:012}_keypoints.json"));
+            rename_skeletons(folder, |number| format!("{prefix}{number:012}{end}"));
         });
         let ran = perceive(folder.path()).run().done().json();
-        assert_eq!(ran["with_body"], seen, "{prefix}");
+        assert_eq!(ran["with_body"], seen, "{prefix}{end}");
     }
 }
 

@@ -14,6 +14,7 @@ mod ergo_map;
 mod experiment;
 mod experiment_recordings;
 mod files;
+mod film;
 mod follow;
 mod hqp;
 mod ik;

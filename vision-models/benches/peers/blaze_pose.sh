@@ -1,35 +1,9 @@
 #!/bin/bash
-# Compares BlazePose with TensorFlow Lite and MediaPipe on film. Prints the figures of the book's page on poses.
-# Installs npm and PyPI packages to $PEERS or ./target/peers. Reports and leaves out those that are missing.
+# Holds BlazePose against TensorFlow Lite and MediaPipe on film, and prints the figures of the book's page on poses.
+# What it needs comes from npm and PyPI to $PEERS or ./target/peers (films.sh); what is missing it says, and leaves out.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
-cd "$here/../../.."
-folder=${PEERS:-target/peers}/blaze_pose
-mkdir -p "$folder"
-folder=$(cd "$folder" && pwd)
-
-missing() {
-    echo "left out: $1"
-    exit "${2:-0}"
-}
-
-if [ ! -d "$folder/package" ]; then
-    command -v npm > /dev/null || missing 'npm is missing, which has the package @mediapipe/pose'
-    (cd "$folder" && npm pack --silent @mediapipe/pose && tar xf mediapipe-pose-*.tgz) ||
-        missing 'npm does not give the package @mediapipe/pose'
-fi
-if [ ! -d "$folder/films" ]; then
-    python3 -m pip download --quiet --no-deps --dest "$folder" pose2sim ||
-        missing 'PyPI does not give the package pose2sim'
-    python3 -m zipfile -e "$folder"/pose2sim-*.whl "$folder/unpacked"
-    mv "$folder/unpacked/Pose2Sim/Demo_SinglePerson/videos" "$folder/films"
-    rm -r "$folder/unpacked"
-fi
-# Each is installed completely or not at all.
-environment() {
-    [ -f "$folder/$1/whole" ] && return
-    python3 -m venv "$folder/$1" && "$folder/$1/bin/pip" install --quiet "${@:2}" && touch "$folder/$1/whole"
-}
+. "$here/films.sh"
 environment litert ai-edge-litert numpy opencv-python-headless ||
     missing 'PyPI does not give ai-edge-litert, numpy and opencv-python-headless'
 # The last versions whose CPU graph gives the regions.

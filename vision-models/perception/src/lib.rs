@@ -3,6 +3,7 @@
 pub mod actions;
 mod error;
 mod file;
+pub mod film;
 pub mod frames;
 pub mod learning;
 pub mod networks;

@@ -1,7 +1,8 @@
 //! The twenty-five keypoints of `OpenPose`'s `BODY_25` model.
 
-use nalgebra::{Isometry3, Matrix3, Point3};
+use nalgebra::{Isometry3, Matrix3, Point3, center};
 
+use super::joint_layout::Middle;
 use crate::confidence::Confidence;
 
 /// The joints of `BODY_25`. The discriminant is the index in `OpenPose`'s output.
@@ -186,7 +187,18 @@ impl Body {
         self.covariances[joint.index()] = sound.then_some(covariance);
     }
 
-    /// Returns the keypoints in the order of [`Body25::ALL`].
+    /// Sets the joint in the middle of two others whose errors are independent, with its covariance.
+    pub(crate) fn set_middle(&mut self, Middle { joint, sides: [one, other] }: Middle) {
+        let Some((a, b)) = self.get(one).zip(self.get(other)) else { return };
+        let confidence = if a.confidence < b.confidence { a } else { b }.confidence;
+        let keypoint = Keypoint { position: center(&a.position, &b.position), confidence };
+        match self.covariance(one).zip(self.covariance(other)) {
+            Some((one, other)) => self.set_measured(joint, keypoint, (one + other) * 0.25),
+            None => self.set(joint, Some(keypoint)),
+        }
+    }
+
+    /// The keypoints in the order of [`Body25::ALL`].
     pub fn keypoints(&self) -> &[Option<Keypoint>; Body25::COUNT] {
         &self.keypoints
     }

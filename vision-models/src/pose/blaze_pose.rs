@@ -36,7 +36,7 @@ use steady::Steady;
 /// let mut network = BlazePose::load(detector, landmarks, settings, Options::default())?;
 /// let image = read_image("frame.jpg")?;
 /// for person in network.estimate(0.0, image.view())? {
-///     println!("{:?}", person.image_body().get(Body25::RightWrist));
+///     println!("{:?}", person.body().image.get(Body25::RightWrist));
 /// }
 /// # Ok::<(), vision_models::Error>(())
 /// ```

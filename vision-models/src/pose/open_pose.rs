@@ -3,7 +3,7 @@
 use nalgebra::Point2;
 use ndarray::{Array4, ArrayView3, ArrayView4, Axis, s};
 
-use crate::body::{ImageBody, ImageKeypoint};
+use crate::body::{ImageBody, ImageKeypoint, JointLayout};
 use crate::engine::{Network, Options, Threads, too_large, wrong_input};
 use crate::error::Error;
 use crate::networks::{NetworkKind, OpenPoseForm};
@@ -128,7 +128,7 @@ impl OpenPose {
             ImageKeypoint { position: Point2::new(x, y), ..keypoint }
         };
         let body =
-            |person: super::Coco18| ImageBody::from_coco_18(person.map(|joint| joint.map(place)));
+            |person: super::Coco18| JointLayout::Coco18.body(&person.map(|joint| joint.map(place)));
         Ok(people.into_iter().map(body).collect())
     }
 }

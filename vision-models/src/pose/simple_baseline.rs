@@ -3,7 +3,7 @@
 use nalgebra::Point2;
 use ndarray::{Array4, ArrayView3, ArrayView4, Axis, s};
 
-use crate::body::{ImageBody, ImageKeypoint};
+use crate::body::{ImageBody, ImageKeypoint, JointLayout};
 use crate::confidence::Confidence;
 use crate::engine::{Network, Options, Threads, wrong_input};
 use crate::error::Error;
@@ -137,7 +137,7 @@ impl SimpleBaseline {
             mirrored.assign(&seen.slice(s![.., .., .., ..;-1]));
         }
         let maps = maps(&mut self.network, self.input.view())?;
-        let keypoints = std::array::from_fn(|joint| {
+        let keypoints: [_; 17] = std::array::from_fn(|joint| {
             let map = maps.slice(s![0, joint, .., ..]);
             let seen = |row: usize, column: usize| map[[row, column]];
             let peak = match self.passes {
@@ -157,7 +157,7 @@ impl SimpleBaseline {
                 Some(ImageKeypoint { position: Point2::new(x, y), confidence })
             })
         });
-        Ok(ImageBody::from_coco_17(keypoints))
+        Ok(JointLayout::Coco17.body(&keypoints))
     }
 }
 

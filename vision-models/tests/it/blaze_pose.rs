@@ -79,7 +79,7 @@ fn landmarks_are_where_their_region_is() {
         assert!((landmark.visibility.value() - 1.0 / (1.0 + (-4_f64).exp())).abs() < 1e-6);
         assert!(landmark.presence > landmark.visibility);
     }
-    let body = person.image_body();
+    let body = person.body().image;
     let at = |joint| body.get(joint).map(|keypoint| keypoint.position);
     assert_eq!(at(Body25::LeftShoulder), Some(person.points[11].position));
     assert_eq!(at(Body25::RightBigToe), Some(person.points[32].position));

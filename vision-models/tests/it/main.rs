@@ -14,6 +14,8 @@ mod blaze_pose;
 #[cfg(feature = "inference")]
 mod broken_weights;
 #[cfg(feature = "inference")]
+mod calibration;
+#[cfg(feature = "inference")]
 mod checkpoint_memory;
 #[cfg(feature = "inference")]
 mod checkpoints;
@@ -24,6 +26,8 @@ mod graphs;
 #[cfg(feature = "inference")]
 mod heads;
 #[cfg(feature = "inference")]
+mod joint_files;
+#[cfg(feature = "inference")]
 mod jpegs;
 mod jumps;
 #[cfg(feature = "inference")]
@@ -31,10 +35,9 @@ mod labels;
 mod lifting;
 #[cfg(feature = "inference")]
 mod malformed_checkpoints;
+mod monocular;
 #[cfg(feature = "inference")]
 mod networks;
-#[cfg(feature = "inference")]
-mod openpose;
 #[cfg(feature = "inference")]
 mod part_grouping;
 #[cfg(feature = "inference")]
@@ -43,6 +46,7 @@ mod pose;
 mod prefixes;
 #[cfg(feature = "inference")]
 mod preprocessing;
+mod random;
 mod real_motion;
 #[cfg(feature = "inference")]
 mod support;
@@ -51,3 +55,4 @@ mod svm;
 #[cfg(feature = "inference")]
 mod tensorflow_lite;
 mod tracker;
+mod triangulation;

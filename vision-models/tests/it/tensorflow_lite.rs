@@ -1,10 +1,10 @@
 //! Files of TensorFlow Lite: comparison of every operator with TensorFlow Lite's own kernels, and
 //! rejected files.
 
-use std::fs;
+use std::{fs, sync::LazyLock};
 
 use ndarray::Array5;
-use proptest::prelude::*;
+use proptest::{prelude::*, test_runner::RngSeed};
 use serde_json::Value;
 use vision_models::{Error, InstructionSet, Options, TensorFlowLite};
 
@@ -144,23 +144,61 @@ fn repeated_tables_need_little_memory() {
     }
 }
 
-proptest! {
-    #![proptest_config(ProptestConfig::with_cases(512))]
+/// As many files as `AHQP_CASES` says, the same on every run unless `PROPTEST_RNG_SEED` says otherwise.
+fn many() -> ProptestConfig {
+    let number = |name: &str| std::env::var(name).ok().and_then(|value| value.parse::<u32>().ok());
+    let seed = RngSeed::Fixed(number("PROPTEST_RNG_SEED").unwrap_or(1).into());
+    let cases = number("AHQP_CASES").unwrap_or(512);
+    ProptestConfig { rng_seed: seed, cases, failure_persistence: None, ..ProptestConfig::default() }
+}
 
+/// Whole files, and a small one of a few tables.
+static SEEDS: LazyLock<[Vec<u8>; 4]> = LazyLock::new(|| {
+    let case = json("broken_operators.json")[5][1].as_str().unwrap().to_owned();
+    let byte = |at| u8::from_str_radix(&case[at..at + 2], 16).unwrap();
+    let small = (0..case.len()).step_by(2).map(byte).collect();
+    let [operators, detector, landmarks] = ["operators", "blaze_detector", "blaze_landmarks"]
+        .map(|name| data(&format!("{name}.tflite")));
+    [operators, detector, landmarks, small]
+});
+
+/// Words as offsets, counts and sizes should not be.
+fn word() -> impl Strategy<Value = u32> {
+    prop_oneof![
+        any::<u32>(),
+        0..64_u32,
+        prop::sample::select(vec![0, 1, 0x7fff_ffff, 0x8000_0000, 0xffff_fff0, u32::MAX]),
+    ]
+}
+
+proptest! {
+    #![proptest_config(many())]
+
+    /// Files with changed bytes and words, cut, and with parts copied elsewhere.
     #[test]
     fn changed_files_are_harmless(
-        changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..8),
-        small in any::<bool>(),
+        changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 0..8),
+        words in prop::collection::vec((any::<prop::sample::Index>(), word()), 0..3),
+        copied in prop::option::of((any::<[prop::sample::Index; 2]>(), 1..200_usize)),
+        cut in prop::option::weighted(0.05, any::<prop::sample::Index>()),
+        which in 0..SEEDS.len(),
     ) {
-        let mut bytes = data("operators.tflite");
-        if small {
-            let case = json("broken_operators.json")[5][1].as_str().unwrap_or_default().to_owned();
-            let byte = |at| u8::from_str_radix(&case[at..at + 2], 16).unwrap_or(0);
-            bytes = (0..case.len()).step_by(2).map(byte).collect();
-        }
+        let mut bytes = SEEDS[which].clone();
         for (place, byte) in changes {
             let place = place.index(bytes.len());
             bytes[place] = byte;
+        }
+        for (place, word) in words {
+            let place = 4 * place.index(bytes.len() / 4);
+            bytes[place..place + 4].copy_from_slice(&word.to_le_bytes());
+        }
+        if let Some((places, length)) = copied {
+            let [from, to] = places.map(|place| place.index(bytes.len()));
+            let length = length.min(bytes.len() - from.max(to));
+            bytes.copy_within(from..from + length, to);
+        }
+        if let Some(length) = cut {
+            bytes.truncate(length.index(bytes.len()));
         }
         is_harmless(bytes)?;
     }

@@ -56,7 +56,13 @@ impl Runs {
         self
     }
 
-    /// Runs the program to its end.
+    /// Looks for other programs in this folder alone.
+    pub(crate) fn with_programs_in(mut self, folder: &Path) -> Self {
+        self.command.env("PATH", folder);
+        self
+    }
+
+    /// Runs it to its end.
     pub(crate) fn run(self) -> Ran {
         self.run_on("")
     }

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use vision_models::{
-    BlazePose, BlazePoseSettings, GroupingSettings, ImageBody, Landmarks, NetworkKind, OpenPose,
-    Options, Passes, PersonBox, SimpleBaseline, TensorFlowLite, read_image,
+    BlazePose, BlazePoseSettings, GroupingSettings, ImageBody, NetworkKind, OpenPose, Options,
+    Passes, PersonBox, SimpleBaseline, TensorFlowLite, read_image,
 };
 
 use super::pose_source::{Frame, PoseSource};
@@ -123,7 +123,7 @@ impl PoseSource for PoseNetwork {
             }
             Network::BlazePose(network) => {
                 let people = network.estimate(frame.entry.time, image.view())?;
-                Ok(Some(people.iter().map(Landmarks::image_body).collect()))
+                Ok(Some(people.iter().map(|person| person.body().image).collect()))
             }
             Network::SimpleBaseline(network) => {
                 let nearest = || PersonBox::nearest(frame.camera, frame.depth);

@@ -1,8 +1,13 @@
 //! Sources of the joints in the image.
 
-use std::path::{Path, PathBuf};
+use std::{
+    ffi::OsStr,
+    path::{Path, PathBuf},
+};
 
-use vision_models::{Camera, DepthImage, ImageBody, PersonBox, file::read_bytes, is_hidden};
+use vision_models::{
+    Camera, DepthImage, ImageBody, JointFrame, PersonBox, file::read_bytes, is_hidden,
+};
 
 use crate::{error::Error, frames::format::FrameEntry};
 
@@ -38,9 +43,9 @@ pub trait PoseSource: std::fmt::Debug {
     }
 }
 
-/// A folder of OpenPose's JSON. The file of frame 12 is `000012_keypoints.json`, or has the name
-/// and the digits that OpenPose writes, as in `000000000012_keypoints.json` and
-/// `video_000000000012_keypoints.json`.
+/// A folder with a file of joints for each frame, as [`JointFrame::from_json`] reads them: `000012_keypoints.json` for frame
+/// 12, or with the name and the digits that OpenPose gives by itself, as in `video_000000000012_keypoints.json`. Other
+/// programs' are called `000012.json`, with a name before and as many digits as they like.
 #[derive(Clone, Debug)]
 pub struct SkeletonFolder {
     folder: PathBuf,
@@ -48,10 +53,12 @@ pub struct SkeletonFolder {
     prefix: String,
     /// Number of digits in the first file.
     digits: usize,
+    /// What stands behind it.
+    end: &'static str,
 }
 
-/// The end of the files' names.
-const END: &str = "_keypoints.json";
+/// The ends of the files' names, OpenPose's first.
+const ENDS: [&str; 2] = ["_keypoints.json", ".json"];
 
 impl SkeletonFolder {
     /// Checks that the folder has at least one skeleton, and takes the form of the names from it.
@@ -60,30 +67,33 @@ impl SkeletonFolder {
     /// Names the folder.
     pub fn open(folder: &Path) -> Result<Self, Error> {
         let refuse = |source| Error::Read { path: folder.to_owned(), source };
-        let mut first: Option<String> = None;
+        let mut first: Option<(String, &str)> = None;
         for entry in folder.read_dir().map_err(refuse)? {
             let name = entry.map_err(refuse)?.file_name();
-            if let Some(name) = name.to_str().and_then(|name| name.strip_suffix(END))
-                && !is_hidden(name.as_ref())
-                && name.ends_with(|last: char| last.is_ascii_digit())
-                && first.as_deref().is_none_or(|first| name < first)
+            let stem = |name: &OsStr| {
+                let name = name.to_str().filter(|_| !is_hidden(name))?;
+                ENDS.iter().find_map(|end| Some((name.strip_suffix(end)?.to_owned(), *end)))
+            };
+            if let Some(found) = stem(&name)
+                && found.0.ends_with(|last: char| last.is_ascii_digit())
+                && first.as_ref().is_none_or(|first| found < *first)
             {
-                first = Some(name.to_owned());
+                first = Some(found);
             }
         }
-        let first = first.ok_or_else(|| {
-            let wanted = format!("give a folder with OpenPose's 000000{END}");
+        let (first, end) = first.ok_or_else(|| {
+            let wanted = format!("give a folder with OpenPose's 000000{}", ENDS[0]);
             Error::unfit(folder.display(), "no skeletons", wanted)
         })?;
         let prefix = first.trim_end_matches(|last: char| last.is_ascii_digit()).to_owned();
         let digits = first.len() - prefix.len();
-        Ok(Self { folder: folder.to_owned(), prefix, digits })
+        Ok(Self { folder: folder.to_owned(), prefix, digits, end })
     }
 
     /// Returns the possible paths of the skeletons of a frame.
     fn places(&self, frame: u64) -> [PathBuf; 2] {
-        let Self { folder, prefix, digits } = self;
-        [format!("{prefix}{frame:0digits$}{END}"), format!("{frame:06}{END}")]
+        let Self { folder, prefix, digits, end } = self;
+        [format!("{prefix}{frame:0digits$}{end}"), format!("{frame:06}{end}")]
             .map(|name| folder.join(name))
     }
 }
@@ -95,8 +105,11 @@ impl PoseSource for SkeletonFolder {
                 Err(error) if error.kind() == std::io::ErrorKind::NotFound => continue,
                 bytes => bytes.map_err(Error::read(&path))?,
             };
-            let people = ImageBody::from_openpose(&bytes);
-            return people.map(Some).map_err(Error::content(&path));
+            let size = frame.camera.intrinsics().size();
+            let frames =
+                JointFrame::from_json(&bytes, Some(size)).map_err(Error::content(&path))?;
+            let people = frames.into_iter().flat_map(|frame| frame.people);
+            return Ok(Some(people.map(|person| person.image).collect()));
         }
         Ok(None)
     }

@@ -113,6 +113,12 @@ impl Assessor {
         worse(&postures, &self.settings)
     }
 
+    /// The sheet that gives the REBA score of an assessment.
+    pub fn sheet(&self, assessment: &MeasuredAssessment) -> Worksheet {
+        let MeasuredAssessment { measured, .. } = assessment;
+        Worksheet::from_posture(&measured.posture, self.settings.conditions(measured))
+    }
+
     /// Measures the person's own neutral posture while it lasts.
     fn stand_upright(&mut self, time: f64, joints: &JointPositions) {
         let Some(estimate) = &mut self.neutral else { return };

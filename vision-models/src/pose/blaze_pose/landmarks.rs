@@ -3,7 +3,7 @@
 use nalgebra::{Point2, Point3, Vector2};
 use ndarray::{ArrayView1, ArrayView3};
 
-use crate::body::{Body25, ImageBody, ImageKeypoint};
+use crate::body::{ImageKeypoint, JointLayout, ObservedBody};
 use crate::confidence::Confidence;
 
 use super::region::PoseRegion;
@@ -60,45 +60,17 @@ pub struct Landmarks {
     pub circle: [Point2<f64>; 2],
 }
 
-/// The joints of BODY_25 that are landmarks. There are no small toes. Big toes are the tips of the
-/// feet.
-const JOINTS: [(Body25, usize); 21] = [
-    (Body25::Nose, 0),
-    (Body25::LeftEye, 2),
-    (Body25::RightEye, 5),
-    (Body25::LeftEar, 7),
-    (Body25::RightEar, 8),
-    (Body25::LeftShoulder, 11),
-    (Body25::RightShoulder, 12),
-    (Body25::LeftElbow, 13),
-    (Body25::RightElbow, 14),
-    (Body25::LeftWrist, 15),
-    (Body25::RightWrist, 16),
-    (Body25::LeftHip, 23),
-    (Body25::RightHip, 24),
-    (Body25::LeftKnee, 25),
-    (Body25::RightKnee, 26),
-    (Body25::LeftAnkle, 27),
-    (Body25::RightAnkle, 28),
-    (Body25::LeftHeel, 29),
-    (Body25::RightHeel, 30),
-    (Body25::LeftBigToe, 31),
-    (Body25::RightBigToe, 32),
-];
-
 impl Landmarks {
-    /// Returns the joints in the image. Their confidence is the visibility. Neck and mid hip are
-    /// the midpoints of shoulders and hips. Big toes are the tips of the feet, and there are no
-    /// small toes.
-    pub fn image_body(&self) -> ImageBody {
-        let mut body = ImageBody::default();
-        for (joint, index) in JOINTS {
-            let Landmark { position, visibility, presence, .. } = self.points[index];
+    /// The person's joints, each as sure as it is visible. [`JointLayout::BlazePose`] says which they are.
+    pub fn body(&self) -> ObservedBody {
+        let keypoint = |&Landmark { position, visibility, presence, .. }: &Landmark| {
             let confidence = if presence < visibility { presence } else { visibility };
-            body.set(joint, Some(ImageKeypoint { position, confidence }));
-        }
-        body.set_middles();
-        body
+            Some(ImageKeypoint { position, confidence })
+        };
+        let keypoints: Vec<_> = self.points.iter().map(keypoint).collect();
+        let points: Vec<_> = self.points.iter().map(|landmark| Some(landmark.metric)).collect();
+        let layout = JointLayout::BlazePose;
+        ObservedBody { image: layout.body(&keypoints), metric: Some(layout.metric(&points)) }
     }
 }
 

@@ -4,6 +4,7 @@ use nalgebra::{Point2, center};
 
 use crate::body::{
     image_body::{ImageBody, ImageKeypoint},
+    joint_layout::JointLayout,
     keypoints::Body25,
 };
 
@@ -55,7 +56,7 @@ const LIMBS: [[Body25; 2]; 16] = {
 /// order.
 pub(super) fn body_of_25(keypoints: &[Option<ImageKeypoint>; Body25::COUNT]) -> ImageBody {
     let plain = ImageBody::new(*keypoints);
-    let Some(size) = size(&plain) else { return plain };
+    let Some(size) = plain.size() else { return plain };
     let has_head = match [keypoints[NOSE], keypoints[TOP]] {
         [Some(nose), Some(top)] => (top.position - nose.position).norm() < HEAD * size,
         _ => true,
@@ -64,19 +65,11 @@ pub(super) fn body_of_25(keypoints: &[Option<ImageKeypoint>; Body25::COUNT]) -> 
     if is_in_place || !has_head {
         return plain;
     }
-    let other = ImageBody::from_body_25b(*keypoints);
+    let other = JointLayout::Body25B.body(keypoints);
     match (mean_limb(&plain), mean_limb(&other)) {
         (Some(own), Some(others)) if others < SHORTER * own => other,
         _ => plain,
     }
-}
-
-/// Returns the diagonal of the visible part of a body (pixels).
-fn size(body: &ImageBody) -> Option<f64> {
-    let seen = || body.iter().map(|(_, keypoint)| keypoint.position);
-    let from = seen().reduce(|one, other| one.inf(&other))?;
-    let to = seen().reduce(|one, other| one.sup(&other))?;
-    Some((to - from).norm())
 }
 
 fn place(body: &ImageBody, joint: Body25) -> Option<Point2<f64>> {
