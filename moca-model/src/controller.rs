@@ -217,6 +217,11 @@ impl Controller {
         self.comfort = comfort;
     }
 
+    /// Asks for the person's ergonomics from now on, or for no more than the least motion.
+    pub fn set_goal(&mut self, goal: Goal) {
+        self.settings.goal = goal;
+    }
+
     /// The command for the period that begins at `now` \[s\], with the robot at the
     /// `configuration` measured \[m or rad\]. Allocates nothing.
     ///

@@ -93,7 +93,7 @@ impl Lane {
 }
 
 /// The label of an intention.
-pub(super) fn intention(intention: Intention) -> (&'static str, Tone) {
+pub fn intention(intention: Intention) -> (&'static str, Tone) {
     let Intention::Together { walking, .. } = intention else { return ("apart", Tone::Quiet) };
     let Some(direction) = walking else { return ("together", Tone::Work) };
     (walks(direction), Tone::Walk)
@@ -117,7 +117,7 @@ fn walks(direction: WalkingDirection) -> &'static str {
 }
 
 /// The label of a phase, with why the one before ended.
-pub(super) fn phase(phase: Phase, reason: Option<Reason>) -> (Cow<'static, str>, Tone) {
+pub fn phase(phase: Phase, reason: Option<Reason>) -> (Cow<'static, str>, Tone) {
     let (name, tone) = match phase {
         Phase::Apart => ("apart", Tone::Quiet),
         Phase::Looking => ("looking", Tone::Work),
@@ -160,7 +160,7 @@ pub(super) fn surface(surface: Surface) -> &'static str {
 }
 
 /// The label of a safety state.
-pub(super) fn safety(state: SafetyState, cause: Option<&Cause>) -> (Cow<'static, str>, Tone) {
+pub fn safety(state: SafetyState, cause: Option<&Cause>) -> (Cow<'static, str>, Tone) {
     let why: Cow<'static, str> = match cause {
         None => "".into(),
         Some(Cause::TooClose(_)) => ": person too close".into(),
@@ -177,7 +177,7 @@ pub(super) fn safety(state: SafetyState, cause: Option<&Cause>) -> (Cow<'static,
 }
 
 /// The label of what the base does, with why it drives.
-pub(super) fn base(motion: BaseMotion) -> (&'static str, Tone) {
+pub fn base(motion: BaseMotion) -> (&'static str, Tone) {
     match motion {
         BaseMotion::Stands => ("stands", Tone::Quiet),
         BaseMotion::Drives(DriveReason::PersonMoves) => ("drives: the workspace moves", Tone::Walk),
@@ -189,7 +189,7 @@ pub(super) fn base(motion: BaseMotion) -> (&'static str, Tone) {
 }
 
 /// The label of how a tick went.
-pub(super) fn solver(outcome: Outcome) -> (&'static str, Tone) {
+pub fn solver(outcome: Outcome) -> (&'static str, Tone) {
     match outcome {
         outcome if outcome.is_optimal() => ("optimal", Tone::Quiet),
         Outcome::Solved(_) => ("not at the optimum", Tone::Caution),

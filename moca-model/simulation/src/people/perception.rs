@@ -32,6 +32,11 @@ impl Perception {
         }
     }
 
+    /// The camera sees as these settings say from now on; jumps and vanishings stay as they are.
+    pub fn set_camera(&mut self, settings: CameraSettings) {
+        self.camera.set(settings);
+    }
+
     /// The frame at `time` (s) of a person who is in view or not; `None` if it is lost. To be
     /// called at each frame, in the order of time.
     pub fn look(&mut self, time: f64, person: &Person, in_view: bool) -> Option<Percept> {

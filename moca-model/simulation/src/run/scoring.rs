@@ -1,5 +1,7 @@
 //! The person's score with their hand at the tool.
 
+use std::borrow::Borrow;
+
 use ergo_map::{Conditions, ErgonomicsMap, PersonFrame, Region};
 use nalgebra::Vector3;
 
@@ -22,17 +24,18 @@ pub struct HandScore {
 /// Scores hand positions by the person's map (the true one, not the quadratic that the
 /// controller minimises).
 #[derive(Debug)]
-pub struct Scorer<'a> {
-    map: &'a ErgonomicsMap,
+pub struct Scorer<M> {
+    map: M,
     /// Where the posture is best, in the person's frame \[m\].
     middle: Vector3<f64>,
 }
 
-impl<'a> Scorer<'a> {
+impl<M: Borrow<ErgonomicsMap>> Scorer<M> {
     /// By this map, whatever the controller knows of it.
-    pub fn new(map: &'a ErgonomicsMap) -> Self {
-        let zone = Region::work_zone(map.stature(), map.side());
-        let best = map
+    pub fn new(map: M) -> Self {
+        let known = map.borrow();
+        let zone = Region::work_zone(known.stature(), known.side());
+        let best = known
             .nodes()
             .filter(|node| zone.contains(&node.position))
             .min_by(|a, b| a.score.total_cmp(&b.score));
@@ -47,8 +50,9 @@ impl<'a> Scorer<'a> {
         (0..STEPS).find_map(|step| {
             let back = f64::from(step) / f64::from(STEPS);
             let point = hand + (self.middle - hand) * back;
-            let sample = self.map.sample(&point).ok()?;
-            let reba = self.map.assess(&point, &Conditions::default()).ok()?;
+            let map = self.map.borrow();
+            let sample = map.sample(&point).ok()?;
+            let reba = map.assess(&point, &Conditions::default()).ok()?;
             Some(HandScore { score: sample.score, reba: reba.reba, reached: step == 0 })
         })
     }
