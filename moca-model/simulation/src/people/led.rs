@@ -270,6 +270,12 @@ impl LedPerson {
         }
     }
 
+    /// Something stands in the way: they stop where they are.
+    pub(crate) fn bump(&mut self) {
+        self.person.halt();
+        self.stop = self.person.floor();
+    }
+
     /// The person.
     pub fn person(&self) -> &Person {
         &self.person

@@ -123,6 +123,11 @@ impl Person {
         self.motion.floor += displacement;
     }
 
+    /// Stands at once.
+    pub(super) fn halt(&mut self) {
+        self.motion.velocity = Vector2::zeros();
+    }
+
     pub(super) fn has_reached(&self, goal: &Goal) -> bool {
         self.motion.has_reached(goal)
     }

@@ -31,6 +31,8 @@ const BLIND: f64 = 0.1;
 const ELBOW: &str = "panda_link4";
 /// From what a person works on to the robot's hand, in the tool's frame \[m\].
 const BETWEEN: Vector3<f64> = Vector3::new(0.0, 0.0, -0.08);
+/// How near people come to the robot by themselves, but for their arms \[m\].
+const ROOM: f64 = 0.01;
 /// The stream of movements on the spot.
 const MOVEMENTS: u64 = 430;
 
@@ -83,9 +85,16 @@ impl Guided {
         Ok(Self { person, witness: Witness::default() })
     }
 
-    fn advance(&mut self, period: f64, workplace: &Workplace) {
+    /// Goes on by a period \[s\]; nobody walks or bends into the robot.
+    fn advance(&mut self, period: f64, workplace: &Workplace, judge: &Judge) {
+        let (before, gap) = (self.person.clone(), judge.gap(&joints(&self.person), ROOM));
         self.person.advance(period, workplace);
-        self.witness.push(&self.person.person().joints(), false);
+        let next = judge.gap(&joints(&self.person), ROOM);
+        if next < gap {
+            self.person = before;
+            self.person.bump();
+        }
+        self.witness.push(&joints(&self.person), false);
     }
 }
 
@@ -216,7 +225,7 @@ impl Workcell {
         let now = self.time();
         let workplace = self.workplace();
         for person in std::iter::once(&mut self.worker).chain(&mut self.bystander) {
-            person.advance(self.period, &workplace);
+            person.advance(self.period, &workplace, &self.judge);
         }
         self.remember(now);
         let bystander = self.bystander.as_ref().map(|guided| guided.person.person());

@@ -6,6 +6,7 @@ use moca_model::{Command, ControllerSettings};
 
 use crate::Error;
 use crate::judges::{LimitMonitor, Moment, Return, SeparationMonitor};
+use crate::people::Joints;
 use crate::plant::Plant;
 
 /// Ticks after a disturbance of the robot in which its joints may be outside their ranges.
@@ -54,6 +55,11 @@ impl Judge {
     /// The robot holds this, too, in the frame `tool`.
     pub(super) fn carry(&mut self, tool: FrameId, object: &Capsule) {
         self.separation.carry(tool, std::slice::from_ref(object));
+    }
+
+    /// How far trunk, head and legs of somebody are from the robot, up to a distance that is enough \[m\].
+    pub(super) fn gap(&self, joints: &Joints, enough: f64) -> f64 {
+        self.separation.gap(joints, enough)
     }
 
     /// Judges the last step of a plant, with everybody around; whether something moves the robot that its controller

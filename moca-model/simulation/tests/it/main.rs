@@ -17,5 +17,5 @@ mod silence;
 mod soak;
 mod support;
 mod walker;
-mod workcell;
 mod wanderer;
+mod workcell;

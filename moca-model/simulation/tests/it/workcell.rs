@@ -100,9 +100,8 @@ fn what_was_done_plays_again() {
     assert!(frames > 140, "{frames}");
     let recorded = cell.memory().write_recording(Vec::new()).unwrap();
     let truth = cell.memory().write_truth(Vec::new()).unwrap();
-    let read = |bytes: &[u8]| {
-        Recording::read(Reader::new(bytes).unwrap(), IfPartial::Refuse).unwrap()
-    };
+    let read =
+        |bytes: &[u8]| Recording::read(Reader::new(bytes).unwrap(), IfPartial::Refuse).unwrap();
     let recording = read(&recorded);
     assert_eq!(recording.percepts.len(), frames);
     assert!(read(&truth).percepts.len() > 700);
@@ -115,6 +114,7 @@ fn what_was_done_plays_again() {
     assert!(summary.is_complete && summary.together > 1.0, "{summary:?}");
 }
 
+#[allow(clippy::print_stderr)]
 /// Somebody plays with everything that moves the people.
 fn soak(seed: u64, seconds: f64) {
     let mut draw = random::generator(seed, 0);
@@ -146,6 +146,9 @@ fn soak(seed: u64, seconds: f64) {
                 squat: if bend { draw.random_range(0.0..0.2) } else { 0.0 },
                 reach,
             };
+            if std::env::var("DBG").is_ok() {
+                eprintln!("{} {who:?} {lead:?}", cell.tick());
+            }
             cell.lead(who, lead).unwrap();
             if draw.random_bool(0.2) {
                 let movement = Movement::ALL[draw.random_range(0..Movement::ALL.len())];

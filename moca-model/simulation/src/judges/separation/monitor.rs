@@ -111,6 +111,21 @@ impl SeparationMonitor {
         Ok(verdict)
     }
 
+    /// How far trunk, head and legs of somebody are from the robot, as in the last tick, up to a distance that is
+    /// enough \[m\].
+    pub(crate) fn gap(&self, joints: &Joints, enough: f64) -> f64 {
+        let parts = body::capsules(joints);
+        let parts = parts.iter().enumerate().filter(|(part, _)| !body::is_arm(*part));
+        let links: Vec<_> = self.robot.now.iter().map(|link| (link, link.ball())).collect();
+        let mut gap = enough;
+        for (_, part) in parts {
+            let ball = part.ball();
+            let near = links.iter().filter(|(_, around)| !ball.is_beyond(around, enough));
+            gap = near.map(|(link, _)| link.distance(part)).fold(gap, f64::min);
+        }
+        gap
+    }
+
     /// By how much bodies of the robot overlap that are to keep apart \[m\]: the most of all pairs.
     pub fn overlap(&self) -> f64 {
         let now = &self.robot.now;
