@@ -7,6 +7,9 @@ const VIEWS = {
   behind: { turn: Math.PI, rise: 0.35 },
 };
 
+/** The angle of the picture's height (rad). */
+const ANGLE = 0.62;
+
 class Camera {
   constructor() {
     this.follows = true;
@@ -48,13 +51,12 @@ class Camera {
       Math.sin(this.turn) * Math.cos(this.rise),
       Math.sin(this.rise),
     ];
-    const angle = 0.62;
     // On a narrow picture the width has to hold what the height holds otherwise.
     const distance = this.distance * Math.max(1, 1.25 / aspect);
     const eye = add(at, scale(out, distance));
     const up = this.rise > 1.4 ? [-Math.cos(this.turn), -Math.sin(this.turn), 0] : [0, 0, 1];
-    const matrix = multiply(perspective(angle, aspect, 0.1, 40), lookAt(eye, at, up));
-    return { eye, target: at, matrix };
+    const matrix = multiply(perspective(ANGLE, aspect, 0.1, 40), lookAt(eye, at, up));
+    return { eye, target: at, matrix, up, aspect };
   }
 }
 

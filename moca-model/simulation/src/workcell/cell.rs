@@ -8,7 +8,7 @@ use moca_model::{Controller, DynamicRobotSettings, Goal, HeldObject, MOCA_HOME, 
 use moca_replay::report::TickRow;
 use nalgebra::{Isometry3, Point2, Point3, Vector3};
 use rand_chacha::ChaCha8Rng;
-use vision_models::{Body, Confidence, Keypoint, Percept};
+use vision_models::{Body, Confidence, Keypoint, Percept, Tool};
 
 use super::eye::Eye;
 use super::faults::Faults;
@@ -17,12 +17,14 @@ use super::memory::{Memory, Remembered, TRUE_RATE};
 use super::setup::Setup;
 use crate::Error;
 use crate::judges::Witness;
-use crate::people::{Joints, Lead, LedPerson, Movement, Workplace};
+use crate::people::{Activity, Joints, Lead, LedPerson, Movement, Way, Workplace};
 use crate::plant::{Heard, Plant};
 use crate::run::{HandScore, OnBoardEye, Scorer, WorkForce, tick_row};
 
 /// Where the people stand at first, in the world \[m\].
 const PLACES: [Point2<f64>; 2] = [Point2::new(2.6, 0.0), Point2::new(1.5, 2.6)];
+/// Where the person stands to work at first \[m\].
+const WORKPLACE: Point2<f64> = Point2::new(1.45, 0.0);
 /// A margin below which x_d counts as within the workspace \[m or rad\].
 const INSIDE: f64 = 1e-3;
 /// After so long without a measurement a loop halts the robot \[s\].
@@ -135,6 +137,17 @@ impl Workcell {
             cell.hold()?;
         }
         Ok(cell)
+    }
+
+    /// The person comes to work with the drill, or brings the object if the robot does not hold it.
+    ///
+    /// # Errors
+    /// None.
+    pub fn welcome(&mut self) -> Result<(), Error> {
+        let way = Way::To(WORKPLACE);
+        let brings = self.setup.hands_over;
+        let activity = if brings { Activity::CarryObject } else { Activity::Use(Tool::Drill) };
+        self.lead(Who::Worker, Lead { way, activity, ..Lead::default() })
     }
 
     /// Somebody does this from now on.
@@ -375,6 +388,11 @@ impl Workcell {
     /// The robot with its controller.
     pub fn plant(&self) -> &Plant {
         &self.plant
+    }
+
+    /// What the robot holds, or will.
+    pub fn object(&self) -> &HeldObject {
+        &self.object
     }
 
     /// With what it began, and the goal of now.

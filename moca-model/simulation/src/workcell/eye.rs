@@ -6,7 +6,7 @@ use human_perception::random;
 use vision_models::{Body, Percept, Tool};
 
 use super::faults::Faults;
-use crate::people::{FRAME_RATE, Perception, Person, Transport};
+use crate::people::{CameraSettings, FRAME_RATE, Perception, Person, Transport};
 
 /// Streams of random numbers.
 const WORKER: u64 = 400;
@@ -30,16 +30,16 @@ pub(super) struct Eye {
 
 impl Eye {
     pub(super) fn new(seed: u64, period: f64) -> Self {
-        let camera = Faults::default().camera();
-        let perception = |stream| {
+        let faults = Faults::default();
+        let perception = |stream, camera| {
             let eyes = [stream, stream + 1].map(|stream| random::generator(seed, stream));
             Perception::new(camera, 0.0, Tool::Drill, eyes)
         };
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at least 1")]
         let interval = (1.0 / (FRAME_RATE * period)).round().max(1.0) as u64;
         Self {
-            worker: perception(WORKER),
-            bystander: perception(BYSTANDER),
+            worker: perception(WORKER, faults.camera()),
+            bystander: perception(BYSTANDER, of_bystander(&faults)),
             others: VecDeque::new(),
             transport: Transport::new(random::generator(seed, TRANSPORT)),
             interval,
@@ -49,7 +49,7 @@ impl Eye {
     /// Sees from now on as faults say.
     pub(super) fn set(&mut self, faults: &Faults) {
         self.worker.set_camera(faults.camera());
-        self.bystander.set_camera(faults.camera());
+        self.bystander.set_camera(of_bystander(faults));
     }
 
     /// Takes a frame if one is due in a tick, at `now` \[s\].
@@ -81,4 +81,9 @@ impl Eye {
         let others = taken.map(|(_, bodies)| bodies.clone());
         Some((percept, others.unwrap_or_default()))
     }
+}
+
+/// The tracker of others is not simulated: nobody of them is lost from frame to frame.
+fn of_bystander(faults: &Faults) -> CameraSettings {
+    CameraSettings { drop: 0.0, ..faults.camera() }
 }

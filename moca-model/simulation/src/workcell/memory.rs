@@ -2,6 +2,7 @@
 
 use std::collections::VecDeque;
 use std::io::Write;
+use std::sync::Arc;
 
 use percept_recording::{Header, RecordingError, Timing, Writer};
 use vision_models::{Body, Confidence, Keypoint, Percept};
@@ -22,12 +23,12 @@ pub struct Remembered {
     pub arrived: f64,
 }
 
-/// The last five minutes: what the robot saw, and where the person truly was.
+/// The last five minutes: what the robot saw, and where the person truly was. Its clones share what they hold.
 #[derive(Clone, Debug, Default)]
 pub struct Memory {
     stature: f64,
-    frames: VecDeque<Remembered>,
-    truth: VecDeque<(f64, Joints)>,
+    frames: VecDeque<Arc<Remembered>>,
+    truth: VecDeque<Arc<(f64, Joints)>>,
 }
 
 impl Memory {
@@ -39,7 +40,7 @@ impl Memory {
     /// Takes a frame that has arrived.
     pub fn see(&mut self, frame: Remembered) {
         let oldest = frame.percept.time - SPAN;
-        self.frames.push_back(frame);
+        self.frames.push_back(Arc::new(frame));
         while self.frames.front().is_some_and(|frame| frame.percept.time < oldest) {
             self.frames.pop_front();
         }
@@ -47,8 +48,8 @@ impl Memory {
 
     /// Takes where the person truly is at a time \[s, m\].
     pub fn witness(&mut self, time: f64, joints: &Joints) {
-        self.truth.push_back((time, *joints));
-        while self.truth.front().is_some_and(|(first, _)| *first < time - SPAN) {
+        self.truth.push_back(Arc::new((time, *joints)));
+        while self.truth.front().is_some_and(|first| first.0 < time - SPAN) {
             self.truth.pop_front();
         }
     }
@@ -64,7 +65,8 @@ impl Memory {
     /// Those of the output.
     pub fn write_recording<W: Write>(&self, output: W) -> Result<W, RecordingError> {
         let mut writer = Writer::new(output, &self.header(FRAME_RATE))?;
-        for Remembered { percept, others, arrived } in &self.frames {
+        for frame in &self.frames {
+            let Remembered { percept, others, arrived } = &**frame;
             let timing = Timing { arrived: Some(*arrived), ..Timing::default() };
             writer.write_people(percept, others, &timing)?;
         }
@@ -77,7 +79,8 @@ impl Memory {
     /// Those of the output.
     pub fn write_truth<W: Write>(&self, output: W) -> Result<W, RecordingError> {
         let mut writer = Writer::new(output, &self.header(TRUE_RATE))?;
-        for (time, joints) in &self.truth {
+        for moment in &self.truth {
+            let (time, joints) = &**moment;
             let seen = |position| Some(Keypoint { position, confidence: Confidence::ONE });
             let body = Some(Body::new(joints.map(seen)));
             writer.write(&Percept { time: *time, body, action: None, surface: None })?;
@@ -91,4 +94,4 @@ impl Memory {
 }
 
 /// How often the truth is remembered \[Hz\].
-pub(super) const TRUE_RATE: f64 = 100.0;
+pub(super) const TRUE_RATE: f64 = 50.0;

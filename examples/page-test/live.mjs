@@ -1,0 +1,200 @@
+// Leads the person of a live page in headless Chromium: by the mouse, the keys and the buttons of the page. Prints
+// what it measured as JSON.
+//
+// Usage: node live.mjs ADDRESS STARTED OUTPUT SOAK PROCESS. STARTED is when the program was started (ms), SOAK for how
+// long to drag at random (s), PROCESS the program's id.
+
+import assert from "node:assert/strict";
+import { readFileSync, writeFileSync } from "node:fs";
+import { request } from "node:http";
+import { join } from "node:path";
+import { chromium } from "playwright-core";
+
+const [address, started, output, soak, program] = process.argv.slice(2);
+const browser = await chromium.launch({
+  executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
+  // The processor draws, as on a machine without a graphics card.
+  args: ["--enable-unsafe-swiftshader", "--no-sandbox", "--disable-background-networking"],
+});
+const page = await browser.newPage({ viewport: { width: 1280, height: 800 } });
+const said = [];
+page.on("console", (message) => {
+  if (!message.text().includes("GL Driver Message")) said.push(`${message.type()}: ${message.text()}`);
+});
+page.on("pageerror", (error) => said.push(`error: ${error.message}`));
+const elsewhere = [];
+page.on("request", (asked) => {
+  if (!asked.url().startsWith(address) && !asked.url().startsWith("data:")) elsewhere.push(asked.url());
+});
+
+/** The newest picture. */
+const picture = () => page.evaluate(() => live.picture);
+/** Waits until the page agrees. */
+const until = (what, timeout = 20000) => page.waitForFunction(what, null, { timeout, polling: 50 });
+const click = (name) => page.getByRole("button", { name, exact: true }).click();
+const slide = (id, value) =>
+  page.evaluate(
+    ([id, value]) => {
+      const slider = document.getElementById(id);
+      slider.value = value;
+      slider.dispatchEvent(new Event("input"));
+    },
+    [id, value],
+  );
+/** Where a point of the world is on the page. */
+async function seen(point) {
+  const box = await page.locator("#view").boundingBox();
+  const [x, y] = await page.evaluate((point) => live.pixels(point), point);
+  return [box.x + x, box.y + y];
+}
+/** Drags the person to a place on the floor, in steps. */
+async function drag(to, steps = 20) {
+  const { floor } = await picture();
+  await page.mouse.move(...(await seen([floor[0], floor[1], 1])));
+  await page.mouse.down();
+  assert.equal(await page.evaluate(() => live.grab?.kind), "worker", "the person is grabbed");
+  const end = await seen([to[0], to[1], 1]);
+  await page.mouse.move(...end, { steps });
+  await page.mouse.up();
+}
+const apart = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1]);
+const tool = () => page.evaluate(() => live.run.place("tool"));
+/** The status of a request with these fields. */
+const status = (fields, path = "/") =>
+  new Promise((done, fail) => {
+    const asked = request(new URL(path, address), { headers: fields }, (answer) => {
+      answer.resume();
+      done(answer.statusCode);
+    });
+    asked.on("error", fail).end();
+  });
+const memory = () => Number(/VmRSS:\s+(\d+)/.exec(readFileSync(`/proc/${program}/status`, "utf8"))[1]) / 1024;
+
+try {
+  await page.goto(address);
+  await until(() => window.live?.picture);
+  assert.equal(await page.locator("#flat").textContent(), "", "the scene is drawn");
+  const begin = await tool();
+  await page.waitForFunction((begin) => Math.hypot(...live.run.place("tool").map((x, k) => x - begin[k])) > 0.01, begin);
+  const moves = Date.now() - Number(started);
+
+  // It comes to work, and follows who is dragged.
+  await until(() => live.picture.phase.label === "working" && live.picture.calm < 0.1 && live.picture.holds);
+  await page.evaluate(() => (live.camera.follows = false));
+  await page.waitForTimeout(800);
+  const [before, { floor }] = [await tool(), await picture()];
+  for (const step of [0.4, 0.8]) await drag([floor[0] + 0.2, floor[1] + step]);
+  await page.waitForFunction((to) => Math.hypot(live.picture.floor[0] - to[0], live.picture.floor[1] - to[1]) < 0.08, [
+    floor[0] + 0.2,
+    floor[1] + 0.8,
+  ]);
+  await page.waitForFunction((before) => Math.hypot(...live.run.place("tool").map((x, k) => x - before[k])) > 0.4, before);
+
+  // Pictures while it is dragged to and fro, and from drag to picture.
+  const here = (await picture()).floor;
+  await page.evaluate(() => Object.assign(live, { lags: [], pictures: 0, since: performance.now() }));
+  for (const side of [0.3, -0.3, 0.3]) await drag([here[0], here[1] + side], 60);
+  const rate = await page.evaluate(() => (1000 * live.pictures) / (performance.now() - live.since));
+  const lags = (await page.evaluate(() => live.lags)).sort((a, b) => a - b);
+  assert.ok(lags.length > 20, `${lags.length} drags were answered`);
+
+  // Keys walk as well.
+  const stood = (await picture()).floor;
+  await page.keyboard.down("ArrowRight");
+  await page.waitForTimeout(900);
+  await page.keyboard.up("ArrowRight");
+  await page.waitForTimeout(600);
+  const walked = (await picture()).floor;
+  assert.ok(apart(stood, walked) > 0.2, `the keys walk: ${apart(stood, walked)} m`);
+
+  // Who bends over it with empty hands: it keeps away.
+  await click("empty hands");
+  const near = await tool();
+  await drag([near[0] + 0.35 * (walked[0] > near[0] ? 1 : -1), near[1]]);
+  await slide("slider-lean", 1.1);
+  await until(() => live.picture.safety.tone !== "quiet");
+  await page.waitForTimeout(1500);
+  assert.equal((await picture()).too_near, 0, "it keeps its distance");
+  await slide("slider-lean", 0);
+
+  // Cut measurements stop it with the fault's name, and acknowledging lets it go on.
+  await click("measurements cut");
+  await until(() => live.picture.stopped && live.picture.safety.label.includes("measurement missing"));
+  await click("all well");
+  await page.waitForTimeout(300);
+  await click("Acknowledge, and go on").catch(() => {});
+  await until(() => !live.picture.stopped);
+
+  // What says nothing moves nothing.
+  const told = await page.evaluate(() => {
+    for (const text of ["", "nonsense", '{"do":"lead","speed":99}', '{"do":"fly"}', "[".repeat(5000)]) {
+      live.link.socket.send(text);
+      live.link.sent += 1;
+    }
+    live.link.socket.send(new Uint8Array([1, 2, 3]));
+    live.link.sent += 1;
+    return live.errors.length;
+  });
+  await page.waitForFunction((told) => live.errors.length >= told + 6, told);
+
+  // One steers, others watch; and no other page may ask.
+  const other = await browser.newPage();
+  await other.goto(address);
+  await other.waitForFunction(() => window.live?.picture);
+  await other.evaluate(() => live.controls.lead("worker", { lean: 1 }));
+  await other.waitForFunction(() => live.errors.some((error) => error.includes("another page steers")));
+  await other.close();
+  assert.equal(await status({ Host: "evil.example" }), 403);
+  const socket = { Upgrade: "websocket", Connection: "Upgrade", "Sec-WebSocket-Version": "13", "Sec-WebSocket-Key": "dGhlIHNhbXBsZSBub25jZQ==" };
+  assert.equal(await status({ ...socket, Origin: "http://evil.example" }, "/live"), 403);
+
+  // Random dragging, for as long as it was asked for.
+  const first = memory();
+  const end = Date.now() + 1000 * Number(soak);
+  await page.evaluate(() => (live.camera.follows = true));
+  await click("use drill");
+  while (Date.now() < end) {
+    const random = (low, high) => low + (high - low) * Math.random();
+    const at = await tool();
+    const { floor: from } = await picture();
+    const to = [at[0] + random(-1.2, 1.2), at[1] + random(-1.2, 1.2)];
+    const [x, y] = await seen([from[0], from[1], 1]);
+    await page.mouse.move(x, y);
+    await page.mouse.down();
+    const [tx, ty] = await seen([to[0], to[1], 1]);
+    await page.mouse.move(tx, ty, { steps: Math.ceil(random(3, 30)) });
+    await page.mouse.up();
+    await slide("slider-walking-speed", random(0.1, 1.2));
+    if (random(0, 1) < 0.3) await slide("slider-lean", random(0, 1.2));
+    else await slide("slider-lean", 0);
+    await click(["empty hands", "use drill", "use polisher", "hold drill"][Math.floor(random(0, 4))]);
+    await page.waitForTimeout(random(100, 2500));
+  }
+  const last = await picture();
+  assert.equal(last.limits, 0, "limits");
+  assert.equal(last.too_near, 0, "too near to the true person");
+  for (const [path, name] of [["recording.jsonl", "live.jsonl"], ["truth.jsonl", "live-truth.jsonl"], ["settings.toml", "live.toml"]]) {
+    const answer = await fetch(new URL(path, address));
+    assert.equal(answer.status, 200, path);
+    writeFileSync(join(output, name), Buffer.from(await answer.arrayBuffer()));
+  }
+  assert.deepEqual(said, []);
+  assert.deepEqual(elsewhere, [], "nothing is asked for from elsewhere");
+  const quantile = (share) => Math.round(lags[Math.floor(share * (lags.length - 1))]);
+  const { pace } = last;
+  console.log(
+    JSON.stringify({
+      moves_after_ms: moves,
+      pictures_a_second: Math.round(10 * rate) / 10,
+      drag_to_picture_ms: { p50: quantile(0.5), p95: quantile(0.95) },
+      ticks: pace.ticks,
+      missed: pace.missed,
+      tick_us: { p50: Math.round(pace.median), p99: Math.round(pace.p99) },
+      memory_mib: [first, memory()].map(Math.round),
+      counts: { limits: last.limits, too_near: last.too_near, unsolved: last.unsolved, by_the_person: last.by_the_person },
+    }),
+  );
+} finally {
+  if (process.env.PICTURE) await page.screenshot({ path: process.env.PICTURE });
+  await browser.close();
+}
