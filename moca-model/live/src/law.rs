@@ -28,13 +28,13 @@ use crate::request::Request;
 const INTERVAL: f64 = 0.02;
 /// Speeds of the tool are averaged over so many pictures.
 const CALM_PICTURES: usize = 50;
-/// A loop that is more periods late goes on as if the time had stood still: the machine slept.
-const ASLEEP: u64 = 100;
+/// So many periods are made up for at most; a loop that is later goes on as if the time had stood still meanwhile.
+const ASLEEP: u64 = 50;
 /// Slower than this the robot is at rest \[m/s, rad/s\].
 const REST: f64 = 5e-3;
 
 /// A workcell as the law of a [`ControlLoop`](whole_body::control_loop::ControlLoop): each tick of the loop is a period
-/// of robot and people. Ticks that the loop misses pass without the controller.
+/// of robot, controller and people. Ticks that the loop misses are made up for in the next one.
 #[derive(Debug)]
 pub struct Law {
     cell: Workcell,
@@ -52,7 +52,9 @@ pub struct Law {
     /// Where the tool was at the last pictures \[m\].
     tool: VecDeque<Vector3<f64>>,
     durations: TimeHistogram,
-    missed: u64,
+    /// Ticks that came late, and those that never came.
+    late: u64,
+    lost: u64,
     next_picture: f64,
 }
 
@@ -81,7 +83,8 @@ impl Law {
             since: ("from the beginning".into(), Tone::Quiet),
             tool: VecDeque::with_capacity(CALM_PICTURES + 1),
             durations: TimeHistogram::default(),
-            missed: 0,
+            late: 0,
+            lost: 0,
             next_picture: 0.0,
         };
         Ok((law, desk))
@@ -164,7 +167,8 @@ impl Law {
         self.pictures += 1;
         let pace = Pace {
             ticks: self.durations.count(),
-            missed: self.missed,
+            late: self.late,
+            lost: self.lost,
             median: 1e6 * self.durations.quantile(0.5),
             p99: 1e6 * self.durations.quantile(0.99),
         };
@@ -190,21 +194,30 @@ impl Law {
         let begun = *self.begun.get_or_insert(now);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "not negative")]
         let due = ((now - begun) / period).round().max(0.0) as u64;
-        let missed = due.saturating_sub(self.cell.tick());
-        if missed > ASLEEP {
+        let late = due.saturating_sub(self.cell.tick());
+        if late > ASLEEP {
             self.begun = Some(now - self.cell.time());
-        } else {
-            (0..missed).try_for_each(|_| self.cell.advance(false))?;
+            self.lost += late - ASLEEP;
         }
-        self.missed += missed;
-        self.cell.advance(true)?;
+        self.late += late;
+        for _ in 0..=late.min(ASLEEP) {
+            self.tick()?;
+        }
+        Ok(())
+    }
+
+    /// A period, and a picture when it is time for one.
+    fn tick(&mut self) -> Result<(), Error> {
+        let started = Instant::now();
+        self.cell.advance()?;
+        self.durations.push(started.elapsed().as_secs_f64());
         let plant = self.cell.plant();
         self.sampler.watch(plant.controller(), plant.configuration());
         if let Some(since) = began(plant.command()) {
             self.since = since;
         }
         if self.cell.time() >= self.next_picture {
-            self.next_picture = self.cell.time() + INTERVAL - 0.5 * period;
+            self.next_picture = self.cell.time() + INTERVAL - 0.5 * self.cell.period();
             self.show()?;
         }
         Ok(())
@@ -224,10 +237,8 @@ impl ControlLaw for Law {
         _measured: &JointMeasurement,
         _command: &mut JointCommand,
     ) -> Result<(), Error> {
-        let started = Instant::now();
         self.go_on(now)?;
         self.faults.push(now, self.cell.plant().command().fault);
-        self.durations.push(started.elapsed().as_secs_f64());
         Ok(())
     }
 

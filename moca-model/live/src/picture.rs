@@ -29,9 +29,10 @@ impl State {
 /// How the loop keeps up.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub(crate) struct Pace {
-    /// Ticks of the controller, and those that came too late to be made.
+    /// Ticks; those that came late and were made up for; those that never came.
     pub(crate) ticks: u64,
-    pub(crate) missed: u64,
+    pub(crate) late: u64,
+    pub(crate) lost: u64,
     /// How long ticks take \[µs\].
     pub(crate) median: f64,
     pub(crate) p99: f64,

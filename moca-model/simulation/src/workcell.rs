@@ -16,7 +16,7 @@
 //! let mut cell = Workcell::new(Setup::new(map)?)?;
 //! let way = Way::To(Point2::new(1.4, 0.0));
 //! cell.lead(Who::Worker, Lead { way, activity: Activity::Use(Tool::Drill), ..Lead::default() })?;
-//! (0..500).try_for_each(|_| cell.advance(true))?;
+//! (0..500).try_for_each(|_| cell.advance())?;
 //! assert_eq!(cell.counts().ticks, 500);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

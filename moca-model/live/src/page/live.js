@@ -3,6 +3,8 @@
 /** How near the pointer has to be to the tool (pixels), and aside of a person. */
 const NEAR_TOOL = 34;
 const NEAR_PERSON = 46;
+/** About as tall are people (m). */
+const TALL = 1.8;
 /** Force for a drag by a metre, and at most (N). */
 const PULL = 150;
 const MOST_PULL = 60;
@@ -161,17 +163,18 @@ class Live {
     if (!this.view || !this.picture) return null;
     const pixels = (point) => this.pixels(point);
     const tool = pixels(this.run.place("tool"));
-    if (tool && Math.hypot(tool[0] - x, tool[1] - y) < NEAR_TOOL) return "tool";
-    const people = [["worker", this.picture.floor], ["bystander", this.picture.bystander]];
-    const found = people.find(([, floor]) => {
-      if (!floor) return false;
-      const [feet, head] = [pixels([floor[0], floor[1], 0]), pixels([floor[0], floor[1], 1.8])];
-      if (!feet || !head) return false;
+    const place = this.run.place("tool");
+    if (tool && Math.hypot(tool[0] - x, tool[1] - y) < NEAR_TOOL) return { kind: "tool", floor: place, height: place[2] };
+    for (const [kind, floor] of [["worker", this.picture.floor], ["bystander", this.picture.bystander]]) {
+      if (!floor) continue;
+      const [feet, head] = [pixels([floor[0], floor[1], 0]), pixels([floor[0], floor[1], TALL])];
+      if (!feet || !head) continue;
       const share = Math.min(Math.max((feet[1] - y) / Math.max(feet[1] - head[1], 1), 0), 1);
       const middle = feet[0] + share * (head[0] - feet[0]);
-      return Math.abs(middle - x) < NEAR_PERSON && y > head[1] - 20 && y < feet[1] + 25;
-    });
-    return found?.[0] ?? null;
+      const hit = Math.abs(middle - x) < NEAR_PERSON && y > head[1] - 20 && y < feet[1] + 25;
+      if (hit) return { kind, floor, height: share * TALL };
+    }
+    return null;
   }
 
   listenToGrabs(canvas) {
@@ -183,14 +186,13 @@ class Live {
     canvas.addEventListener("pointerdown", (event) => {
       if (event.button !== 0 || event.shiftKey) return;
       const [x, y] = place(event);
-      const kind = this.under(x, y);
-      if (!kind) return;
+      const found = this.under(x, y);
+      if (!found) return;
       event.stopImmediatePropagation();
       event.preventDefault();
       canvas.focus();
       canvas.setPointerCapture(event.pointerId);
-      const floor = kind === "tool" ? this.run.place("tool") : (kind === "worker" ? this.picture.floor : this.picture.bystander);
-      const height = kind === "tool" ? floor[2] : 1;
+      const { kind, floor, height } = found;
       const from = point([x, y], height);
       this.grab = { kind, pointer: event.pointerId, height, from, floor: floor.slice(0, 2) };
       if (kind !== "tool") {
@@ -208,7 +210,6 @@ class Live {
       grab.place = [0, 1].map((k) => Math.min(Math.max(grab.floor[k] + moved[k], -15), 15));
       const pull = Math.min(PULL, MOST_PULL / Math.max(Math.hypot(...moved), 1e-6));
       grab.force = [moved[0] * pull, moved[1] * pull, 0];
-      grab.at ??= performance.now();
       if (!grab.changed) grab.at = performance.now();
       grab.changed = true;
     });

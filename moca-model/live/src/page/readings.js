@@ -61,7 +61,7 @@ class Readings {
     text("tool in the workspace", picture.holds ? "with the object" : "with empty gripper");
     text("judged by the truth", `limits ${picture.limits}, too near ${picture.too_near}, not solved ${picture.unsolved}`);
     const { pace } = picture;
-    text("loop", `tick ${pace.median.toFixed(0)} µs, 99 % ${pace.p99.toFixed(0)} µs; missed ${pace.missed} of ${pace.ticks + pace.missed}`);
+    text("loop", `tick ${pace.median.toFixed(0)} µs, 99 % ${pace.p99.toFixed(0)} µs; late ${((100 * pace.late) / pace.ticks).toFixed(1)} %, lost ${pace.lost}`);
     text("page", `${page.rate.toFixed(0)} pictures a second; from a message to its picture ${page.lag.toFixed(0)} ms`);
     this.showLimits(run);
   }

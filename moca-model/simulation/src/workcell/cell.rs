@@ -230,11 +230,11 @@ impl Workcell {
         self.plant.controller_mut().request_stop();
     }
 
-    /// The world goes on by a period; the controller has its turn if its tick is `in_time`.
+    /// Robot, controller and people go on by a period.
     ///
     /// # Errors
     /// What the controller refuses, but for frames, which it reports as faults.
-    pub fn advance(&mut self, in_time: bool) -> Result<(), Error> {
+    pub fn advance(&mut self) -> Result<(), Error> {
         let now = self.time();
         let workplace = self.workplace();
         for person in std::iter::once(&mut self.worker).chain(&mut self.bystander) {
@@ -243,12 +243,10 @@ impl Workcell {
         self.remember(now);
         let bystander = self.bystander.as_ref().map(|guided| guided.person.person());
         self.eye.look((self.tick, now), self.worker.person.person(), bystander, &self.faults);
-        if in_time {
-            while let Some((percept, others)) = self.eye.arrived(now) {
-                self.observe(percept, others, now)?;
-            }
-            self.control(now)?;
+        while let Some((percept, others)) = self.eye.arrived(now) {
+            self.observe(percept, others, now)?;
         }
+        self.control(now)?;
         let towards = self.plant.controller().space().person().map(|person| {
             let hand = Vector3::from(self.row.actual);
             Vector3::new(hand.x - person.floor.x, hand.y - person.floor.y, 0.0)

@@ -80,8 +80,8 @@ impl Judge {
         let returning = if free { Return::Free } else { Return::Hindered };
         let breaches = self.limits.check(command, plant.reference(), returning);
         let range = breaches.range && self.settling == 0;
-        let speeds = breaches.limit || breaches.acceleration || breaches.jerk;
-        let breaks = range || speeds || breaches.desired_acceleration;
+        let rates = breaches.acceleration || breaches.jerk || breaches.desired_acceleration;
+        let breaks = range || breaches.limit || rates;
         let torque = plant.breaks_torque_limits() == Some(true);
         let verdict =
             self.separation.check(&command.joint_velocity, plant.configuration(), people)?;

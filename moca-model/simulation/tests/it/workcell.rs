@@ -37,7 +37,7 @@ fn setup() -> Setup {
 fn go_on(cell: &mut Workcell, seconds: f64) {
     let end = cell.time() + seconds;
     while cell.time() < end {
-        cell.advance(true).unwrap();
+        cell.advance().unwrap();
     }
 }
 
@@ -145,16 +145,13 @@ fn soak(seed: u64, seconds: f64) {
                 squat: if bend { draw.random_range(0.0..0.2) } else { 0.0 },
                 reach,
             };
-            if std::env::var("DBG").is_ok() {
-                eprintln!("{} {who:?} {lead:?}", cell.tick());
-            }
             cell.lead(who, lead).unwrap();
             if draw.random_bool(0.2) {
                 let movement = Movement::ALL[draw.random_range(0..Movement::ALL.len())];
                 cell.begin(who, movement).unwrap();
             }
         }
-        cell.advance(true).unwrap();
+        cell.advance().unwrap();
     }
     let counts = cell.counts();
     assert_eq!((counts.limits, counts.too_near, counts.unsolved), (0, 0, 0), "{seed}: {counts:?}");
