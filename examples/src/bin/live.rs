@@ -22,6 +22,9 @@ use moca_simulation::plant::PlantSettings;
 use moca_simulation::workcell::{Setup, Workcell};
 use serde::Serialize;
 
+/// Between nodes of the person's map (m).
+const MAP_SPACING: f64 = 0.08;
+
 /// Moves MOCA in real time, at 1 kHz, beside a simulated person whom you lead on a page in a browser.
 ///
 /// Prints the address of the page, which only this machine can open. On it you drag the person about, bend them, give
@@ -111,9 +114,11 @@ impl Program for Options {
 
 impl Options {
     fn setup(&self, session: &Session) -> Result<Setup> {
+        // A page is waited for: a quarter of the nodes take a quarter of the time.
+        let options = MapOptions { spacing: MAP_SPACING, ..MapOptions::default() };
         let map = match &self.map {
             Some(path) => read_map(path)?,
-            None => build_map(session, &Person::new(self.stature)?, &MapOptions::default(), None)?,
+            None => build_map(session, &Person::new(self.stature)?, &options, None)?,
         };
         let mut setup = Setup::new(map)?;
         if let Some(path) = &self.settings {

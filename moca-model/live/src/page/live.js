@@ -121,7 +121,11 @@ class Live {
 
   /** The eye goes along without haste. */
   smooth(target) {
-    return this.target ? add(this.target, scale(subtract(target, this.target), 0.06)) : target;
+    if (!this.target) return target;
+    const left = subtract(target, this.target);
+    // How far it is behind, for who waits for it.
+    this.still = norm(left);
+    return add(this.target, scale(left, 0.06));
   }
 
   /** Takes note of a picture that was drawn. */
