@@ -2,6 +2,7 @@
 
 const PARTS = ["neck", "trunk", "legs", "upper arm", "lower arm", "wrist"];
 const SHOWN_LIMITS = 5;
+const UNSCORED = [0.85, 0.87, 0.89];
 
 class Readings {
   constructor(parent, badges) {
@@ -50,10 +51,12 @@ class Readings {
     text("safety", picture.safety.label + (picture.waits ? ", waits to be acknowledged" : ""));
     text("base", picture.base.label);
     text("solver", picture.solver.label);
-    this.chip("e_s, hand at the tool", number("e_s"), scoreColour(run.now("e_s")), `ergonomics ${picture.ergonomics ? "on" : "off"}, share ${number("share of ergonomics")}`);
+    const score = run.now("e_s");
+    const colour = Number.isNaN(score) ? UNSCORED : scoreColour(score);
+    this.chip("e_s, hand at the tool", number("e_s"), colour, `ergonomics ${picture.ergonomics ? "on" : "off"}, share ${number("share of ergonomics")}`);
     const { parts } = run.person.groups;
     const scores = PARTS.map((name, k) => `${name} ${written(parts.get(run.person.count - 1, k), 0)}`);
-    this.chip("REBA, true posture", picture.reba ?? "–", rebaColour(picture.reba ?? 1), scores.join(", "));
+    this.chip("REBA, true posture", picture.reba ?? "–", picture.reba ? rebaColour(picture.reba) : UNSCORED, scores.join(", "));
     const pair = picture.pair ? `, ${picture.pair[0]} and ${picture.pair[1]}` : "";
     text("distance", `${number("monitored distance")} m of ${number("protective distance")} m protective${pair}`);
     text("levels", `pose ${written(1e3 * run.now("tracking error"), 1)} mm, workspace ${written(1e3 * run.now("slack of position"), 1)} mm, e_s ${number("e_s")}`);
