@@ -25,9 +25,9 @@ use crate::picture::{Moment, Pace, Picture, began};
 use crate::request::Request;
 
 /// Between two pictures \[s\].
-const INTERVAL: f64 = 0.02;
+const INTERVAL: f64 = 0.03;
 /// Speeds of the tool are averaged over so many pictures.
-const CALM_PICTURES: usize = 50;
+const CALM_PICTURES: usize = 33;
 /// So many periods are made up for at most; a loop that is later goes on as if the time had stood still meanwhile.
 const ASLEEP: u64 = 50;
 /// Slower than this the robot is at rest \[m/s, rad/s\].

@@ -1,5 +1,7 @@
 // Puts the page together: pictures that come, and what is grabbed in them.
 
+/** About how far apart pictures are (ms): somewhat more than the loop sends them. */
+const PICTURES = 36;
 /** How near the pointer has to be to the tool (pixels), and aside of a person. */
 const NEAR_TOOL = 34;
 const NEAR_PERSON = 46;
@@ -25,7 +27,7 @@ class Live {
   constructor() {
     this.byId = (id) => document.getElementById(id);
     this.camera = new Camera();
-    this.quality = new Quality();
+    this.quality = new Quality(PICTURES);
     this.theme = readTheme();
     this.shown = { person: true, posture: false, workspace: true, tool: true, distance: true, map: "" };
     Object.assign(this, { waiting: [], asked: new Map(), lags: [], times: [], rate: 0, lag: 0, pictures: 0, errors: [] });

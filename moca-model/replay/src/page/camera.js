@@ -105,7 +105,9 @@ function listenToPointers(canvas, camera, changed) {
 /** How many pixels a picture takes for one of the screen, each way: a standing picture is sharp and smooth, a
  * moving one keeps up. */
 class Quality {
-  constructor() {
+  /** `target` is about how far apart pictures are to be (ms). */
+  constructor(target = 20) {
+    this.target = target;
     this.moving = 1;
     this.count = 0;
   }
@@ -117,8 +119,9 @@ class Quality {
     if (this.count < pictures) return;
     const took = (now - (this.since ?? -Infinity)) / pictures;
     Object.assign(this, { since: now, count: 0 });
-    if (took > 24 && took < 500) this.moving = Math.max(0.35, this.moving * (took > 40 ? 0.7 : 0.88));
-    else if (took < 18) this.moving = Math.min(Quality.sharp, this.moving * 1.04);
+    const share = took / this.target;
+    if (share > 1.2 && took < 500) this.moving = Math.max(0.35, this.moving * (share > 2 ? 0.7 : 0.88));
+    else if (share < 0.9) this.moving = Math.min(Quality.sharp, this.moving * 1.04);
   }
 
   static sharp = 2;
