@@ -47,19 +47,27 @@ async function seen(point) {
   const [x, y] = await page.evaluate((point) => live.pixels(point), point);
   return [box.x + x, box.y + y];
 }
-/** By the head, which nothing hides (m). */
-const HEAD = 1.6;
-/** Drags the person to a place on the floor, in steps. */
+/** Grabs the person where nothing hides them, and moves the pointer to where they are to go, in steps. */
+async function pull(to, steps) {
+  const { floor } = await picture();
+  for (const height of [1.6, 1.2, 0.8, 0.3]) {
+    const from = await seen([floor[0], floor[1], height]);
+    await page.mouse.move(...from);
+    await page.mouse.down();
+    if ((await page.evaluate(() => live.grab?.kind)) === "worker") {
+      await page.mouse.move(...(await seen([to[0], to[1], height])), { steps });
+      await page.mouse.up();
+      return true;
+    }
+    await page.mouse.up();
+  }
+  return false;
+}
+/** Drags the person to a place on the floor. */
 async function drag(to, steps = 20) {
   // The eye has come along.
   await page.waitForFunction(() => live.still < 0.3);
-  const { floor } = await picture();
-  await page.mouse.move(...(await seen([floor[0], floor[1], HEAD])));
-  await page.mouse.down();
-  assert.equal(await page.evaluate(() => live.grab?.kind), "worker", "the person is grabbed");
-  const end = await seen([to[0], to[1], HEAD]);
-  await page.mouse.move(...end, { steps });
-  await page.mouse.up();
+  assert.ok(await pull(to, steps), "the person is grabbed");
 }
 const tool = () => page.evaluate(() => live.run.place("tool"));
 /** The status of a request with these fields. */
@@ -164,14 +172,7 @@ try {
   while (Date.now() < end) {
     const random = (low, high) => low + (high - low) * Math.random();
     const at = await tool();
-    const { floor: from } = await picture();
-    const to = [at[0] + random(-1.2, 1.2), at[1] + random(-1.2, 1.2)];
-    const [x, y] = await seen([from[0], from[1], HEAD]);
-    await page.mouse.move(x, y);
-    await page.mouse.down();
-    const [tx, ty] = await seen([to[0], to[1], HEAD]);
-    await page.mouse.move(tx, ty, { steps: Math.ceil(random(3, 30)) });
-    await page.mouse.up();
+    await pull([at[0] + random(-1.2, 1.2), at[1] + random(-1.2, 1.2)], Math.ceil(random(3, 30)));
     await slide("slider-walking-speed", random(0.1, 1.2));
     if (random(0, 1) < 0.3) await slide("slider-lean", random(0, 1.2));
     else await slide("slider-lean", 0);

@@ -28,7 +28,7 @@ pub enum Order {
     Abandon,
 }
 
-/// The newest picture, the orders to come, and who steers. Nobody who holds it makes the loop wait.
+/// The newest picture, the orders to come, and the page that steers. Nobody who holds it makes the loop wait.
 #[derive(Debug)]
 pub struct Desk {
     newest: Mutex<Option<Arc<Picture>>>,
@@ -42,7 +42,7 @@ pub struct Desk {
 }
 
 impl Desk {
-    /// With what a page is told first; gives the loop's end of the orders as well.
+    /// Begins with what a page is told first; gives the loop's end of the orders as well.
     pub fn new(head: Head) -> (Arc<Self>, Receiver<Order>) {
         let (orders, receiver) = sync_channel(WAITING);
         let desk = Self {

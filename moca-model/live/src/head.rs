@@ -51,7 +51,7 @@ struct Hello<'a> {
 }
 
 impl Head {
-    /// Of the first workcell.
+    /// Describes the first workcell.
     ///
     /// # Errors
     /// Settings that no file holds.
@@ -80,7 +80,7 @@ impl Head {
         Ok(Self { number, setup: setup.clone(), text, settings, json })
     }
 
-    /// Of the workcell that comes after this one.
+    /// Describes the workcell that comes after this one.
     ///
     /// # Errors
     /// As [`new`](Self::new).
@@ -88,7 +88,7 @@ impl Head {
         Self::numbered(self.number + 1, setup, sampler, self.text)
     }
 
-    /// With what the next workcell begins.
+    /// The setup that the next workcell begins with.
     ///
     /// # Errors
     /// A stature or settings that cannot be used.

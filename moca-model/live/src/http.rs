@@ -1,4 +1,4 @@
-//! The head of a request, and who may ask.
+//! The head of a request, and the pages that may ask.
 
 use std::io::{self, Read, Write};
 use std::net::{SocketAddr, TcpStream};

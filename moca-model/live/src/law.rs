@@ -59,7 +59,7 @@ pub struct Law {
 }
 
 impl Law {
-    /// Of a workcell, and the desk at which its pages get their pictures and leave their orders. They show and change
+    /// Moves a workcell; gives the desk at which its pages get their pictures and leave their orders. They show and change
     /// its settings as text.
     ///
     /// # Errors

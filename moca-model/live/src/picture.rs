@@ -73,7 +73,7 @@ pub struct Picture {
     pair: Option<[String; 2]>,
     /// Floor and heading of the true person \[m, rad\].
     floor: [f64; 3],
-    /// Of the second person.
+    /// The same of the second person.
     bystander: Option<[f64; 3]>,
     /// Mean speed of the tool in the last second \[m/s\].
     calm: f64,
@@ -96,7 +96,7 @@ pub(crate) struct Moment {
 }
 
 impl Picture {
-    /// Of a workcell now.
+    /// Takes a picture of a workcell.
     ///
     /// # Errors
     /// None of a workcell that goes on.

@@ -35,7 +35,7 @@ pub enum Request {
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Restart {
-    /// Of the person \[m\]; as before if none.
+    /// The person's stature \[m\]; as before if none.
     pub stature: Option<f64>,
     /// Whether the person brings the object; as before if none.
     pub hands_over: Option<bool>,

@@ -16,7 +16,7 @@ use crate::{http, page, socket};
 
 /// So many connections are served at a time.
 const CONNECTIONS: usize = 16;
-/// Who takes longer to say what they ask for is given up.
+/// A request that takes longer to come is given up.
 const PATIENCE: Duration = Duration::from_secs(3);
 /// How often the end is looked for.
 const TURN: Duration = Duration::from_millis(20);

@@ -2,7 +2,9 @@
 
 /** About how far apart pictures are (ms): somewhat more than the loop sends them. */
 const PICTURES = 36;
-/** How near the pointer has to be to the tool (pixels), and aside of a person. */
+/** Where the robot can be pushed: its frames. */
+const HANDLES = { push_tool: "tool", push_elbow: "panda_link4" };
+/** How near the pointer has to be to one of them (pixels), and aside of a person. */
 const NEAR_TOOL = 34;
 const NEAR_PERSON = 46;
 /** About as tall are people (m). */
@@ -152,7 +154,7 @@ class Live {
     const { grab } = this;
     if (!grab?.changed) return;
     grab.changed = false;
-    if (grab.kind === "tool") this.controls.fail({ push_tool: grab.force });
+    if (grab.kind in HANDLES) this.controls.fail({ [grab.kind]: grab.force });
     else this.controls.lead(grab.kind, { way: { to: grab.place } });
     if (this.controls.number) this.asked.set(this.controls.number, grab.at);
   }
@@ -164,13 +166,15 @@ class Live {
     return seen && [seen[0] * canvas.clientWidth, seen[1] * canvas.clientHeight];
   }
 
-  /** What is under the pointer: the tool, a person, or nothing. */
+  /** What is under the pointer: a handle of the robot, a person, or nothing. */
   under(x, y) {
     if (!this.view || !this.picture) return null;
     const pixels = (point) => this.pixels(point);
-    const tool = pixels(this.run.place("tool"));
-    const place = this.run.place("tool");
-    if (tool && Math.hypot(tool[0] - x, tool[1] - y) < NEAR_TOOL) return { kind: "tool", floor: place, height: place[2] };
+    for (const [kind, frame] of Object.entries(HANDLES)) {
+      const place = this.run.place(frame);
+      const at = pixels(place);
+      if (at && Math.hypot(at[0] - x, at[1] - y) < NEAR_TOOL) return { kind, floor: place, height: place[2] };
+    }
     for (const [kind, floor] of [["worker", this.picture.floor], ["bystander", this.picture.bystander]]) {
       if (!floor) continue;
       const [feet, head] = [pixels([floor[0], floor[1], 0]), pixels([floor[0], floor[1], TALL])];
@@ -201,7 +205,7 @@ class Live {
       const { kind, floor, height } = found;
       const from = point([x, y], height);
       this.grab = { kind, pointer: event.pointerId, height, from, floor: floor.slice(0, 2) };
-      if (kind !== "tool") {
+      if (!(kind in HANDLES)) {
         this.controls.who = kind;
         this.controls.mark();
       }
@@ -224,7 +228,7 @@ class Live {
         if (this.grab?.pointer !== event.pointerId) return;
         event.stopImmediatePropagation();
         this.sendGrab();
-        if (this.grab.kind === "tool") this.controls.fail({ push_tool: [0, 0, 0] });
+        if (this.grab.kind in HANDLES) this.controls.fail({ [this.grab.kind]: [0, 0, 0] });
         this.grab = null;
       });
     }

@@ -10,7 +10,7 @@ use super::table::Table;
 /// A run, recorded.
 #[derive(Clone, Debug)]
 pub struct Replay {
-    /// Of the run.
+    /// The name of the run.
     pub title: String,
     /// What is there, and in which frames.
     pub stage: Stage,
@@ -23,7 +23,7 @@ pub struct Replay {
     pub others: Option<Table>,
     /// States.
     pub lanes: Vec<Lane>,
-    /// Of the person \[m\].
+    /// The person's stature \[m\].
     pub stature: f64,
     /// The working hand.
     pub side: Side,

@@ -88,7 +88,7 @@ pub struct Sampler {
     robot: Vec<FrameId>,
     tool: FrameId,
     capsules: Vec<(usize, Capsule)>,
-    /// Of frames that the caller moves.
+    /// Poses of frames that the caller moves.
     placed: Vec<Option<Isometry3<f64>>>,
     /// What the robot holds.
     object: Option<FrameSlot>,
@@ -101,7 +101,7 @@ pub struct Sampler {
 const OBJECT_COLOUR: [f64; 3] = [0.76, 0.6, 0.42];
 
 impl Sampler {
-    /// For a robot with the text of its URDF, which says what it looks like, and a person's map.
+    /// Takes a robot with the text of its URDF, which says what it looks like, and a person's map.
     ///
     /// # Errors
     /// [`ReplayError::Urdf`], or a tool or link that the robot does not have.
@@ -282,7 +282,7 @@ impl Sampler {
         for frame in &self.robot {
             write_pose(Some(&posed.world_from(*frame)?), &mut values);
         }
-        // Where the person's hand is who works on what the tool holds.
+        // Where the hand is of a person who works on what the tool holds.
         let hand = Translation3::from(*controller.robot().tool_from_hand());
         write_pose(Some(&(posed.world_from(self.tool)? * hand)), &mut values);
         let space = controller.space();
@@ -340,7 +340,7 @@ fn groups(stage: &Stage, model: &Model, on_wheels: bool) -> Vec<Group> {
 fn write_pose(pose: Option<&Isometry3<f64>>, row: &mut Vec<f32>) {
     row.extend(pose.map_or([f32::NAN; 7], |pose| {
         let (p, r) = (pose.translation, pose.rotation);
-        // Of the two quaternions of a rotation always the same.
+        // A rotation has two quaternions: always the same is taken.
         let sign = if r.w < 0.0 { -1.0 } else { 1.0 };
         [p.x, p.y, p.z, sign * r.i, sign * r.j, sign * r.k, sign * r.w].map(|value| value as f32)
     }));

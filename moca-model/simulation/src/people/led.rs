@@ -13,7 +13,7 @@ use crate::Error;
 
 /// Slower than this they stand, and may begin a movement on the spot (m/s).
 const STANDING: f64 = 0.05;
-/// How far ahead the goal is of who walks in a direction (m).
+/// How far ahead the goal is of somebody who walks in a direction (m).
 const AHEAD: f64 = 1.0;
 /// Nearer than this no direction to face is told (m).
 const TOO_NEAR: f64 = 0.1;
@@ -36,7 +36,7 @@ pub enum Facing {
     Robot,
     /// Where the way leads.
     Way,
-    /// With this yaw (rad).
+    /// At this yaw (rad).
     Heading(f64),
     /// Turns on to the left at this rate, up to that of the gait (rad/s).
     Turning(f64),
@@ -219,7 +219,7 @@ impl LedPerson {
             self.person.begin(movement, &mut draw);
         }
         let way = match lead.way {
-            // Who is busy on the spot stays there.
+            // Somebody who is busy on the spot stays there.
             _ if self.person.is_busy() => Way::Stand,
             way => way,
         };
@@ -335,7 +335,7 @@ mod tests {
 
     #[test]
     fn bends_and_keeps_the_hand_at_work() {
-        let (floor, use_drill) = (Point2::new(1.6, 0.2), Activity::Use(Tool::Drill));
+        let (floor, use_drill) = (Point2::new(1.4, 0.1), Activity::Use(Tool::Drill));
         let way = Way::To(floor);
         let upright = Lead { way, activity: use_drill, ..Lead::default() };
         let bent = Lead { lean: 0.6, squat: 0.1, ..upright };

@@ -7,6 +7,7 @@ use moca_model::whole_body::FrameId;
 use moca_model::{Controller, DynamicRobotSettings, Goal, HeldObject, MOCA_HOME, Phase, moca};
 use moca_replay::report::TickRow;
 use nalgebra::{Isometry3, Point2, Point3, Vector3};
+use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use vision_models::{Body, Confidence, Keypoint, Percept, Tool};
 
@@ -38,10 +39,10 @@ const ROOM: f64 = 0.01;
 /// The stream of movements on the spot.
 const MOVEMENTS: u64 = 430;
 
-/// Who is led.
+/// A person who is led.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Who {
-    /// Who works with the robot.
+    /// The one who works with the robot.
     Worker,
     /// Somebody who only comes near.
     Bystander,
@@ -163,7 +164,7 @@ impl Workcell {
     /// # Errors
     /// Nobody moves who is not there.
     pub fn begin(&mut self, who: Who, movement: Movement) -> Result<(), Error> {
-        let draw = self.movements.clone();
+        let draw = random::generator(self.movements.random(), MOVEMENTS);
         self.guided(who)?.person.begin(movement, draw);
         Ok(())
     }
@@ -393,7 +394,7 @@ impl Workcell {
         &self.object
     }
 
-    /// With what it began, and the goal of now.
+    /// The setup that it began with, and the goal of now.
     pub fn setup(&self) -> &Setup {
         &self.setup
     }

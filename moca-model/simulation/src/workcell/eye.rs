@@ -16,7 +16,7 @@ const TRANSPORT: u64 = 420;
 /// How long bodies of others are kept \[s\]: no frame arrives later.
 const LATEST: f64 = 4.0;
 
-/// One camera, which knows who works with the robot.
+/// One camera, which knows the person who works with the robot.
 #[derive(Clone, Debug)]
 pub(super) struct Eye {
     worker: Perception,

@@ -38,7 +38,7 @@ pub(super) struct Judge {
 }
 
 impl Judge {
-    /// For a robot at rest.
+    /// Begins with a robot at rest.
     pub(super) fn new(
         model: &Model,
         settings: &ControllerSettings,

@@ -1,4 +1,4 @@
-//! With what a workcell begins.
+//! What a workcell begins with.
 
 use ergo_map::{ErgonomicsMap, ErgonomicsQuadratic, FitOptions};
 use moca_model::ControllerSettings;
@@ -9,7 +9,7 @@ use crate::plant::PlantSettings;
 /// Where the camera is that looks at what the robot holds, in the base's frame \[m\].
 const ON_BOARD_CAMERA: [f64; 3] = [0.35, 0.0, 1.15];
 
-/// With what robot, controller and person a workcell begins.
+/// The robot, controller and person that a workcell begins with.
 #[derive(Clone, Debug)]
 pub struct Setup {
     /// The person's map, which scores the postures and says how tall the person is.
