@@ -270,6 +270,11 @@ impl LedPerson {
         }
     }
 
+    /// Something stands in the way, in the direction against `away`: they are moved so far from it (m).
+    pub(crate) fn slide(&mut self, away: Vector2<f64>, distance: f64) {
+        self.person.slide(away, distance);
+    }
+
     /// Something stands in the way: they stop where they are.
     pub(crate) fn bump(&mut self) {
         self.person.halt();

@@ -123,6 +123,12 @@ impl Person {
         self.motion.floor += displacement;
     }
 
+    /// Is moved in a direction (m), and goes no longer against it.
+    pub(super) fn slide(&mut self, away: Vector2<f64>, distance: f64) {
+        self.motion.floor += away * distance;
+        self.motion.velocity -= away * self.motion.velocity.dot(&away).min(0.0);
+    }
+
     /// Stands at once.
     pub(super) fn halt(&mut self) {
         self.motion.velocity = Vector2::zeros();

@@ -6,7 +6,7 @@ use human_perception::random;
 use moca_model::whole_body::FrameId;
 use moca_model::{Controller, DynamicRobotSettings, Goal, HeldObject, MOCA_HOME, Phase, moca};
 use moca_replay::report::TickRow;
-use nalgebra::{Isometry3, Point2, Point3, Vector3};
+use nalgebra::{Isometry3, Point2, Point3, Vector2, Vector3};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use vision_models::{Body, Confidence, Keypoint, Percept, Tool};
@@ -36,6 +36,9 @@ const ELBOW: &str = "panda_link4";
 const BETWEEN: Vector3<f64> = Vector3::new(0.0, 0.0, -0.08);
 /// How near people come to the robot by themselves, but for their arms \[m\].
 const ROOM: f64 = 0.01;
+/// By how far somebody is moved to see how that changes the distance \[m\], and how much that must be.
+const SHIFT: f64 = 1e-5;
+const LEAST_SLOPE: f64 = 0.2;
 /// The stream of movements on the spot.
 const MOVEMENTS: u64 = 430;
 
@@ -88,14 +91,27 @@ impl Guided {
         Ok(Self { person, witness: Witness::default() })
     }
 
-    /// Goes on by a period \[s\]; nobody walks or bends into the robot.
+    /// Goes on by a period \[s\]; nobody walks or bends into the robot, but slides along it.
     fn advance(&mut self, period: f64, workplace: &Workplace, judge: &Judge) {
         let (before, gap) = (self.person.clone(), judge.gap(&joints(&self.person), ROOM));
         self.person.advance(period, workplace);
-        let next = judge.gap(&joints(&self.person), ROOM);
-        if next < gap {
-            self.person = before;
-            self.person.bump();
+        let now = joints(&self.person);
+        let lost = gap - judge.gap(&now, ROOM);
+        if lost > 0.0 {
+            let moved = |by: Vector3<f64>| judge.gap(&now.map(|joint| joint + by), 2.0 * ROOM);
+            let slope = |axis: Vector3<f64>| {
+                let step = axis * SHIFT;
+                (moved(step) - moved(-step)) / (2.0 * SHIFT)
+            };
+            let away = Vector2::new(slope(Vector3::x()), slope(Vector3::y()));
+            if away.norm() > LEAST_SLOPE {
+                self.person.slide(away / away.norm(), lost / away.norm());
+            }
+            // What is above or below leaves no way aside.
+            if judge.gap(&joints(&self.person), ROOM) < gap - SHIFT {
+                self.person = before;
+                self.person.bump();
+            }
         }
         self.witness.push(&joints(&self.person), false);
     }
