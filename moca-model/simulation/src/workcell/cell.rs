@@ -36,7 +36,7 @@ const ELBOW: &str = "panda_link4";
 const BETWEEN: Vector3<f64> = Vector3::new(0.0, 0.0, -0.08);
 /// How near people come to the robot by themselves, but for their arms \[m\].
 const ROOM: f64 = 0.01;
-/// By how far somebody is moved to see how that changes the distance \[m\], and how much that must be.
+/// The way that somebody is moved to see how that changes the distance \[m\], and how much that must be.
 const SHIFT: f64 = 1e-5;
 const LEAST_SLOPE: f64 = 0.2;
 /// The stream of movements on the spot.
