@@ -1,15 +1,4 @@
 #!/usr/bin/env bash
 # Checks the page of a run in headless Chromium: run.sh PAGE OUTPUT, what the program printed with --json.
-# Without Chromium or npm there is nothing to check it with, which is said and is no failure.
 set -euo pipefail
-here=$(cd "$(dirname "$0")" && pwd)
-chromium=$(command -v chromium || command -v chromium-browser || true)
-if [ -z "$chromium" ] || ! command -v npm >/dev/null; then
-    echo 'the page is not checked: it takes the Debian packages chromium and npm'
-    exit 0
-fi
-modules=$(mktemp -d)
-trap 'rm -rf "$modules"' EXIT
-cp "$here/package.json" "$here/check.mjs" "$modules"
-npm install --prefix "$modules" --silent --no-audit --no-fund --no-package-lock
-CHROMIUM="$chromium" node "$modules/check.mjs" "$@"
+exec "$(dirname "$0")/browser.sh" check.mjs "$@"

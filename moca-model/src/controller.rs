@@ -216,8 +216,13 @@ impl Controller {
         self.comfort = comfort;
     }
 
-    /// Computes the command for the period that begins at `now` \[s\], with the robot at the measured `configuration`
-    /// \[m or rad\]. Allocates nothing.
+    /// Asks for the person's ergonomics from now on, or for no more than the least motion.
+    pub fn set_goal(&mut self, goal: Goal) {
+        self.settings.goal = goal;
+    }
+
+    /// The command for the period that begins at `now` \[s\], with the robot at the
+    /// `configuration` measured \[m or rad\]. Allocates nothing.
     ///
     /// A tick that cannot be computed brakes every joint at its limit, and [`Command::outcome`] and [`Command::fault`]
     /// say so. Causes are an invalid time, a measurement that is not finite, and a hierarchy that cannot be solved.

@@ -16,15 +16,17 @@ use serde::Serialize;
 use crate::recorded::{Replay, ReplayError};
 
 const HTML: &str = include_str!("page/page.html");
-const STYLES: [&str; 5] = [
+/// The styles of every page that shows a scene.
+pub const SCENE_STYLES: [&str; 3] = [
     include_str!("page/colours.css"),
     include_str!("page/layout.css"),
     include_str!("page/cards.css"),
-    include_str!("page/tracks.css"),
-    include_str!("page/media.css"),
 ];
-/// Scripts in an order in which a file uses only what earlier files define.
-const SCRIPTS: [&str; 14] = [
+const STYLES: [&str; 2] = [include_str!("page/tracks.css"), include_str!("page/media.css")];
+/// What draws a scene: `Renderer`, `Camera`, `Scene`, and what they stand on. In an order in which a file uses only
+/// what stands before it.
+pub const SCENE_SCRIPTS: [&str; 8] = [
+    include_str!("page/elements.js"),
     include_str!("page/data.js"),
     include_str!("page/colours.js"),
     include_str!("page/mathematics.js"),
@@ -32,6 +34,9 @@ const SCRIPTS: [&str; 14] = [
     include_str!("page/renderer.js"),
     include_str!("page/camera.js"),
     include_str!("page/scene.js"),
+];
+/// Likewise.
+const SCRIPTS: [&str; 7] = [
     include_str!("page/axis.js"),
     include_str!("page/lanes.js"),
     include_str!("page/limits.js"),
@@ -72,18 +77,36 @@ pub fn page(title: &str, runs: &[&Replay], results: &Results) -> Result<String, 
         return Err(ReplayError::Nothing);
     }
     let data = data::json(runs, results)?;
-    let (style, script) = (STYLES.concat(), SCRIPTS.concat());
-    // Each text is inserted once, so that a placeholder within another text has no effect.
-    let mut page = String::with_capacity(HTML.len() + style.len() + script.len() + data.len());
-    let mut rest = HTML;
+    let style = [SCENE_STYLES.concat(), STYLES.concat()].concat();
+    let script = [SCENE_SCRIPTS.concat(), SCRIPTS.concat()].concat();
     let title = escaped(title);
-    for (placeholder, text) in [
-        ("{{title}}", &*title),
-        ("{{style}}", &style),
-        ("{{title}}", &title),
-        ("{{data}}", &data),
-        ("{{script}}", &script),
-    ] {
+    Ok(filled(
+        HTML,
+        &[
+            ("{{title}}", &title),
+            ("{{style}}", &style),
+            ("{{title}}", &title),
+            ("{{data}}", &data),
+            ("{{script}}", &script),
+        ],
+    ))
+}
+
+/// The data of a page as JSON, for a script that draws runs itself.
+///
+/// # Errors
+/// [`ReplayError::Nothing`] without a run; [`ReplayError::Json`].
+pub fn data(runs: &[&Replay], results: &Results) -> Result<String, ReplayError> {
+    data::json(runs, results)
+}
+
+/// A page with texts in place of placeholders, in their order. Each is put in once, so that no placeholder within
+/// another text counts.
+pub fn filled(html: &str, texts: &[(&str, &str)]) -> String {
+    let length: usize = texts.iter().map(|(_, text)| text.len()).sum();
+    let mut page = String::with_capacity(html.len() + length);
+    let mut rest = html;
+    for (placeholder, text) in texts {
         if let Some((before, after)) = rest.split_once(placeholder) {
             page.push_str(before);
             page.push_str(text);
@@ -91,7 +114,7 @@ pub fn page(title: &str, runs: &[&Replay], results: &Results) -> Result<String, 
         }
     }
     page.push_str(rest);
-    Ok(page)
+    page
 }
 
 /// Escapes text for HTML.

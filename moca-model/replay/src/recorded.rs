@@ -25,14 +25,24 @@ mod nearest;
 mod others_track;
 mod person_track;
 mod recorder;
+mod replay;
 mod robot;
+mod sampler;
 mod stage;
 mod table;
 
 pub(crate) use body::{BODY_POINTS, BodyPart, LIMBS, POINT_COUNT};
 pub use error::ReplayError;
 pub use lanes::{Lane, Span, Tone};
+pub use lanes::{
+    base as base_label, intention as intention_label, phase as phase_label, safety as safety_label,
+    solver as solver_label,
+};
 pub use map_grid::MapGrid;
-pub use recorder::{FrameSlot, Recorder, Replay};
+pub use others_track::row as others_row;
+pub use person_track::row as person_row;
+pub use recorder::Recorder;
+pub use replay::Replay;
+pub use sampler::{FrameSlot, Sampler};
 pub use stage::{Role, Shape, Solid, Stage};
 pub use table::{Encoding, Group, Table};

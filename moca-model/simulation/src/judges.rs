@@ -13,8 +13,10 @@
 mod calmness;
 mod limits;
 mod separation;
+mod witness;
 
 pub use calmness::{Calmness, CalmnessMonitor, Motion};
 pub use limits::{Breaches, LimitMonitor, Margins, Return, TorqueMonitor};
 pub(crate) use separation::body;
 pub use separation::{Blame, Moment, SeparationMonitor, Verdict};
+pub(crate) use witness::Witness;

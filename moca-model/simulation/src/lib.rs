@@ -8,6 +8,7 @@ pub mod plant;
 pub mod rendering;
 pub mod run;
 pub mod soak;
+pub mod workcell;
 
 pub use error::Error;
 // Crates of the types in the public interface.

@@ -22,9 +22,9 @@ use std::time::Instant;
 use human_perception::random;
 use moca_model::whole_body::control_loop::JointMeasurement;
 use moca_model::whole_body::simulation::RandomSource;
-use moca_model::whole_body::state::ExternalWrench;
+use moca_model::whole_body::state::{ExternalWrench, PayloadId};
 use moca_model::whole_body::torque::Compensation;
-use moca_model::whole_body::{Data, Model};
+use moca_model::whole_body::{Data, FrameId, Model};
 use moca_model::{
     Command, Controller, ControllerSettings, DynamicRobot, DynamicRobotSettings, HeldObject,
     Measured, SimulatedRobot, TorqueController, TorqueLoopSettings,
@@ -104,6 +104,10 @@ pub struct Plant {
     breaks_torque: bool,
     /// Place where the object is pushed, in the tool's frame \[m\].
     face: Vector3<f64>,
+    /// What pushes the robot besides.
+    pushes: Vec<ExternalWrench>,
+    /// What nobody told the robot that it carries.
+    load: Option<PayloadId>,
 }
 
 #[derive(Clone, Debug)]
@@ -173,6 +177,8 @@ impl Plant {
             reference: start,
             breaks_torque: false,
             face: Vector3::zeros(),
+            pushes: Vec::new(),
+            load: None,
             robot,
             model,
             period,
@@ -319,7 +325,8 @@ impl Plant {
                 let (controller, robot) = &mut **both;
                 let wrench = Vector6::new(force.x, force.y, force.z, moment.x, moment.y, moment.z);
                 let frame = controller.controller().robot().tool();
-                let push = [ExternalWrench { frame, wrench }];
+                let held = [ExternalWrench { frame, wrench }];
+                let push: Vec<_> = held.into_iter().chain(self.pushes.iter().copied()).collect();
                 let command = controller.controller().command();
                 let torque = controller.torque();
                 robot.step(command, torque, &push, self.period, &mut self.random)?;
@@ -332,7 +339,36 @@ impl Plant {
         self.place_tool()
     }
 
-    /// Sets the share of commands that are lost on the way to a robot under torques.
+    /// These forces \[N, world\] push a robot under torques at the origins of frames, until others do.
+    pub fn push(&mut self, forces: &[(FrameId, Vector3<f64>)]) {
+        let wrench = |force: &Vector3<f64>| force.push(0.0).push(0.0).push(0.0);
+        let pushes = forces.iter();
+        let pushes =
+            pushes.map(|(frame, force)| ExternalWrench { frame: *frame, wrench: wrench(force) });
+        self.pushes.clear();
+        self.pushes.extend(pushes);
+    }
+
+    /// The tool of a robot under torques carries this mass \[kg\] besides, which nobody tells the controller; zero
+    /// takes it off.
+    ///
+    /// # Errors
+    /// A mass that nothing has.
+    pub fn load(&mut self, mass: f64) -> Result<(), Error> {
+        let Robot::Torque(both) = &mut self.robot else { return Ok(()) };
+        let (controller, robot) = &mut **both;
+        if let Some(load) = self.load.take() {
+            robot.simulation_mut().data_mut().detach(&self.model, load)?;
+        }
+        if mass > 0.0 {
+            let tool = controller.controller().robot().tool();
+            let load = HeldObject { mass, ..HeldObject::default() };
+            self.load = Some(robot.hold(tool, &load)?);
+        }
+        Ok(())
+    }
+
+    /// From now on this share of the commands is lost on the way to a robot under torques.
     ///
     /// # Errors
     /// A share that is not from 0 to 1.

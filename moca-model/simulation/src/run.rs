@@ -29,13 +29,17 @@ mod scoring;
 mod seen;
 mod summary;
 mod tally;
+mod tick_row;
 mod true_person;
 mod work;
 mod working_hand;
 
 pub use comparison::Comparison;
+pub(crate) use on_board::OnBoardEye;
 pub use play::Run;
 pub use scenario::{Delivery, Scenario};
 pub use scoring::{HandScore, Scorer};
 pub use summary::{MeasuredReba, Summary};
+pub(crate) use tick_row::tick_row;
 pub use true_person::TrueMotion;
+pub(crate) use work::WorkForce;

@@ -1,23 +1,4 @@
-// The axis of time that lanes and plots have in common, and elements of SVG.
-
-const SVG = "http://www.w3.org/2000/svg";
-
-function svg(name, attributes = {}, parent = null) {
-  const element = document.createElementNS(SVG, name);
-  for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
-  parent?.append(element);
-  return element;
-}
-
-function html(name, attributes = {}, parent = null) {
-  const element = document.createElement(name);
-  for (const [key, value] of Object.entries(attributes)) {
-    if (key === "text") element.textContent = value;
-    else element.setAttribute(key, value);
-  }
-  parent?.append(element);
-  return element;
-}
+// The axis of time that lanes and plots have in common.
 
 /** Round numbers from low to high, about `count` of them. */
 function ticks(low, high, count) {
@@ -27,11 +8,6 @@ function ticks(low, high, count) {
   const found = [];
   for (let k = Math.ceil(low / step - 1e-9); k * step <= high + 1e-9 * step; k++) found.push(k * step);
   return found;
-}
-
-/** A number with as many digits as its size asks for. */
-function written(value, digits = 2) {
-  return Number.isNaN(value) || value === undefined ? "–" : value.toFixed(digits);
 }
 
 class TimeAxis {

@@ -7,6 +7,9 @@ const VIEWS = {
   behind: { turn: Math.PI, rise: 0.35 },
 };
 
+/** The angle of the picture's height (rad). */
+const ANGLE = 0.62;
+
 class Camera {
   constructor() {
     this.follows = true;
@@ -48,13 +51,12 @@ class Camera {
       Math.sin(this.turn) * Math.cos(this.rise),
       Math.sin(this.rise),
     ];
-    const angle = 0.62;
     // On a narrow picture the width has to hold what the height holds otherwise.
     const distance = this.distance * Math.max(1, 1.25 / aspect);
     const eye = add(at, scale(out, distance));
     const up = this.rise > 1.4 ? [-Math.cos(this.turn), -Math.sin(this.turn), 0] : [0, 0, 1];
-    const matrix = multiply(perspective(angle, aspect, 0.1, 40), lookAt(eye, at, up));
-    return { eye, target: at, matrix };
+    const matrix = multiply(perspective(ANGLE, aspect, 0.1, 40), lookAt(eye, at, up));
+    return { eye, target: at, matrix, up, aspect };
   }
 }
 
@@ -98,4 +100,29 @@ function listenToPointers(canvas, camera, changed) {
     },
     { passive: false },
   );
+}
+
+/** How many pixels a picture takes for one of the screen, each way: a standing picture is sharp and smooth, a
+ * moving one keeps up. */
+class Quality {
+  /** `target` is about how far apart pictures are to be (ms). */
+  constructor(target = 20) {
+    this.target = target;
+    this.moving = 1;
+    this.count = 0;
+  }
+
+  /** Takes note of a picture while it moves. */
+  note(now) {
+    const pictures = 10;
+    this.count += 1;
+    if (this.count < pictures) return;
+    const took = (now - (this.since ?? -Infinity)) / pictures;
+    Object.assign(this, { since: now, count: 0 });
+    const share = took / this.target;
+    if (share > 1.2 && took < 500) this.moving = Math.max(0.35, this.moving * (share > 2 ? 0.7 : 0.88));
+    else if (share < 0.9) this.moving = Math.min(Quality.sharp, this.moving * 1.04);
+  }
+
+  static sharp = 2;
 }

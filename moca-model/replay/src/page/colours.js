@@ -66,3 +66,24 @@ function scoreColour(score) {
 function rebaColour(reba) {
   return ramp((reba - 1) / 9);
 }
+
+/** What the scene is drawn in. */
+function readTheme() {
+  const dark = isDark();
+  const colour = (name) => themeColour(`--${name}`);
+  return {
+    sky: colour("sky"),
+    ground: colour("ground"),
+    grid: colour("floor-line"),
+    edge: colour("edge"),
+    workspace: colour("workspace"),
+    desired: colour("desired"),
+    trail: colour("trail"),
+    distance: colour("distance"),
+    axisX: rgb("#d2453a"),
+    axisY: rgb("#2a9d5c"),
+    axisZ: rgb("#3671d9"),
+    shadow: dark ? [0, 0, 0] : [0.1, 0.14, 0.2],
+    shade: dark ? 0.38 : 0.16,
+  };
+}

@@ -3,26 +3,6 @@
 /** Widths of a track's heading and of its plot on paper (pixels), as in media.css. */
 const PAPER = { head: 110, plot: 580 };
 
-function readTheme() {
-  const dark = isDark();
-  const colour = (name) => themeColour(`--${name}`);
-  return {
-    sky: colour("sky"),
-    ground: colour("ground"),
-    grid: colour("floor-line"),
-    edge: colour("edge"),
-    workspace: colour("workspace"),
-    desired: colour("desired"),
-    trail: colour("trail"),
-    distance: colour("distance"),
-    axisX: rgb("#d2453a"),
-    axisY: rgb("#2a9d5c"),
-    axisZ: rgb("#3671d9"),
-    shadow: dark ? [0, 0, 0] : [0.1, 0.14, 0.2],
-    shade: dark ? 0.38 : 0.16,
-  };
-}
-
 class Viewer {
   constructor(page) {
     this.page = page;
@@ -303,23 +283,9 @@ class Viewer {
     const view = this.camera.view(target, canvas.clientWidth / Math.max(canvas.clientHeight, 1));
     this.scene.build(this.current, time, this.shown, this.theme);
     this.renderer.draw(this.scene, view, this.theme);
-    this.showLabels(view);
+    showLabels(this.byId("labels"), this.scene.labels, view);
     this.pictures = (this.pictures ?? 0) + 1;
     if (this.pictures === 1) this.firstPicture = performance.now();
-  }
-
-  showLabels(view) {
-    const parent = this.byId("labels");
-    this.scene.labels.forEach((label, index) => {
-      const element = parent.children[index] ?? html("span", {}, parent);
-      const place = seenAt(view.matrix, label.place);
-      element.hidden = !place;
-      element.className = label.distance ? "distance" : "";
-      if (element.textContent !== label.text) element.textContent = label.text;
-      if (place)
-        element.style.transform = `translate(${place[0] * parent.clientWidth}px, ${place[1] * parent.clientHeight}px) translate(-50%, -130%)`;
-    });
-    [...parent.children].slice(this.scene.labels.length).forEach((element) => (element.hidden = true));
   }
 
   showControls() {

@@ -55,28 +55,6 @@ class Player {
   }
 }
 
-/** How many pixels a picture takes for one of the screen, each way: a standing picture is sharp and smooth, a
- * moving one keeps up. */
-class Quality {
-  constructor() {
-    this.moving = 1;
-    this.count = 0;
-  }
-
-  /** Takes note of a picture while it moves. */
-  note(now) {
-    const pictures = 10;
-    this.count += 1;
-    if (this.count < pictures) return;
-    const took = (now - (this.since ?? -Infinity)) / pictures;
-    Object.assign(this, { since: now, count: 0 });
-    if (took > 24 && took < 500) this.moving = Math.max(0.35, this.moving * (took > 40 ? 0.7 : 0.88));
-    else if (took < 18) this.moving = Math.min(Quality.sharp, this.moving * 1.04);
-  }
-
-  static sharp = 2;
-}
-
 /** Lets keys move time and view. `actions` maps a key to what it does. */
 function listenToKeys(actions) {
   document.addEventListener("keydown", (event) => {

@@ -229,3 +229,17 @@ class Scene {
     return count ? [sum[0] / count, sum[1] / count, 0.85] : [0, 0, 0.85];
   }
 }
+
+/** Writes the labels of a scene over its picture. */
+function showLabels(parent, labels, view) {
+  labels.forEach((label, index) => {
+    const element = parent.children[index] ?? html("span", {}, parent);
+    const place = seenAt(view.matrix, label.place);
+    element.hidden = !place;
+    element.className = label.distance ? "distance" : "";
+    if (element.textContent !== label.text) element.textContent = label.text;
+    if (place)
+      element.style.transform = `translate(${place[0] * parent.clientWidth}px, ${place[1] * parent.clientHeight}px) translate(-50%, -130%)`;
+  });
+  [...parent.children].slice(labels.length).forEach((element) => (element.hidden = true));
+}

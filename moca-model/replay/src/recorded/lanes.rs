@@ -92,8 +92,8 @@ impl Lane {
     }
 }
 
-/// Returns the label of an intention.
-pub(super) fn intention(intention: Intention) -> (&'static str, Tone) {
+/// The label of an intention.
+pub fn intention(intention: Intention) -> (&'static str, Tone) {
     let Intention::Together { walking, .. } = intention else { return ("apart", Tone::Quiet) };
     let Some(direction) = walking else { return ("together", Tone::Work) };
     (walks(direction), Tone::Walk)
@@ -116,8 +116,8 @@ fn walks(direction: WalkingDirection) -> &'static str {
     }
 }
 
-/// Returns the label of a phase, with the reason why the phase before ended.
-pub(super) fn phase(phase: Phase, reason: Option<Reason>) -> (Cow<'static, str>, Tone) {
+/// The label of a phase, with why the one before ended.
+pub fn phase(phase: Phase, reason: Option<Reason>) -> (Cow<'static, str>, Tone) {
     let (name, tone) = match phase {
         Phase::Apart => ("apart", Tone::Quiet),
         Phase::Looking => ("looking", Tone::Work),
@@ -159,8 +159,8 @@ pub(super) fn surface(surface: Surface) -> &'static str {
     }
 }
 
-/// Returns the label of a safety state.
-pub(super) fn safety(state: SafetyState, cause: Option<&Cause>) -> (Cow<'static, str>, Tone) {
+/// The label of a safety state.
+pub fn safety(state: SafetyState, cause: Option<&Cause>) -> (Cow<'static, str>, Tone) {
     let why: Cow<'static, str> = match cause {
         None => "".into(),
         Some(Cause::TooClose(_)) => ": person too close".into(),
@@ -176,8 +176,8 @@ pub(super) fn safety(state: SafetyState, cause: Option<&Cause>) -> (Cow<'static,
     }
 }
 
-/// Returns the label of the base's motion, with the reason of a drive.
-pub(super) fn base(motion: BaseMotion) -> (&'static str, Tone) {
+/// The label of what the base does, with why it drives.
+pub fn base(motion: BaseMotion) -> (&'static str, Tone) {
     match motion {
         BaseMotion::Stands => ("stands", Tone::Quiet),
         BaseMotion::Drives(DriveReason::PersonMoves) => ("drives: the workspace moves", Tone::Walk),
@@ -188,8 +188,8 @@ pub(super) fn base(motion: BaseMotion) -> (&'static str, Tone) {
     }
 }
 
-/// Returns the label of the result of a tick.
-pub(super) fn solver(outcome: Outcome) -> (&'static str, Tone) {
+/// The label of how a tick went.
+pub fn solver(outcome: Outcome) -> (&'static str, Tone) {
     match outcome {
         outcome if outcome.is_optimal() => ("optimal", Tone::Quiet),
         Outcome::Solved(_) => ("not at the optimum", Tone::Caution),

@@ -19,8 +19,7 @@ pub(super) struct OthersTrack {
 impl OthersTrack {
     /// Creates a track. The stature of these people is unknown; `stature` is that of the person \[m\].
     pub(super) fn new(stature: f64) -> Self {
-        let group = |name| Group::new(name, &BODY_POINTS, 3, Encoding::Steps);
-        Self { table: Table::new(NAMES.map(group).into()), stature }
+        Self { table: Table::new(groups()), stature }
     }
 
     /// Adds a camera frame.
@@ -28,17 +27,27 @@ impl OthersTrack {
         if self.table.is_empty() && bodies.is_empty() {
             return;
         }
-        let unseen: Points = [None; POINT_COUNT];
-        let mut row = Vec::with_capacity(NAMES.len() * 3 * POINT_COUNT);
-        for place in 0..NAMES.len() {
-            let points = bodies.get(place).map_or(unseen, |body| body::seen(body, self.stature));
-            write_points(&points, &mut row);
-        }
-        self.table.push(time, &row);
+        self.table.push(time, &row(bodies, self.stature));
     }
 
     /// Returns all frames; `None` if there was never anybody.
     pub(super) fn finish(self) -> Option<Table> {
         (!self.table.is_empty()).then_some(self.table)
     }
+}
+
+/// The columns of other people.
+pub(super) fn groups() -> Vec<Group> {
+    NAMES.map(|name| Group::new(name, &BODY_POINTS, 3, Encoding::Steps)).into()
+}
+
+/// People of a stature \[m\] as a row of numbers.
+pub fn row(bodies: &[Body], stature: f64) -> Vec<f32> {
+    let unseen: Points = [None; POINT_COUNT];
+    let mut row = Vec::with_capacity(NAMES.len() * 3 * POINT_COUNT);
+    for place in 0..NAMES.len() {
+        let points = bodies.get(place).map_or(unseen, |body| body::seen(body, stature));
+        write_points(&points, &mut row);
+    }
+    row
 }

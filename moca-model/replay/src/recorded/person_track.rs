@@ -2,7 +2,7 @@
 
 use ergo_map::{RebaSubScores, Side};
 use nalgebra::Vector3;
-use vision_models::Percept;
+use vision_models::{Body, Percept};
 
 use super::body::{self, BODY_POINTS, POINT_COUNT, Points};
 use super::table::{Encoding, Group, Table};
@@ -24,27 +24,12 @@ pub(super) struct PersonTrack {
 
 impl PersonTrack {
     pub(super) fn new(stature: f64) -> Self {
-        let groups = vec![
-            Group::new("body", &BODY_POINTS, 3, Encoding::Steps),
-            Group::new("parts", &PARTS, 1, Encoding::Exact),
-            // Side of the arm that is scored: 1 left, -1 right.
-            Group::new("side", &["side"], 1, Encoding::Exact),
-        ];
-        Self { table: Table::new(groups), stature }
+        Self { table: Table::new(groups()), stature }
     }
 
     /// Adds a camera frame and the scores of its posture.
     pub(super) fn observe(&mut self, percept: &Percept, measured: Option<(Side, RebaSubScores)>) {
-        let unseen: Points = [None; POINT_COUNT];
-        let points = percept.body.as_ref().map_or(unseen, |body| body::seen(body, self.stature));
-        let mut row = Vec::with_capacity(3 * POINT_COUNT + PARTS.len() + 1);
-        write_points(&points, &mut row);
-        write_parts(measured.map(|(_, scores)| scores), &mut row);
-        row.push(measured.map_or(f32::NAN, |(side, _)| match side {
-            Side::Left => 1.0,
-            Side::Right => -1.0,
-        }));
-        self.table.push(percept.time, &row);
+        self.table.push(percept.time, &row(percept.body.as_ref(), self.stature, measured));
     }
 
     /// Returns the track with each point averaged over neighbouring frames, which also fills short gaps. It is for
@@ -74,7 +59,32 @@ impl PersonTrack {
     }
 }
 
-/// Returns the points of a track at a time, interpolated between two frames; `None` where they are unknown.
+/// The columns of a person.
+pub(super) fn groups() -> Vec<Group> {
+    vec![
+        Group::new("body", &BODY_POINTS, 3, Encoding::Steps),
+        Group::new("parts", &PARTS, 1, Encoding::Exact),
+        // The side of the arm that is scored: 1 left, -1 right.
+        Group::new("side", &["side"], 1, Encoding::Exact),
+    ]
+}
+
+/// A person of a stature \[m\] as a row of numbers: the body, and the scores of its posture with the side of the arm
+/// that is scored.
+pub fn row(body: Option<&Body>, stature: f64, measured: Option<(Side, RebaSubScores)>) -> Vec<f32> {
+    let unseen: Points = [None; POINT_COUNT];
+    let points = body.map_or(unseen, |body| body::seen(body, stature));
+    let mut row = Vec::with_capacity(3 * POINT_COUNT + PARTS.len() + 1);
+    write_points(&points, &mut row);
+    write_parts(measured.map(|(_, scores)| scores), &mut row);
+    row.push(measured.map_or(f32::NAN, |(side, _)| match side {
+        Side::Left => 1.0,
+        Side::Right => -1.0,
+    }));
+    row
+}
+
+/// The points of a track at a time, between two frames; none where they are not known.
 pub(super) fn points_at(track: &Table, time: f64) -> Points {
     let after = track.times().partition_point(|&other| other <= time);
     let Some(before) = after.checked_sub(1) else { return [None; POINT_COUNT] };

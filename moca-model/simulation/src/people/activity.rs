@@ -10,13 +10,20 @@ const STANDING_SPEED: f64 = 0.08;
 
 /// The activity of a person.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Activity {
+pub enum Activity {
+    /// Carries the object.
     CarryObject,
+    /// Holds the object out to the robot.
     DeliverObject,
+    /// Takes the tool from a table.
     PickUp(Tool),
+    /// Holds the tool close.
     HoldTool(Tool),
+    /// Works with the tool on the object.
     Use(Tool),
+    /// Lays the tool on a table.
     PutDown(Tool),
+    /// Walks or stands with empty hands.
     Walk,
 }
 

@@ -117,6 +117,10 @@ impl Camera {
         Self { settings, draw, jumps, vanishings, missed: 0 }
     }
 
+    pub(super) fn set(&mut self, settings: CameraSettings) {
+        self.settings = settings;
+    }
+
     /// Returns true if this frame never arrives.
     pub(super) fn loses_frame(&mut self) -> bool {
         self.draw.random_bool(self.settings.drop / 10.0)

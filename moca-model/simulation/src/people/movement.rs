@@ -7,6 +7,11 @@ use nalgebra::Vector3;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 
+/// How fast a posture is taken that is kept \[rad/s, statures/s\], and its time constant at the end \[s\].
+const LEAN_RATE: f64 = 0.8;
+const DROP_RATE: f64 = 0.2;
+const BEND_TIME: f64 = 0.2;
+
 /// A movement that ends where it began.
 ///
 /// ```
@@ -58,9 +63,12 @@ pub(super) struct Posture {
     pub(super) step: f64,
 }
 
-/// A movement in progress.
+/// A movement under way, and the posture that is kept besides.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Moving {
+    /// Lean and drop that are asked for, and as far as they have come.
+    kept: Posture,
+    bent: Posture,
     from: Posture,
     now: Posture,
     /// Next postures, each with the time to reach it \[s\].
@@ -190,13 +198,28 @@ impl Moving {
         self.to_come.is_empty()
     }
 
-    /// The present posture.
-    pub(super) fn posture(&self) -> &Posture {
-        &self.now
+    /// The posture at present.
+    pub(super) fn posture(&self) -> Posture {
+        let mut posture = self.now;
+        posture.lean += self.bent.lean;
+        posture.drop += self.bent.drop;
+        posture
+    }
+
+    /// Leans \[rad\] and squats \[statures\] from now on, besides what movements do.
+    pub(super) fn keep(&mut self, lean: f64, drop: f64) {
+        (self.kept.lean, self.kept.drop) = (lean, drop);
     }
 
     /// Advances by a time \[s\], from posture to posture with least jerk.
     pub(super) fn advance(&mut self, elapsed: f64) {
+        for (bent, kept, most) in [
+            (&mut self.bent.lean, self.kept.lean, LEAN_RATE),
+            (&mut self.bent.drop, self.kept.drop, DROP_RATE),
+        ] {
+            let towards = (kept - *bent) / BEND_TIME;
+            *bent += towards.clamp(-most, most) * elapsed;
+        }
         let Some((to, time)) = self.to_come.front().copied() else { return };
         self.elapsed += elapsed;
         if self.elapsed >= time {

@@ -32,8 +32,13 @@ impl Perception {
         }
     }
 
-    /// Returns the frame at `time` \[s\] of a person who is in view or not; `None` if it is lost. Call it at each
-    /// frame, in the order of time.
+    /// The camera sees as these settings say from now on; jumps and vanishings stay as they are.
+    pub fn set_camera(&mut self, settings: CameraSettings) {
+        self.camera.set(settings);
+    }
+
+    /// The frame at `time` (s) of a person who is in view or not; `None` if it is lost. To be
+    /// called at each frame, in the order of time.
     pub fn look(&mut self, time: f64, person: &Person, in_view: bool) -> Option<Percept> {
         // The random numbers are always drawn, so that later ones do not depend on what is seen.
         let body = self.camera.see(time, &person.joints()).filter(|_| in_view);

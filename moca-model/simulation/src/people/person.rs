@@ -93,18 +93,41 @@ impl Person {
     /// Moves the right hand to an object \[m, world\] while the arm reaches it. `None` leaves it to the activity.
     pub(super) fn reach_for(&mut self, object: Option<&Point3<f64>>) {
         let arm = Arm::of_stature(self.stature);
-        let shoulder = self.joints()[Body25::RightShoulder.index()].coords;
+        let shoulder = self.right_shoulder();
         let reached = object.filter(|object| (object.coords - shoulder).norm() <= arm.reach());
+        self.place_hand(reached, Vector3::zeros());
+    }
+
+    /// The right hand is to be as far towards a point (m, world) as the arm reaches, however the body is bent, or
+    /// where the activity has it.
+    pub(super) fn reach_towards(&mut self, point: Option<&Point3<f64>>) {
+        self.place_hand(point, skeleton::carried(&self.motion));
+    }
+
+    /// The right hand is to be as far towards a point (m, world) as the arm reaches; the trunk carries it so far
+    /// (statures).
+    fn place_hand(&mut self, point: Option<&Point3<f64>>, carried: Vector3<f64>) {
+        let (arm, shoulder) = (Arm::of_stature(self.stature), self.right_shoulder());
         let world_from_person = Rotation3::from_axis_angle(&Vector3::z_axis(), self.motion.heading);
-        self.motion.reach_for(reached.map(|object| {
+        self.motion.reach_for(point.map(|point| {
             let aside = world_from_person * skeleton::elbow_side(-1.0);
-            let [_, wrist] = arm.leading_to(&object.coords, &shoulder, &aside);
+            let [_, wrist] = arm.leading_to(&point.coords, &shoulder, &aside);
             let away = wrist - self.motion.floor.coords.push(0.0);
-            world_from_person.inverse() * away / self.stature
+            world_from_person.inverse() * away / self.stature - carried
         }));
     }
 
-    /// Starts a movement on the spot.
+    /// Where the right shoulder is (m, world).
+    pub(super) fn right_shoulder(&self) -> Vector3<f64> {
+        self.joints()[Body25::RightShoulder.index()].coords
+    }
+
+    /// Leans (rad) and squats (statures) from now on.
+    pub(super) fn bend(&mut self, lean: f64, drop: f64) {
+        self.motion.moving.keep(lean, drop);
+    }
+
+    /// Begins a movement on the spot.
     pub(super) fn begin(&mut self, movement: Movement, draw: &mut ChaCha8Rng) {
         self.motion.moving.begin(movement, draw);
     }
@@ -117,6 +140,17 @@ impl Person {
     /// Displaces the person at once \[m\].
     pub(super) fn jump(&mut self, displacement: Vector2<f64>) {
         self.motion.floor += displacement;
+    }
+
+    /// Is moved in a direction (m), and goes no longer against it.
+    pub(super) fn slide(&mut self, away: Vector2<f64>, distance: f64) {
+        self.motion.floor += away * distance;
+        self.motion.velocity -= away * self.motion.velocity.dot(&away).min(0.0);
+    }
+
+    /// Stands at once.
+    pub(super) fn halt(&mut self) {
+        self.motion.velocity = Vector2::zeros();
     }
 
     pub(super) fn has_reached(&self, goal: &Goal) -> bool {

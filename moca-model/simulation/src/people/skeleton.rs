@@ -46,13 +46,8 @@ pub(super) fn joints(stature: f64, motion: &Motion) -> Joints {
     let feet = feet.map(|foot| foot - Vector3::x() * posture.feet_back);
     let standing = Vector3::new(0.0, 0.0, pelvis_height);
     let pelvis = standing - Vector3::new(posture.back, 0.0, posture.drop);
-    let trunk = |lean: f64, aside: f64| {
-        let (sin, cos) = lean.sin_cos();
-        Vector3::new(sin * aside.cos(), aside.sin(), cos * aside.cos()) * TRUNK
-    };
     let neck = pelvis + trunk(motion.lean() + posture.lean, posture.aside);
-    // Arms hang on the trunk, and the head turns with it.
-    let carried = neck - (standing + trunk(motion.lean(), 0.0));
+    let carried = carried(motion);
     let bent = Rotation3::from_axis_angle(&Vector3::x_axis(), -posture.aside)
         * Rotation3::from_axis_angle(&Vector3::y_axis(), posture.lean);
     let of_head = |x: f64, y: f64, z: f64| neck + bent * Vector3::new(x, y, z);
@@ -93,7 +88,20 @@ pub(super) fn joints(stature: f64, motion: &Motion) -> Joints {
     joints.map(|joint| world_from_person * (joint * stature))
 }
 
-/// The direction in which the elbow hangs, in the person's frame; 1 is left and −1 right.
+/// From pelvis to neck, as a fraction of stature, leaning so far forwards and to the left (rad).
+fn trunk(lean: f64, aside: f64) -> Vector3<f64> {
+    let (sin, cos) = lean.sin_cos();
+    Vector3::new(sin * aside.cos(), aside.sin(), cos * aside.cos()) * TRUNK
+}
+
+/// How far a bent body carries its arms, which hang on the trunk, as a fraction of stature.
+pub(super) fn carried(motion: &Motion) -> Vector3<f64> {
+    let posture = motion.moving.posture();
+    let bent = trunk(motion.lean() + posture.lean, posture.aside) - trunk(motion.lean(), 0.0);
+    bent - Vector3::new(posture.back, 0.0, posture.drop)
+}
+
+/// Where the elbow hangs, in the person's frame; 1 is left and −1 right.
 pub(super) fn elbow_side(side: f64) -> Vector3<f64> {
     Vector3::new(-0.3, 0.4 * side, -1.0)
 }

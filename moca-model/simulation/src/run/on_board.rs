@@ -1,12 +1,12 @@
 //! The robot's own camera, which recognises the surface of the held object.
 
 use human_perception::random;
+use moca_model::HeldObject;
 use nalgebra::Vector3;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use vision_models::{Confidence, RecognisedSurface, Surface};
 
-use super::scenario::Scenario;
 use crate::Error;
 use crate::plant::Plant;
 
@@ -22,25 +22,25 @@ const SEEN: f64 = 0.5;
 
 /// A camera on the base with a network that makes mistakes.
 #[derive(Clone, Debug)]
-pub(super) struct OnBoardEye {
+pub(crate) struct OnBoardEye {
     draw: ChaCha8Rng,
 }
 
 impl OnBoardEye {
-    pub(super) fn new(seed: u64) -> Self {
+    pub(crate) fn new(seed: u64) -> Self {
         Self { draw: random::generator(seed, STREAM) }
     }
 
-    /// The surface of the true object that faces the camera; `None` while the robot holds nothing.
-    pub(super) fn look(
+    /// The surface of the true object that faces the camera; none while the robot holds nothing.
+    pub(crate) fn look(
         &mut self,
         plant: &Plant,
-        scenario: &Scenario,
+        object: &HeldObject,
     ) -> Result<Option<RecognisedSurface>, Error> {
         // The random numbers are always drawn, so that later ones do not depend on what is seen.
         let sure = self.draw.random_range(0.8..0.99);
         let (missed, mistaken) = (self.draw.random_bool(MISSED), self.draw.random_bool(MISTAKEN));
-        let Some(camera) = scenario.settings.on_board_camera else { return Ok(None) };
+        let Some(camera) = plant.controller().settings().on_board_camera else { return Ok(None) };
         let camera = Vector3::from(camera);
         if plant.controller().object().is_none() || missed {
             return Ok(None);
@@ -53,7 +53,6 @@ impl OnBoardEye {
             y + sine * camera.x + cosine * camera.y,
             camera.z,
         );
-        let object = &scenario.object;
         let from_world = (tool * object.tool_from_object).inverse();
         let way = (from_world * nalgebra::Point3::from(eye)).coords.normalize();
         let facing = object.faces.iter().filter(|face| face.side.normal().dot(&way) >= SEEN);

@@ -3,13 +3,10 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use ergo_map::PersonFrame;
-use hrsw::Workspace;
+use ergo_map::{ErgonomicsMap, PersonFrame};
 use hrsw_safety::SafetyState;
 use human_perception::percepts::{Assessor, MeasuredAssessment};
-use moca_model::{
-    Command, Controller, ControllerSettings, Goal, HeldObject, MOCA_BASE_JOINTS, Phase,
-};
+use moca_model::{Controller, ControllerSettings, Goal, HeldObject, MOCA_BASE_JOINTS, Phase};
 use moca_replay::recorded::Recorder;
 use moca_replay::report::TickRow;
 use nalgebra::Vector3;
@@ -21,6 +18,7 @@ use super::scoring::Scorer;
 use super::seen::{SeenOthers, SeenPerson};
 use super::summary::Summary;
 use super::tally::{Played, Tally};
+use super::tick_row::tick_row;
 use super::true_person::TruePerson;
 use super::work::WorkForce;
 use super::working_hand::WorkingHand;
@@ -38,7 +36,7 @@ const SEED: u64 = 1;
 #[derive(Debug)]
 pub struct Run<'a> {
     scenario: &'a Scenario,
-    scorer: Scorer<'a>,
+    scorer: Scorer<&'a ErgonomicsMap>,
     assessor: Assessor,
     /// Assessment of the newest percept.
     measured: Option<MeasuredAssessment>,
@@ -178,7 +176,7 @@ impl<'a> Run<'a> {
         let taken = match &self.scenario.delivery {
             Delivery::Held => self.plant.observe_people(percept, others),
             Delivery::HandedOver { .. } => {
-                let surface = self.on_board.look(&self.plant, self.scenario)?;
+                let surface = self.on_board.look(&self.plant, &self.scenario.object)?;
                 self.plant.observe_people(&Percept { surface, ..percept.clone() }, others)
             }
         };
@@ -233,9 +231,7 @@ impl<'a> Run<'a> {
         let inside = violation.amax() <= INSIDE;
         // Working together begins when the tool first arrives in the shared workspace.
         self.engaged = space.is_shared() && (self.engaged || inside);
-        let mut row = row(command, now, tick_us, &actual);
-        row.q = self.plant.configuration().to_vec();
-        (row.workspace_min, row.workspace_max) = extent(space.workspace());
+        let mut row = tick_row(&self.plant, now, tick_us);
         row.collaborating = self.engaged;
         let hand = space.person().and_then(|person| {
             let floor = Vector3::new(person.floor.x, person.floor.y, 0.0);
@@ -337,28 +333,4 @@ impl<'a> Run<'a> {
         self.tally.contact_speeds.extend(contact_speed);
         Ok(verdict.violation.is_some())
     }
-}
-
-/// The parts of a row that the command contains.
-fn row(command: &Command, now: f64, tick_us: f64, actual: &Vector3<f64>) -> TickRow {
-    TickRow {
-        time: now,
-        desired: command.desired.translation.vector.into(),
-        actual: (*actual).into(),
-        slack: command.slack.into(),
-        solve_time_us: tick_us,
-        qdot: command.joint_velocity.clone(),
-        ..TickRow::default()
-    }
-}
-
-/// The box along world axes around the workspace.
-fn extent(workspace: &Workspace) -> ([f64; 3], [f64; 3]) {
-    let bounds = workspace.position();
-    let centre = (bounds.min() + bounds.max()) * 0.5;
-    let half = (bounds.max() - bounds.min()) * 0.5;
-    let frame = workspace.world_from_workspace();
-    let middle = frame.transform_point(&centre.into()).coords;
-    let reach = frame.rotation.to_rotation_matrix().matrix().abs() * half;
-    ((middle - reach).into(), (middle + reach).into())
 }

@@ -1,5 +1,7 @@
 //! Scores of the person's posture with the hand at the tool.
 
+use std::borrow::Borrow;
+
 use ergo_map::{Conditions, ErgonomicsMap, PersonFrame, Region};
 use nalgebra::Vector3;
 
@@ -20,17 +22,18 @@ pub struct HandScore {
 
 /// Scores hand positions by the person's true map, not by the quadratic that the controller minimises.
 #[derive(Debug)]
-pub struct Scorer<'a> {
-    map: &'a ErgonomicsMap,
-    /// Place of the best posture in the person's frame \[m\].
+pub struct Scorer<M> {
+    map: M,
+    /// Where the posture is best, in the person's frame \[m\].
     middle: Vector3<f64>,
 }
 
-impl<'a> Scorer<'a> {
-    /// Creates a scorer with this map, whatever the controller knows of it.
-    pub fn new(map: &'a ErgonomicsMap) -> Self {
-        let zone = Region::work_zone(map.stature(), map.side());
-        let best = map
+impl<M: Borrow<ErgonomicsMap>> Scorer<M> {
+    /// By this map, whatever the controller knows of it.
+    pub fn new(map: M) -> Self {
+        let known = map.borrow();
+        let zone = Region::work_zone(known.stature(), known.side());
+        let best = known
             .nodes()
             .filter(|node| zone.contains(&node.position))
             .min_by(|a, b| a.score.total_cmp(&b.score));
@@ -44,8 +47,9 @@ impl<'a> Scorer<'a> {
         (0..STEPS).find_map(|step| {
             let back = f64::from(step) / f64::from(STEPS);
             let point = hand + (self.middle - hand) * back;
-            let sample = self.map.sample(&point).ok()?;
-            let reba = self.map.assess(&point, &Conditions::default()).ok()?;
+            let map = self.map.borrow();
+            let sample = map.sample(&point).ok()?;
+            let reba = map.assess(&point, &Conditions::default()).ok()?;
             Some(HandScore { score: sample.score, reba: reba.reba, reached: step == 0 })
         })
     }

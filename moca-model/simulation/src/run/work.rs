@@ -12,16 +12,16 @@ const RISE: f64 = 40.0;
 
 /// The force with which a working person pushes the object, and so the tool, away from them.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct WorkForce {
+pub(crate) struct WorkForce {
     size: f64,
     time: f64,
     direction: Vector3<f64>,
 }
 
 impl WorkForce {
-    /// The force for the next period \[N, world\]. `towards` is the direction from the person to the tool; `None` while
-    /// they do not work.
-    pub(super) fn advance(&mut self, towards: Option<Vector3<f64>>, period: f64) -> Vector3<f64> {
+    /// The force for the next period \[N, world\]; `towards` is the way from the person to the tool, none
+    /// while they do not work.
+    pub(crate) fn advance(&mut self, towards: Option<Vector3<f64>>, period: f64) -> Vector3<f64> {
         if let Some(direction) = towards.and_then(|towards| towards.try_normalize(1e-6)) {
             self.direction = direction;
         }

@@ -212,7 +212,8 @@ impl Episode {
         }
         let contact = self.plant.controller().safety().contact_speed() > 0.0;
         let passers_by = self.passers_by.iter().map(|person| person.moment(false));
-        let people: Vec<_> = passers_by.chain([self.person.moment(contact)]).collect();
+        let people = passers_by.chain([self.person.moment(contact)]);
+        let people: Vec<_> = people.flatten().collect();
         self.monitor.check(&Tick {
             command: self.plant.command(),
             configuration: self.plant.configuration(),

@@ -1,10 +1,10 @@
-//! Somebody around the robot: where they truly are, and where frames have shown them.
+//! Somebody around the robot, who keeps to the speeds that a soak means something with.
 
 use nalgebra::{Isometry3, Point3};
 
 use crate::Error;
-use crate::judges::{Moment, body};
-use crate::people::{Joints, Wanderer};
+use crate::judges::{Moment, Witness, body};
+use crate::people::Wanderer;
 
 /// How fast arms are at most \[m/s\].
 const FASTEST_ARM: f64 = 8.0;
@@ -13,25 +13,12 @@ const FASTEST_ARM: f64 = 8.0;
 #[derive(Clone, Debug)]
 pub(super) struct Witnessed {
     pub(super) person: Wanderer,
-    /// The joints at every tick; whether they jumped there.
-    history: Vec<(Joints, bool)>,
-    /// As in the newest frame that shows them and has arrived.
-    known: Option<Known>,
-}
-
-/// What a frame shows of a person, but for noise.
-#[derive(Clone, Copy, Debug)]
-struct Known {
-    /// When it was taken.
-    tick: usize,
-    joints: Joints,
-    /// A tick before; none where they jumped.
-    before: Option<Joints>,
+    witness: Witness,
 }
 
 impl Witnessed {
     pub(super) fn new(person: Wanderer) -> Self {
-        Self { person, history: Vec::new(), known: None }
+        Self { person, witness: Witness::default() }
     }
 
     /// Goes on by a period, to `time` \[s\]; the robot holds something to work on at `object` \[m\].
@@ -46,9 +33,8 @@ impl Witnessed {
         largest: f64,
     ) -> Result<(), Error> {
         self.person.advance(time, period, object);
-        self.history.push((self.person.person().joints(), self.person.jumped()));
-        let (now, before) = self.at(self.history.len() - 1);
-        let Some(before) = before else { return Ok(()) };
+        self.witness.push(&self.person.person().joints(), self.person.jumped());
+        let Some((now, Some(before))) = self.witness.newest() else { return Ok(()) };
         let (from, to) = (body::capsules(before), body::capsules(now));
         for (part, (from, to)) in from.iter().zip(&to).enumerate() {
             let largest = if body::is_arm(part) { FASTEST_ARM } else { largest };
@@ -64,34 +50,21 @@ impl Witnessed {
 
     /// A frame of this tick has arrived that shows them, moved by `error`.
     pub(super) fn show(&mut self, tick: usize, error: &Isometry3<f64>) {
-        let (joints, before) = self.at(tick);
-        let shown = |joints: &Joints| joints.map(|joint| error * joint);
-        self.known = Some(Known { tick, joints: shown(joints), before: before.map(shown) });
+        self.witness.show(tick, error);
     }
 
     /// Nobody knows of them any more.
     pub(super) fn forget(&mut self) {
-        self.known = None;
+        self.witness.forget();
     }
 
     /// How many ticks ago the newest frame was taken that shows them.
     pub(super) fn unseen_for(&self) -> Option<usize> {
-        self.known.map(|known| self.history.len() - known.tick)
+        self.witness.unseen_for()
     }
 
     /// This tick, for the judge; `contact` says whether all but the head may touch the robot.
-    pub(super) fn moment(&self, contact: bool) -> Moment<'_> {
-        Moment {
-            person: self.at(self.history.len() - 1),
-            known: self.known.as_ref().map(|known| (&known.joints, known.before.as_ref())),
-            contact,
-        }
-    }
-
-    /// The joints at a tick and at the one before, unless the person jumped between them.
-    fn at(&self, tick: usize) -> (&Joints, Option<&Joints>) {
-        let (joints, jumped) = &self.history[tick];
-        let before = tick.checked_sub(1).filter(|_| !jumped).map(|tick| &self.history[tick].0);
-        (joints, before)
+    pub(super) fn moment(&self, contact: bool) -> Option<Moment<'_>> {
+        self.witness.moment(contact)
     }
 }

@@ -18,3 +18,4 @@ mod soak;
 mod support;
 mod walker;
 mod wanderer;
+mod workcell;

@@ -110,7 +110,22 @@ impl SeparationMonitor {
         Ok(verdict)
     }
 
-    /// The largest overlap of bodies of the robot that must keep apart \[m\].
+    /// How far trunk, head and legs of somebody are from the robot, as in the last tick, up to a distance that is
+    /// enough \[m\].
+    pub(crate) fn gap(&self, joints: &Joints, enough: f64) -> f64 {
+        let parts = body::capsules(joints);
+        let parts = parts.iter().enumerate().filter(|(part, _)| !body::is_arm(*part));
+        let links: Vec<_> = self.robot.now.iter().map(|link| (link, link.ball())).collect();
+        let mut gap = enough;
+        for (_, part) in parts {
+            let ball = part.ball();
+            let near = links.iter().filter(|(_, around)| !ball.is_beyond(around, enough));
+            gap = near.map(|(link, _)| link.distance(part)).fold(gap, f64::min);
+        }
+        gap
+    }
+
+    /// By how much bodies of the robot overlap that are to keep apart \[m\]: the most of all pairs.
     pub fn overlap(&self) -> f64 {
         let now = &self.robot.now;
         let overlaps = self.own_pairs.iter().map(|&(i, j)| -now[i].distance(&now[j]));

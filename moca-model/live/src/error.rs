@@ -1,0 +1,59 @@
+//! What can be wrong with a live workcell.
+
+use std::io;
+
+use moca_replay::recorded::ReplayError;
+
+/// Why something is not done, or cannot be shown.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The port cannot be listened on.
+    #[error("cannot listen on {address}: {source}")]
+    Listen {
+        /// Where.
+        address: String,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// A message that says nothing that can be done.
+    #[error("this is no request: {reason}")]
+    Request {
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// A word that is none of those that are known.
+    #[error("{what} \"{found}\": give {wanted}")]
+    Word {
+        /// What the word is for.
+        what: &'static str,
+        /// What was given.
+        found: String,
+        /// What would be right.
+        wanted: String,
+    },
+    /// A message from a page that only watches.
+    #[error("another page steers; this one watches until that one leaves")]
+    Watching,
+    /// The loop takes no more orders.
+    #[error("the loop is busy, or has ended: nothing was done")]
+    Busy,
+    /// Settings that cannot be used.
+    #[error("settings: {0}")]
+    Settings(String),
+    /// The simulation refuses something.
+    #[error(transparent)]
+    Simulation(Box<moca_simulation::Error>),
+    /// The page cannot be made.
+    #[error(transparent)]
+    Replay(#[from] ReplayError),
+    /// Data that JSON does not hold.
+    #[error(transparent)]
+    Json(#[from] serde_json::Error),
+}
+
+impl From<moca_simulation::Error> for Error {
+    fn from(error: moca_simulation::Error) -> Self {
+        Self::Simulation(Box::new(error))
+    }
+}

@@ -1,0 +1,182 @@
+//! What is seen of a moment.
+
+use std::borrow::Cow;
+
+use hrsw_safety::{PersonBody, SafetyState};
+use moca_model::{Command, Goal};
+use moca_replay::recorded::{
+    Sampler, Tone, base_label, intention_label, others_row, person_row, phase_label, safety_label,
+    solver_label,
+};
+use moca_simulation::Error;
+use moca_simulation::workcell::{Counts, Who, Workcell};
+use serde::Serialize;
+use vision_models::{Body, Body25};
+
+/// A state, and how it is to be seen.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct State {
+    label: Cow<'static, str>,
+    tone: Tone,
+}
+
+impl State {
+    fn of(state: (impl Into<Cow<'static, str>>, Tone)) -> Self {
+        Self { label: state.0.into(), tone: state.1 }
+    }
+}
+
+/// How the loop keeps up.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub(crate) struct Pace {
+    /// Ticks; those that came late and were made up for; those that never came.
+    pub(crate) ticks: u64,
+    pub(crate) late: u64,
+    pub(crate) lost: u64,
+    /// How long ticks take \[µs\].
+    pub(crate) median: f64,
+    pub(crate) p99: f64,
+}
+
+/// A moment of the workcell, for pages.
+#[derive(Clone, Debug, Serialize)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a lamp on the page")]
+pub struct Picture {
+    kind: &'static str,
+    /// Counts pictures.
+    pub(crate) number: u64,
+    /// The workcell that it is of.
+    pub(crate) head: u64,
+    /// The last message that had been heard.
+    heard: u64,
+    time: f64,
+    /// Numbers in the order of the head's columns.
+    row: Vec<f32>,
+    person: Vec<f32>,
+    /// None while nobody else is there.
+    others: Option<Vec<f32>>,
+    phase: State,
+    /// Why the phase began.
+    since: State,
+    intention: State,
+    safety: State,
+    base: State,
+    solver: State,
+    stopped: bool,
+    waits: bool,
+    ergonomics: bool,
+    holds: bool,
+    rests: bool,
+    /// REBA of the true posture.
+    reba: Option<u8>,
+    /// The pair with the least room above its protective distance: the robot's link and the part of a person.
+    pair: Option<[String; 2]>,
+    /// Floor and heading of the true person \[m, rad\].
+    floor: [f64; 3],
+    /// The same of the second person.
+    bystander: Option<[f64; 3]>,
+    /// Mean speed of the tool in the last second \[m/s\].
+    calm: f64,
+    limits: u64,
+    too_near: u64,
+    by_the_person: u64,
+    unsolved: u64,
+    pace: Pace,
+}
+
+/// What the loop knows of a moment besides the workcell.
+#[derive(Clone, Debug)]
+pub(crate) struct Moment {
+    pub(crate) number: u64,
+    pub(crate) head: u64,
+    pub(crate) heard: u64,
+    pub(crate) since: (Cow<'static, str>, Tone),
+    pub(crate) calm: f64,
+    pub(crate) pace: Pace,
+}
+
+impl Picture {
+    /// Takes a picture of a workcell.
+    ///
+    /// # Errors
+    /// None of a workcell that goes on.
+    pub(crate) fn of(
+        cell: &Workcell,
+        sampler: &mut Sampler,
+        moment: Moment,
+    ) -> Result<Self, Error> {
+        let (plant, controller) = (cell.plant(), cell.plant().controller());
+        let mut tick = cell.row().clone();
+        if let Some(hand) = cell.score() {
+            (tick.score, tick.reba) = (hand.score, hand.reba);
+        }
+        let posture = cell.true_posture(Who::Worker)?;
+        tick.reba_measured = posture.map(|posture| posture.reba.reba);
+        let mut row = sampler.sample(controller, plant.configuration(), &tick)?;
+        let body = cell.body(Who::Worker).unwrap_or_default();
+        row.extend(sampler.nearest(&row, &body));
+        let stature = cell.setup().map.stature();
+        let scored = posture.map(|posture| (posture.side, posture.reba.sub_scores));
+        let other = cell.body(Who::Bystander);
+        let command = plant.command();
+        let safety = controller.safety();
+        let supervisor = safety.supervisor();
+        let pair = safety.nearest().and_then(|near| {
+            let link = controller.settings().safety.bodies.get(near.robot);
+            let link = link.map_or_else(|| "the object".to_owned(), |body| body.link.clone());
+            let part = safety.all_bodies().get(near.other)?;
+            Some([link, part_name(part, &body).to_owned()])
+        });
+        let place = |who| {
+            let person = cell.person(who)?.person();
+            Some([person.floor().x, person.floor().y, person.heading()])
+        };
+        let Counts { limits, too_near, by_the_person, unsolved, .. } = *cell.counts();
+        Ok(Self {
+            kind: "picture",
+            number: moment.number,
+            head: moment.head,
+            heard: moment.heard,
+            time: cell.time(),
+            row,
+            person: person_row(Some(&body), stature, scored),
+            others: other.map(|body| others_row(&[body], stature)),
+            phase: State::of(phase_label(command.phase, None)),
+            since: State::of(moment.since),
+            intention: State::of(intention_label(command.intention)),
+            safety: State::of(safety_label(command.safety, supervisor.cause())),
+            base: State::of(base_label(command.base_motion)),
+            solver: State::of(solver_label(command.outcome)),
+            stopped: command.safety == SafetyState::ProtectiveStop,
+            waits: supervisor.waits_for_acknowledgement(),
+            ergonomics: cell.setup().robot.controller.goal == Goal::Ergonomics,
+            holds: controller.object().is_some(),
+            rests: controller.space().is_at_rest(),
+            reba: tick.reba_measured,
+            pair,
+            floor: place(Who::Worker).unwrap_or_default(),
+            bystander: place(Who::Bystander),
+            calm: moment.calm,
+            limits,
+            too_near,
+            by_the_person,
+            unsolved,
+            pace: moment.pace,
+        })
+    }
+}
+
+/// Why the phase of a command began, if it began in this tick.
+pub(crate) fn began(command: &Command) -> Option<(Cow<'static, str>, Tone)> {
+    let transition = command.transition?;
+    Some(phase_label(transition.to, Some(transition.reason)))
+}
+
+/// The joint of a person that is nearest to the middle of a part.
+fn part_name(part: &PersonBody, body: &Body) -> &'static str {
+    let middle = (part.capsule.start() + part.capsule.end()) * 0.5;
+    let away =
+        |(_, seen): &(Body25, vision_models::Keypoint)| (seen.position.coords - middle).norm();
+    let nearest = body.iter().min_by(|one, other| away(one).total_cmp(&away(other)));
+    nearest.map_or("a person", |(joint, _)| joint.name())
+}
