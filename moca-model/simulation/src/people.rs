@@ -1,12 +1,16 @@
 //! A simulated person, and the reports of a simulated camera and recogniser. `record` writes them, `follow` plays them,
 //! and `soak` moves them into the robot's way.
 //!
-//! [`Person`] is the body: it goes to goals within the limits of a [`Gait`], turns, steps and moves
-//! its hands. Three minds move it. [`LedPerson`] does what somebody outside says. [`Walker`] acts out the paper's Experiments 3 and 4: comes with
-//! the object, delivers it to the robot, picks a tool up, works, leads the robot along a path while
-//! working, lays the tool down and leaves. [`Wanderer`] does what nobody expects: walks up to the
-//! robot and into it, jumps, goes out of sight and comes back. [`Perception`] is the camera, which
-//! adds noise and loses joints and frames, with the recogniser, which is late and sometimes wrong.
+//! [`Person`] is the body. It goes to goals within the limits of a [`Gait`], turns, steps and moves its hands. Three
+//! minds move it:
+//!
+//! - [`LedPerson`] does what somebody outside says.
+//! - [`Walker`] acts out the paper's Experiments 3 and 4. It brings the object to the robot, picks a tool up, leads the
+//!   robot along a path while it works, and leaves.
+//! - [`Wanderer`] walks up to the robot and into it, jumps, goes out of sight and comes back.
+//!
+//! [`Perception`] is the camera, which adds noise and loses joints and frames. Its recogniser is late and sometimes
+//! wrong.
 //!
 //! ```
 //! use moca_simulation::people::{Walker, WalkerSettings};

@@ -33,7 +33,7 @@ fn problem(text: &str) -> String {
 }
 
 #[test]
-fn body_25_is_in_its_own_order_and_zeros_are_unseen() {
+fn body_25_keeps_order_and_zeros_are_unseen() {
     let mut joints = counted(25);
     joints[4] = [0.0, 0.0, 0.0];
     let found = people(&file(&[joints]));
@@ -45,7 +45,7 @@ fn body_25_is_in_its_own_order_and_zeros_are_unseen() {
 }
 
 #[test]
-fn coco_18_is_told_by_its_number_of_joints() {
+fn coco_18_is_recognised_by_its_joint_count() {
     let found = people(&file(&[counted(18), counted(18)]));
     assert_eq!(found.len(), 2);
     let x = |joint| found[1].get(joint).unwrap().position.x;
@@ -215,11 +215,11 @@ fn other_models_and_other_files_are_named() {
 
 /// BODY_25B has as many joints as BODY_25, and the eyes where that has the neck.
 #[test]
-fn body_25b_is_told_by_where_neck_and_mid_hip_lie() {
+fn body_25b_is_recognised_by_neck_and_hip() {
     let whole = include_str!("../data/body_25b.json");
     let found = people(whole);
     let x = |joint| found[0].get(joint).map(|keypoint| keypoint.position.x);
-    // By the names of its joints, as the file was made.
+    // The names of the joints are those that the file was made with.
     for (joint, expected) in [
         (Body25::Nose, 320.0),
         (Body25::LeftEye, 328.0),
@@ -257,7 +257,7 @@ fn body_25b_is_told_by_where_neck_and_mid_hip_lie() {
 }
 
 #[test]
-fn joints_that_were_scaled_to_the_image_are_refused_with_the_option_that_helps() {
+fn scaled_joints_are_refused_with_advice() {
     for (scale, shift) in [(1.0 / 640.0, 0.0), (2.0 / 640.0, -1.0)] {
         let scaled = |[x, y, c]: [f64; 3]| [scale * x + shift, scale * y + shift, c];
         let joints: Vec<_> = counted(25)

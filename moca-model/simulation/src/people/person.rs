@@ -98,8 +98,8 @@ impl Person {
         self.place_hand(reached, Vector3::zeros());
     }
 
-    /// The right hand is to be as far towards a point (m, world) as the arm reaches, however the body is bent, or
-    /// where the activity has it.
+    /// Moves the right hand towards a point \[m, world\] as far as the arm reaches, however the body is bent. Without
+    /// a point the hand is where the activity has it.
     pub(super) fn reach_towards(&mut self, point: Option<&Point3<f64>>) {
         self.place_hand(point, skeleton::carried(&self.motion));
     }

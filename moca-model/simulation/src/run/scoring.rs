@@ -29,7 +29,7 @@ pub struct Scorer<M> {
 }
 
 impl<M: Borrow<ErgonomicsMap>> Scorer<M> {
-    /// By this map, whatever the controller knows of it.
+    /// Scores by this map, whatever the controller knows of it.
     pub fn new(map: M) -> Self {
         let known = map.borrow();
         let zone = Region::work_zone(known.stature(), known.side());

@@ -125,7 +125,7 @@ impl SeparationMonitor {
         gap
     }
 
-    /// By how much bodies of the robot overlap that are to keep apart \[m\]: the most of all pairs.
+    /// Returns the largest overlap of two bodies of the robot that must keep apart \[m\].
     pub fn overlap(&self) -> f64 {
         let now = &self.robot.now;
         let overlaps = self.own_pairs.iter().map(|&(i, j)| -now[i].distance(&now[j]));
