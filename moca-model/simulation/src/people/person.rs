@@ -98,8 +98,8 @@ impl Person {
         self.place_hand(reached, Vector3::zeros());
     }
 
-    /// Moves the right hand towards a point \[m, world\] as far as the arm reaches, however the body is bent. Without
-    /// a point the hand is where the activity has it.
+    /// Moves the right hand towards a point \[m, world\] as far as the arm reaches, however the body is bent. If there is
+    /// none, the hand is where the activity has it.
     pub(super) fn reach_towards(&mut self, point: Option<&Point3<f64>>) {
         self.place_hand(point, skeleton::carried(&self.motion));
     }
