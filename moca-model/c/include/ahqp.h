@@ -50,7 +50,7 @@ typedef enum AhqpBase {
   AHQP_BASE_FLOATING,
 } AhqpBase;
 
-// A hierarchical quadratic programme: levels of objectives and constraints, highest priority first.
+// A hierarchical quadratic program: levels of objectives and constraints, highest priority first.
 typedef struct AhqpHierarchy AhqpHierarchy;
 
 // Differential inverse kinematics of one robot. It computes velocities for levels of tasks within the limits of all
@@ -283,7 +283,10 @@ void ahqp_ik_free(struct AhqpIk *ik);
 //
 // # Safety
 // The handle is valid; the texts end with a zero byte; `task` points to room or is null.
-AhqpStatus ahqp_ik_push_position(struct AhqpIk *ik, const char *name, const char *frame, size_t *task);
+AhqpStatus ahqp_ik_push_position(struct AhqpIk *ik,
+                                 const char *name,
+                                 const char *frame,
+                                 size_t *task);
 
 // Adds a task that turns a frame to an orientation.
 //
@@ -302,7 +305,9 @@ AhqpStatus ahqp_ik_push_frame(struct AhqpIk *ik, const char *name, const char *f
 //
 // # Safety
 // See `ahqp_ik_push_position`.
-AhqpStatus ahqp_ik_push_posture(struct AhqpIk *ik, const char *name, size_t *task);
+AhqpStatus ahqp_ik_push_posture(struct AhqpIk *ik,
+                                const char *name,
+                                size_t *task);
 
 // Builds the problem of all tasks, with the robot at rest at q. Tasks without a target hold the state at q.
 //
