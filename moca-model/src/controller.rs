@@ -23,8 +23,7 @@ use crate::held_object::{BoxSide, HeldObject};
 use crate::interaction::{Interaction, Transition};
 use crate::leash::Leash;
 use crate::motion_limits::{
-    Motion, TickTimes, admit_braking, braking_limits, joint_limits, nearest_to_rest,
-    write_intervals,
+    Motion, TickTimes, admit_braking, brake, braking_limits, joint_limits, write_intervals,
 };
 use crate::robot::kinematics::Kinematics;
 use crate::robot::moca::{MOCA_AXIS_SPEED, MOCA_BASE_JOINTS};
@@ -337,8 +336,11 @@ impl Controller {
         }
         let limits = [&self.joint_limits[..], &self.joint_braking];
         admit_braking(limits, motion, times.step, joints, &mut self.returns);
+        // Comes to rest without passing it: near it, the acceleration fades at the limit of jerk.
+        self.braking.copy_from_slice(&self.command.joint_velocity);
+        brake(&self.joint_braking, &self.acceleration, times.step, &mut self.braking);
         for (braking, interval) in self.braking.iter_mut().zip(joints) {
-            *braking = nearest_to_rest(interval);
+            *braking = braking.max(interval.lower).min(interval.upper);
         }
         let twist = self.command.desired_twist.as_slice();
         let motion = Motion { position: &[0.0; 6], velocity: twist, acceleration: &[0.0; 6] };

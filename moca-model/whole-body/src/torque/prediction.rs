@@ -3,8 +3,9 @@
 use super::impedance::JointState;
 use crate::error::{Error, check_size};
 
-/// Age up to which a measurement has full weight \[s\]: the delay of a loop that measures every millisecond.
-const IN_FULL: f64 = 2e-3;
+/// Age up to which a measurement has full weight \[s\]. It leaves the largest gains that are stable at any delay a margin
+/// of a third.
+const IN_FULL: f64 = 2.5e-3;
 /// Age up to which joints are predicted from measurements, and the time in which the weight then fades to zero \[s\].
 const LOST: f64 = 8e-3;
 const FADE: f64 = 4e-3;
@@ -20,7 +21,7 @@ const REMEMBERED: usize = 16;
 /// overdue ([`MeasurementWatch::awaited`](crate::torque::MeasurementWatch::awaited)), a joint with a torque drive is
 /// brought to rest, â = −v̂ / 0.2 s. The predictions are v̂ = v + ∫ â dt and q̂ = q + ∫ v̂ dt.
 ///
-/// The weight w says how far the measurement can be trusted. It is 1 up to an age of 2 ms, then 2 ms over the age, and
+/// The weight w says how far the measurement can be trusted. It is 1 up to an age of 2.5 ms, then 2.5 ms over the age, and
 /// falls to 0 from 8 to 12 ms. Springs and dampers on the predicted state are weighted by it
 /// ([`towards`](Self::towards)), because a damper on an old velocity is a constant push. The model provides the
 /// remaining share 1 − w of M(q̂) â + C(q̂, v̂) v̂.
@@ -37,7 +38,7 @@ const REMEMBERED: usize = 16;
 ///     prediction.update(measured, &[1.0 - 0.01 * f64::from(tick)], age, 5e-3, 1e-3)?;
 /// }
 /// assert!((prediction.velocity()[0] - 0.96).abs() < 1e-12);
-/// assert!((prediction.weight() - 0.5).abs() < 1e-12);
+/// assert!((prediction.weight() - 0.625).abs() < 1e-12);
 /// # Ok::<(), whole_body::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
