@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use nalgebra::{Point2, Rotation2, Vector2, Vector3};
 
 use super::movement::Moving;
+use super::skeleton::elbow_side;
 
 /// Duration of two steps \[s\].
 const STRIDE_TIME: f64 = 1.3;
@@ -102,6 +103,8 @@ pub(super) struct Motion {
     phase: f64,
     /// Left and right hand in the person's frame, as fractions of stature.
     pub(super) hands: [Vector3<f64>; 2],
+    /// Sides to which the left and the right elbow are bent, in the person's frame.
+    pub(super) elbows: [Vector3<f64>; 2],
     /// Place of the right hand in place of its activity's, as fractions of stature.
     reached_for: Option<Vector3<f64>>,
     /// Flexion of the trunk \[rad\].
@@ -120,6 +123,7 @@ impl Motion {
             turning_rate: 0.0,
             phase: 0.0,
             hands: hands.places(0.0),
+            elbows: [elbow_side(1.0), elbow_side(-1.0)],
             reached_for: None,
             lean: 0.0,
             moving: Moving::default(),
@@ -155,6 +159,12 @@ impl Motion {
     /// The hand's place in the person's frame, as a fraction of stature.
     pub(super) fn hand(&self, left: bool) -> Vector3<f64> {
         let [of_left, of_right] = self.hands;
+        if left { of_left } else { of_right }
+    }
+
+    /// The side to which the elbow is bent, in the person's frame.
+    pub(super) fn elbow(&self, left: bool) -> Vector3<f64> {
+        let [of_left, of_right] = self.elbows;
         if left { of_left } else { of_right }
     }
 

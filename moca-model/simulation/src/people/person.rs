@@ -21,13 +21,17 @@ pub struct Person {
     activity: Activity,
 }
 
-const LEFT_FOREARM: [Body25; 2] = [Body25::LeftElbow, Body25::LeftWrist];
-const RIGHT_FOREARM: [Body25; 2] = [Body25::RightElbow, Body25::RightWrist];
+/// Shoulder, elbow and wrist.
+const LEFT_ARM: [Body25; 3] = [Body25::LeftShoulder, Body25::LeftElbow, Body25::LeftWrist];
+const RIGHT_ARM: [Body25; 3] = [Body25::RightShoulder, Body25::RightElbow, Body25::RightWrist];
 /// Length from the wrist to the fingertips \[m\].
 const FINGERTIPS: f64 = 0.15;
 
 /// Largest speed of a part of an arm in a movement on the spot \[m/s\].
 const FASTEST_MOVEMENT: f64 = 5.0;
+
+/// Largest rate at which an elbow turns about the line between shoulder and wrist \[rad/s\].
+const SWIVEL_RATE: f64 = 4.0;
 
 /// Largest number of times that the step of the hands is halved.
 const MOST_HALVINGS: usize = 10;
@@ -47,10 +51,11 @@ impl Person {
 
     /// Moves towards a goal for `dt` \[s\].
     pub(super) fn advance(&mut self, goal: &Goal, activity: Activity, dt: f64) {
-        let (before, hands) = (self.arms(), self.motion.hands);
+        let (before, bent, hands) = (self.arms(), self.bent_elbows(), self.motion.hands);
         let moving = self.is_busy().then(|| self.motion.moving.clone());
         self.motion.advance(goal, activity.hands(), dt);
         self.activity = activity;
+        self.turn_elbows(&bent, dt);
         let speed = self.motion.gait.arm_speed;
         for _ in 0..MOST_HALVINGS {
             if !self.arms_moved_by_more_than(speed * dt, &before) {
@@ -59,8 +64,9 @@ impl Person {
             for (hand, from) in self.motion.hands.iter_mut().zip(hands) {
                 *hand = hand.lerp(&from, 0.5);
             }
+            self.turn_elbows(&bent, dt);
         }
-        // Near the direction to which an elbow hangs, a movement of the hand swings it faster than people do.
+        // A hand that stretches or folds the arm swings the elbow faster than people do.
         let Some(moving) = moving else { return };
         let mut elapsed = dt;
         for _ in 0..MOST_HALVINGS {
@@ -70,6 +76,43 @@ impl Person {
             elapsed *= 0.5;
             self.motion.moving.clone_from(&moving);
             self.motion.moving.advance(elapsed);
+            self.turn_elbows(&bent, dt);
+        }
+    }
+
+    /// Directions from the line between shoulder and wrist to the left and the right elbow, and these lines, in the
+    /// person's frame.
+    fn bent_elbows(&self) -> [[Option<Vector3<f64>>; 2]; 2] {
+        let joints = self.joints();
+        let person_from_world =
+            skeleton::world_from_person(self.stature, &self.motion).rotation.inverse();
+        [LEFT_ARM, RIGHT_ARM].map(|[shoulder, elbow, wrist]| {
+            let shoulder = joints[shoulder.index()];
+            let to = |joint: Body25| person_from_world * (joints[joint.index()] - shoulder);
+            let axis = to(wrist).try_normalize(1e-9);
+            let out = axis.map(|axis| to(elbow) - axis * axis.dot(&to(elbow)));
+            [out.and_then(|out| out.try_normalize(1e-9)), axis]
+        })
+    }
+
+    /// Bends the elbows to the side to which they hang, from where they were `bent`, for `dt` \[s\]. The elbow of a hand
+    /// near that direction would otherwise swing faster than people do.
+    fn turn_elbows(&mut self, bent: &[[Option<Vector3<f64>>; 2]; 2], dt: f64) {
+        self.motion.elbows = [1.0, -1.0].map(skeleton::elbow_side);
+        let wanted = self.bent_elbows();
+        for ((elbow, [before, _]), [wanted, axis]) in
+            self.motion.elbows.iter_mut().zip(bent).zip(wanted)
+        {
+            let (Some(before), Some(axis)) = (before, axis) else { continue };
+            let Some(before) = (before - axis * axis.dot(before)).try_normalize(1e-9) else {
+                continue;
+            };
+            let wanted = wanted.unwrap_or(before);
+            let angle = axis.dot(&before.cross(&wanted)).atan2(before.dot(&wanted));
+            if angle.abs() > SWIVEL_RATE * dt {
+                let step = SWIVEL_RATE.copysign(angle) * dt;
+                *elbow = Rotation3::new(axis * step) * before;
+            }
         }
     }
 
@@ -81,12 +124,12 @@ impl Person {
     /// Elbows, wrists and fingertips \[m, world\].
     fn arms(&self) -> [Vector3<f64>; 6] {
         let joints = self.joints();
-        let of = |[elbow, wrist]: [Body25; 2]| {
+        let of = |[_, elbow, wrist]: [Body25; 3]| {
             let (elbow, wrist) = (joints[elbow.index()].coords, joints[wrist.index()].coords);
             let along = (wrist - elbow).try_normalize(1e-9).unwrap_or_default();
             [elbow, wrist, wrist + along * FINGERTIPS]
         };
-        let (left, right) = (of(LEFT_FOREARM), of(RIGHT_FOREARM));
+        let (left, right) = (of(LEFT_ARM), of(RIGHT_ARM));
         std::array::from_fn(|point| if point < 3 { left[point] } else { right[point - 3] })
     }
 
@@ -110,7 +153,7 @@ impl Person {
         let (arm, shoulder) = (Arm::of_stature(self.stature), self.right_shoulder());
         let world_from_person = Rotation3::from_axis_angle(&Vector3::z_axis(), self.motion.heading);
         self.motion.reach_for(point.map(|point| {
-            let aside = world_from_person * skeleton::elbow_side(-1.0);
+            let aside = world_from_person * self.motion.elbow(false);
             let [_, wrist] = arm.leading_to(&point.coords, &shoulder, &aside);
             let away = wrist - self.motion.floor.coords.push(0.0);
             world_from_person.inverse() * away / self.stature - carried
@@ -244,16 +287,45 @@ mod tests {
                 draw.random_range(0.6..1.6),
             );
             person.begin(movement, &mut draw);
+            // They may stop working in the middle of it.
+            let mut left = draw.random_range(200..2000);
             while person.is_busy() {
                 let before = person.arms();
-                person.reach_for(Some(&object));
-                person.advance(&goal, works, 1e-3);
+                let activity = if left > 0 { works } else { Activity::Walk };
+                person.reach_for(Some(&object).filter(|_| left > 0));
+                person.advance(&goal, activity, 1e-3);
+                left = (left - 1).max(0);
                 let moved = before.iter().zip(person.arms()).map(|(from, to)| (to - from).norm());
                 fastest = moved.fold(fastest, |fastest, moved| fastest.max(moved / 1e-3));
             }
         }
         assert!(fastest <= FASTEST_MOVEMENT + 1e-9, "{fastest}");
         assert!(fastest > 2.0, "hands of people come to 2 m/s: {fastest}");
+    }
+
+    #[test]
+    fn an_elbow_turns_slowly_past_its_hanging_direction() {
+        let (floor, works) = (Point2::origin(), Activity::Use(Tool::Drill));
+        let goal = Goal { floor, heading: 0.0, speed: 0.5, stop: true };
+        let mut person = Person::standing(1.75, floor, 0.0, Gait::NATURAL, works);
+        let shoulder = person.right_shoulder();
+        let hanging = skeleton::elbow_side(-1.0).normalize() * 0.35;
+        let across = hanging.cross(&Vector3::z()).normalize();
+        let (mut fastest, mut farthest) = (0.0_f64, 0.0_f64);
+        for tick in 0..6000 {
+            let object =
+                Point3::from(shoulder + hanging + across * (0.15 - 5e-5 * f64::from(tick)));
+            let [elbow, before] = [3, 4].map(|point| person.arms()[point]);
+            person.reach_for(Some(&object));
+            person.advance(&goal, works, 1e-3);
+            if tick > 1000 {
+                let [elbow_now, now] = [3, 4].map(|point| person.arms()[point]);
+                fastest = fastest.max((elbow_now - elbow).norm() / 1e-3);
+                farthest = farthest.max((now - before).norm() / 1e-3);
+            }
+        }
+        assert!(fastest < 1.5, "an elbow at {fastest} m/s beside a wrist at {farthest} m/s");
+        assert!(fastest > 0.3, "the elbow never turned: {fastest} m/s");
     }
 
     #[test]

@@ -72,20 +72,26 @@ pub(super) fn joints(stature: f64, motion: &Motion) -> Joints {
         // The hand goes no further than the arm reaches.
         let hand = shoulder + (hand - shoulder).cap_magnitude(STRETCHED * (UPPER_ARM + FOREARM));
         set(joints.shoulder, shoulder);
-        set(joints.elbow, bend(shoulder, hand, UPPER_ARM, FOREARM, elbow_side(side)));
+        set(joints.elbow, bend(shoulder, hand, UPPER_ARM, FOREARM, motion.elbow(side > 0.0)));
         set(joints.wrist, hand);
         set(joints.eye, of_head(FACE + 0.05, side * 0.018, 0.118));
         set(joints.ear, of_head(FACE, side * 0.043, 0.11));
     }
 
-    let world_from_person = Isometry3::from_parts(
+    let world_from_person = world_from_person(stature, motion);
+    joints.map(|joint| world_from_person * (joint * stature))
+}
+
+/// The pose of the person's frame, in the world.
+pub(super) fn world_from_person(stature: f64, motion: &Motion) -> Isometry3<f64> {
+    let posture = motion.moving.posture();
+    Isometry3::from_parts(
         Translation3::new(motion.floor.x, motion.floor.y, 0.0),
         UnitQuaternion::from_axis_angle(&Vector3::z_axis(), motion.heading),
     ) * Isometry3::from_parts(
         Translation3::new(0.0, posture.step * stature, 0.0),
         UnitQuaternion::from_axis_angle(&Vector3::z_axis(), posture.turn),
-    );
-    joints.map(|joint| world_from_person * (joint * stature))
+    )
 }
 
 /// From pelvis to neck, as a fraction of stature, leaning so far forwards and to the left (rad).
