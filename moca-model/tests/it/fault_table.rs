@@ -113,7 +113,7 @@ fn scenarios() -> BTreeMap<String, Scenario> {
 
 /// The rows of the book's table: fault, state, how it ends.
 fn table() -> Vec<[String; 3]> {
-    let book = include_str!("../book.md");
+    let book = include_str!("../faults.md");
     let (_, table) = book.split_once("| fault | when | state | how it ends |").unwrap();
     let rows = table.lines().skip(2).take_while(|line| line.starts_with('|'));
     rows.map(|line| {
