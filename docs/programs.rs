@@ -19,6 +19,10 @@ struct Contributing;
 struct MocaModel;
 
 #[cfg(doctest)]
+#[doc = include_str!("src/moca-model-robot.md")]
+struct MocaModelRobot;
+
+#[cfg(doctest)]
 #[doc = include_str!("src/real-robot.md")]
 struct RealRobot;
 

@@ -67,7 +67,7 @@ pub struct JointPositions {
 /// A posture as far as it was seen. Angles that were not seen are zero, the neutral posture.
 ///
 /// The wrist's angles and the forearm's twist are never seen. Nor are the other inputs of the
-/// sheets: loads, holds, supported arms, raised shoulders, durations and repetitions.
+/// sheets: loads, coupling, supported arms, raised shoulders, durations and repetitions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeasuredPosture {
     /// The angles.

@@ -59,7 +59,7 @@ class Robot:
         mujoco.mj_forward(model, self.data)
         self.lost, self.took = 0, True
         self.base, self.change = np.zeros(3), np.zeros(3)
-        # Before the first command brakes hold the arm, behind which its sensors feel gravity.
+        # Before the first command brakes hold the arm, behind which its sensors measure gravity.
         self.held = self.data.qfrc_bias[ARM].copy()
         self.late = deque(maxlen=delay + 1)
 

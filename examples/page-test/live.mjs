@@ -90,7 +90,7 @@ try {
   const moves = Date.now() - Number(started);
 
   // It comes to work, and follows who is dragged.
-  await until(() => live.picture.phase.label === "working" && live.picture.holds);
+  await until(() => live.picture.phase.label === "working" && live.picture.grasps);
   const [before, { floor }] = [await tool(), await picture()];
   const base = await page.evaluate(() => live.run.place("base_link"));
   const away = Math.atan2(floor[1] - base[1], floor[0] - base[0]);

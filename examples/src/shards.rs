@@ -2,8 +2,8 @@
 //! program `merge` computes from these files what one machine would have printed.
 //!
 //! A program with shards numbers its cases from 0, each with a seed of its own. It computes those that
-//! [`Shard::holds`], and writes a [`Part`]. Its output is a function of all results in the order of the cases, so that
-//! it does not depend on the number of shards.
+//! [`Shard::contains`], and writes a [`Part`]. Its output is a function of all results in the order of the cases, so
+//! that it does not depend on the number of shards.
 //!
 //! ```
 //! use std::collections::BTreeMap;

@@ -35,7 +35,7 @@ impl Job {
 
 /// The episodes of a shard.
 pub fn episodes(soak: &Soak, shard: Shard) -> Vec<EpisodePlan> {
-    soak.episodes().into_iter().filter(|plan| shard.holds(plan.number)).collect()
+    soak.episodes().into_iter().filter(|plan| shard.contains(plan.number)).collect()
 }
 
 /// Runs the episodes of a shard. `each` gets the number of finished ticks, and may end the run.

@@ -114,8 +114,8 @@ mod tick {
     fn controller() -> Controller {
         let hessian = Matrix3::identity() * 8.0;
         let best = Vector3::new(0.35, -0.1, 1.1);
-        let comfort = ErgonomicsQuadratic::new(hessian, -(hessian * best), 1.0).unwrap();
-        Controller::new(moca().unwrap(), comfort, ControllerSettings::default(), &MOCA_HOME)
+        let ergonomics = ErgonomicsQuadratic::new(hessian, -(hessian * best), 1.0).unwrap();
+        Controller::new(moca().unwrap(), ergonomics, ControllerSettings::default(), &MOCA_HOME)
             .unwrap()
     }
 

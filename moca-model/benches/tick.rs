@@ -19,7 +19,7 @@ use hrsw_safety::SafetySettings;
 use moca_model::whole_body::simulation::RandomSource;
 use moca_model::whole_body::torque::Compensation;
 use moca_model::{
-    Controller, ControllerSettings, DynamicRobot, DynamicRobotSettings, HeldObject, MOCA_HOME,
+    Controller, ControllerSettings, DynamicRobot, DynamicRobotSettings, GraspedObject, MOCA_HOME,
     MOCA_TOOL, SimulatedRobot, TorqueController, TorqueLoopSettings, moca, moca_safety,
 };
 use nalgebra::{Matrix3, Point3, Vector3};
@@ -48,9 +48,9 @@ impl RandomSource for Exact {
 fn controller(safety: SafetySettings) -> Controller {
     let hessian = Matrix3::identity() * 8.0;
     let best = Vector3::new(0.45, -0.1, 1.1);
-    let comfort = ErgonomicsQuadratic::new(hessian, -(hessian * best), 1.0).unwrap();
+    let ergonomics = ErgonomicsQuadratic::new(hessian, -(hessian * best), 1.0).unwrap();
     let settings = ControllerSettings { safety, ..ControllerSettings::default() };
-    Controller::new(moca().unwrap(), comfort, settings, &MOCA_HOME).unwrap()
+    Controller::new(moca().unwrap(), ergonomics, settings, &MOCA_HOME).unwrap()
 }
 
 /// The whole body of a person who faces the robot, sways, and drills with the right hand.
@@ -97,11 +97,11 @@ impl Everything {
         let controller = controller(moca_safety());
         let mut controller =
             TorqueController::new(controller, TorqueLoopSettings::new(Compensation::BARE)).unwrap();
-        controller.hold(HeldObject::default()).unwrap();
+        controller.grasp(GraspedObject::default()).unwrap();
         let settings = DynamicRobotSettings::ideal();
         let model = moca().unwrap();
         let mut robot = DynamicRobot::new(&model, &settings, &MOCA_HOME).unwrap();
-        robot.hold(model.frame_id(MOCA_TOOL).unwrap(), &HeldObject::default()).unwrap();
+        robot.attach(model.frame_id(MOCA_TOOL).unwrap(), &GraspedObject::default()).unwrap();
         robot.measure(&mut Exact).unwrap();
         Self { controller, robot }
     }

@@ -14,10 +14,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         &MapOptions { spacing: 0.08, ..MapOptions::default() },
         None,
     )?;
-    let (comfort, _report) = map.fit(&FitOptions::default())?;
+    let (ergonomics, _report) = map.fit(&FitOptions::default())?;
     let space = SpaceSettings::default().for_person(&person, map.side());
     let settings = ControllerSettings { space, ..ControllerSettings::default() };
-    let mut controller = Controller::new(moca()?, comfort, settings, &MOCA_HOME)?;
+    let mut controller = Controller::new(moca()?, ergonomics, settings, &MOCA_HOME)?;
     let mut robot = SimulatedRobot::new(&moca()?, &MOCA_HOME)?;
 
     // A person who stands 1.7 m ahead, faces the robot and drills.

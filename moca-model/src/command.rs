@@ -49,8 +49,8 @@ pub enum DriveReason {
 pub struct Command {
     /// q̇* of all joints \[m/s or rad/s\].
     pub joint_velocity: Vec<f64>,
-    /// q* of all joints, the integral of q̇*, within the leash of the measured configuration \[m or rad\]. The arm's
-    /// part goes to the joint impedance.
+    /// q* of all joints, the integral of q̇*, within the following-error limit of the measured configuration \[m or
+    /// rad\]. The arm's part goes to the joint impedance.
     pub joint_position: Vec<f64>,
     /// The base's velocity in its own frame, (ẋ, ẏ, θ̇) \[m/s, rad/s\]; zero for a robot
     /// without a base.

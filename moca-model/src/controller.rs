@@ -3,7 +3,7 @@
 mod base_drive;
 mod coming_to_rest;
 mod goal_share;
-mod holding;
+mod grasping;
 mod looking;
 mod measuring;
 mod observing;
@@ -19,9 +19,9 @@ use whole_body::Model;
 
 use crate::command::{Command, Outcome};
 use crate::error::{Error, check_size};
-use crate::held_object::{BoxSide, HeldObject};
+use crate::following_error::FollowingErrorLimit;
+use crate::grasped_object::{BoxSide, GraspedObject};
 use crate::interaction::{Interaction, Transition};
-use crate::leash::Leash;
 use crate::motion_limits::{
     Motion, TickTimes, admit_braking, brake, braking_limits, joint_limits, write_intervals,
 };
@@ -50,9 +50,9 @@ use turning::HandTurn;
 /// use nalgebra::{Matrix3, Vector3};
 ///
 /// // Usually fitted to the person's map: ErgonomicsMap::build, then fit.
-/// let comfort = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::new(-0.4, 0.1, -1.1), 0.8)?;
+/// let ergonomics = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::new(-0.4, 0.1, -1.1), 0.8)?;
 /// let settings = ControllerSettings::default();
-/// let mut controller = Controller::new(moca()?, comfort, settings, &MOCA_HOME)?;
+/// let mut controller = Controller::new(moca()?, ergonomics, settings, &MOCA_HOME)?;
 /// // In the loop: controller.observe(&percept) at each camera frame, and each millisecond
 /// let command = controller.step(0.001, &MOCA_HOME)?;
 /// assert!(command.outcome.is_optimal());
@@ -62,11 +62,11 @@ use turning::HandTurn;
 pub struct Controller {
     robot: Kinematics,
     settings: ControllerSettings,
-    comfort: ErgonomicsQuadratic,
+    ergonomics: ErgonomicsQuadratic,
     /// Manipulability at the posture; `None` if the robot is singular everywhere or there.
     usual_manipulability: Option<f64>,
     clock: LoopClock,
-    leash: Leash,
+    following_error: FollowingErrorLimit,
     space: SharedSpace,
     safety: Safety,
     stack: CollaborationStack,
@@ -94,7 +94,7 @@ pub struct Controller {
     /// The worst fault that was reported since the last command.
     fault: Option<Fault>,
     /// The object that the robot holds for the person to work on.
-    object: Option<HeldObject>,
+    object: Option<GraspedObject>,
     /// The side of the object that the person sees, or will see after a turn.
     shown: BoxSide,
     base_drive: Option<BaseDrive>,
@@ -106,7 +106,7 @@ pub struct Controller {
     /// Change of the phase in the last tick.
     transition: Option<Transition>,
     /// Whether the external force was measured since the last command.
-    feels: bool,
+    measures_force: bool,
     /// Last measured yaw of the base \[rad\].
     yaw: f64,
     speed: f64,
@@ -124,7 +124,7 @@ impl Controller {
     /// Settings out of range, or a configuration that does not fit the robot.
     pub fn new(
         model: Model,
-        comfort: ErgonomicsQuadratic,
+        ergonomics: ErgonomicsQuadratic,
         settings: ControllerSettings,
         configuration: &[f64],
     ) -> Result<Self, Error> {
@@ -185,7 +185,11 @@ impl Controller {
             returns: vec![VelocityInterval { lower: 0.0, upper: 0.0 }; n],
             braking: rest,
             command: Command::at_rest(configuration, tool),
-            leash: Leash::new(settings.leash, robot.model(), settings.period)?,
+            following_error: FollowingErrorLimit::new(
+                settings.following_error,
+                robot.model(),
+                settings.period,
+            )?,
             fault: None,
             object: None,
             shown: BoxSide::Front,
@@ -195,7 +199,7 @@ impl Controller {
             seen_surface: SeenSurface::default(),
             interaction: Interaction::default(),
             transition: None,
-            feels: false,
+            measures_force: false,
             yaw: 0.0,
             speed: 1.0,
             keeps_separation: true,
@@ -205,15 +209,15 @@ impl Controller {
             clock,
             robot,
             settings,
-            comfort,
+            ergonomics,
             safety,
             stack,
         })
     }
 
     /// Sets the ergonomics of another person.
-    pub fn set_comfort(&mut self, comfort: ErgonomicsQuadratic) {
-        self.comfort = comfort;
+    pub fn set_ergonomics(&mut self, ergonomics: ErgonomicsQuadratic) {
+        self.ergonomics = ergonomics;
     }
 
     /// Asks for the person's ergonomics from now on, or for no more than the least motion.
@@ -256,7 +260,7 @@ impl Controller {
         }
         self.remember_acceleration(times.step);
         self.integrate(period);
-        self.feels = false;
+        self.measures_force = false;
         self.finish();
         size.map(|()| &self.command)
     }
@@ -370,8 +374,8 @@ impl Controller {
     }
 
     fn solve(&mut self) -> Result<Status, Error> {
-        let comfort = self.comfort.placed(&self.space.working_frame()?);
-        let ergonomics = self.space.person().map(|_| &comfort);
+        let placed = self.ergonomics.placed(&self.space.working_frame()?);
+        let ergonomics = self.space.person().map(|_| &placed);
         let velocity = &self.command.joint_velocity;
         let motion = JointMotion { braking: Some(&self.braking), ..self.robot.motion(velocity) };
         let safety = self.safety.bound(&motion)?;
@@ -473,7 +477,7 @@ impl Controller {
         &self.settings
     }
 
-    /// x_a at the last configuration: the pose of the person's hand that works on the held object, with the tool's
+    /// x_a at the last configuration: the pose of the person's hand that works on the grasped object, with the tool's
     /// axes. It is the tool's pose if the tool holds nothing.
     pub fn actual(&self) -> Isometry3<f64> {
         self.robot.world_from_hand()

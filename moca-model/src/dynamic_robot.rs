@@ -9,7 +9,7 @@ use whole_body::{FrameId, Model};
 
 use crate::command::Command;
 use crate::error::{Error, check_plain};
-use crate::held_object::HeldObject;
+use crate::grasped_object::GraspedObject;
 use crate::robot::moca::MOCA_BASE_JOINTS;
 use crate::torque::Measured;
 
@@ -283,7 +283,7 @@ impl DynamicRobot {
     ///
     /// # Errors
     /// [`Error::Robot`], as [`Data::attach`](whole_body::Data::attach).
-    pub fn hold(&mut self, tool: FrameId, object: &HeldObject) -> Result<PayloadId, Error> {
+    pub fn attach(&mut self, tool: FrameId, object: &GraspedObject) -> Result<PayloadId, Error> {
         let (model, payload) = (self.simulation.model().clone(), object.payload(tool));
         Ok(self.simulation.data_mut().attach(&model, &payload)?)
     }

@@ -5,7 +5,7 @@ use thiserror::Error;
 use vision_models::ImpossibleBody;
 use whole_body::{Base, Model};
 
-use crate::held_object::BoxSide;
+use crate::grasped_object::BoxSide;
 
 /// What is wrong, where, and what would be right.
 #[derive(Debug, Error)]

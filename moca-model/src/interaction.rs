@@ -2,7 +2,7 @@
 
 use vision_models::{Intention, Surface, WalkingDirection};
 
-use crate::held_object::BoxSide;
+use crate::grasped_object::BoxSide;
 
 /// The phase of the interaction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -15,7 +15,7 @@ pub enum Phase {
     /// A person has extended the arm towards a robot that holds nothing, and the robot approaches.
     Handover,
     /// The robot's tool is at the offered object. The gripper may close; then call
-    /// [`Controller::hold`](crate::Controller::hold).
+    /// [`Controller::grasp`](crate::Controller::grasp).
     Grasping,
     /// The object turns to show the side that the person's hand tool is for.
     Turning {
@@ -94,8 +94,8 @@ pub(crate) struct Situation {
     pub(crate) time: f64,
     /// The person's intention; apart while the shared workspace belongs to nobody.
     pub(crate) intention: Intention,
-    /// Whether the robot holds an object.
-    pub(crate) holds: bool,
+    /// Whether the robot grasps an object.
+    pub(crate) grasps: bool,
     /// The surface shown now or after the present turn, the surface that the person's hand tool is for, and its side;
     /// `None` if they agree.
     pub(crate) mismatch: Option<(Surface, Surface, BoxSide)>,
@@ -117,7 +117,7 @@ impl Interaction {
         self.phase
     }
 
-    /// Makes at most one transition whose condition holds, and returns it.
+    /// Makes at most one transition whose condition is met, and returns it.
     pub(crate) fn advance(&mut self, situation: &Situation) -> Option<Transition> {
         let (to, reason) = next(self.phase, situation)?;
         let from = std::mem::replace(&mut self.phase, to);
@@ -125,9 +125,9 @@ impl Interaction {
     }
 }
 
-/// The next phase and the reason, if a condition holds.
+/// The next phase and the reason, if a condition is met.
 fn next(phase: Phase, situation: &Situation) -> Option<(Phase, Reason)> {
-    let &Situation { intention, holds, mismatch, arrived, sight, .. } = situation;
+    let &Situation { intention, grasps, mismatch, arrived, sight, .. } = situation;
     let idle = intention.tool().is_none() && intention.walking().is_none();
     if phase == Phase::Looking && idle {
         let back = if intention.is_together() { Phase::Working } else { Phase::Apart };
@@ -147,15 +147,15 @@ fn next(phase: Phase, situation: &Situation) -> Option<(Phase, Reason)> {
         None => Phase::Working,
     };
     match phase {
-        Phase::Apart | Phase::Looking if !holds => Some((Phase::Handover, Reason::Engages)),
+        Phase::Apart | Phase::Looking if !grasps => Some((Phase::Handover, Reason::Engages)),
         Phase::Apart | Phase::Looking => Some((work, Reason::Engages)),
-        Phase::Handover | Phase::Grasping if holds => Some((Phase::Working, Reason::Grasped)),
+        Phase::Handover | Phase::Grasping if grasps => Some((Phase::Working, Reason::Grasped)),
         Phase::Handover => {
             let offered = intention.tool().is_none() && intention.walking().is_none();
             (arrived && offered).then_some((Phase::Grasping, Reason::Arrived))
         }
         Phase::Grasping => None,
-        _ if !holds => Some((Phase::Handover, Reason::Released)),
+        _ if !grasps => Some((Phase::Handover, Reason::Released)),
         _ if turn.is_some() => turn,
         Phase::Turning { .. } => arrived.then_some((work, Reason::RightSurface)),
         Phase::Working | Phase::Walking { .. } if work == phase => None,
@@ -178,7 +178,7 @@ mod tests {
     fn working() -> Situation {
         let intention = Intention::Together { walking: None, tool: Some(Tool::Polisher) };
         let sight = Sight::Known;
-        Situation { time: 1.0, intention, holds: true, mismatch: None, arrived: true, sight }
+        Situation { time: 1.0, intention, grasps: true, mismatch: None, arrived: true, sight }
     }
 
     fn situations() -> impl Strategy<Value = Situation> {
@@ -189,9 +189,9 @@ mod tests {
         let intention = prop_oneof![Just(Intention::Apart), together];
         let sight = prop_oneof![Just(Sight::Known), Just(Sight::Facing), Just(Sight::Hidden)];
         (intention, any::<[bool; 3]>(), sight).prop_map(|(intention, flags, sight)| {
-            let [holds, wrong, arrived] = flags;
-            let mismatch = (wrong && holds && intention.tool().is_some()).then_some(MISMATCH);
-            Situation { time: 0.0, intention, holds, mismatch, arrived, sight }
+            let [grasps, wrong, arrived] = flags;
+            let mismatch = (wrong && grasps && intention.tool().is_some()).then_some(MISMATCH);
+            Situation { time: 0.0, intention, grasps, mismatch, arrived, sight }
         })
     }
 
@@ -213,7 +213,7 @@ mod tests {
                 let in_use = situation.intention.tool().is_some();
                 prop_assert!(after != Phase::Looking || !in_use);
                 if let Some(Reason::WrongSurface { .. }) = transition.map(|t| t.reason) {
-                    prop_assert!(situation.mismatch.is_some() && situation.holds);
+                    prop_assert!(situation.mismatch.is_some() && situation.grasps);
                 }
             }
         }
@@ -237,7 +237,7 @@ mod tests {
     fn phases_follow_handover_work_and_turning() {
         let mut interaction = Interaction::default();
         let offered = Intention::Together { walking: None, tool: None };
-        let empty = Situation { intention: offered, holds: false, arrived: false, ..working() };
+        let empty = Situation { intention: offered, grasps: false, arrived: false, ..working() };
         let apart = Situation { intention: Intention::Apart, ..working() };
         let empty_handed = Situation { intention: offered, ..working() };
         let hidden = Situation { sight: Sight::Hidden, ..apart };
@@ -248,7 +248,7 @@ mod tests {
         let steps = [
             (empty, Phase::Handover, Reason::Engages),
             (Situation { arrived: true, ..empty }, Phase::Grasping, Reason::Arrived),
-            (Situation { holds: true, ..empty }, Phase::Working, Reason::Grasped),
+            (Situation { grasps: true, ..empty }, Phase::Working, Reason::Grasped),
             (apart, Phase::Apart, Reason::Leaves),
             (hidden, Phase::Looking, Reason::Hidden),
             (apart, Phase::Apart, Reason::Seen),

@@ -16,10 +16,10 @@
 //! // Once for each person.
 //! let person = Person::new(1.75)?;
 //! let map = ErgonomicsMap::build(&person, &MapOptions { spacing: 0.08, ..MapOptions::default() }, None)?;
-//! let (comfort, _report) = map.fit(&FitOptions::default())?;
+//! let (ergonomics, _report) = map.fit(&FitOptions::default())?;
 //! let space = SpaceSettings::default().for_person(&person, map.side());
 //! let settings = ControllerSettings { space, ..ControllerSettings::default() };
-//! let mut controller = Controller::new(moca()?, comfort, settings, &MOCA_HOME)?;
+//! let mut controller = Controller::new(moca()?, ergonomics, settings, &MOCA_HOME)?;
 //! let mut robot = SimulatedRobot::new(&moca()?, &MOCA_HOME)?;
 //!
 //! // A person who stands 1.7 m ahead, faces the robot and drills.
@@ -54,10 +54,10 @@ mod command;
 mod controller;
 mod dynamic_robot;
 mod error;
-mod held_object;
+mod following_error;
+mod grasped_object;
 mod intention;
 mod interaction;
-mod leash;
 mod loop_controller;
 mod motion_limits;
 mod robot;
@@ -75,10 +75,10 @@ pub use command::{BaseMotion, Command, DriveReason, Outcome};
 pub use controller::Controller;
 pub use dynamic_robot::{DynamicRobot, DynamicRobotSettings};
 pub use error::Error;
-pub use held_object::{BoxSide, HandSettings, HeldObject, WorkFace};
+pub use following_error::FollowingErrorSettings;
+pub use grasped_object::{BoxSide, GraspedObject, HandSettings, WorkFace};
 pub use intention::{IntentionFilter, IntentionSettings};
 pub use interaction::{Phase, Reason, Transition};
-pub use leash::LeashSettings;
 pub use loop_controller::LoopController;
 pub use motion_limits::MecanumBase;
 pub use nalgebra;

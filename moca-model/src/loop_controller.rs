@@ -39,8 +39,8 @@ const REFUSED: u32 = 20;
 /// };
 /// use nalgebra::{Matrix3, Vector3};
 ///
-/// let comfort = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0)?;
-/// let controller = Controller::new(moca()?, comfort, ControllerSettings::default(), &MOCA_HOME)?;
+/// let ergonomics = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0)?;
+/// let controller = Controller::new(moca()?, ergonomics, ControllerSettings::default(), &MOCA_HOME)?;
 /// let controller = TorqueController::new(controller, TorqueLoopSettings::new(Compensation::BARE))?;
 /// let (mut law, frames) = LoopController::new(controller);
 /// // The thread of the camera: frames.try_send(CameraFrame::from(percept)). The loop, each millisecond:

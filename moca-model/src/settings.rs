@@ -8,9 +8,9 @@ use nalgebra::{UnitQuaternion, Vector3, Vector6};
 use vision_models::TrackerSettings;
 
 use crate::error::Error;
-use crate::held_object::HandSettings;
+use crate::following_error::FollowingErrorSettings;
+use crate::grasped_object::HandSettings;
 use crate::intention::IntentionSettings;
-use crate::leash::LeashSettings;
 use crate::motion_limits::MecanumBase;
 use crate::robot::moca::{MOCA_BASE_JOINTS, MOCA_HOME, MOCA_TOOL};
 use crate::robot::moca_safety::moca_safety;
@@ -91,8 +91,8 @@ pub struct SpaceSettings {
     /// \[m\]. Default 0.4, with which the robot kept its place best in the walks of `experiment following`.
     ///
     /// When the person walks away and separation needs more at their speed, the workspace falls behind by the
-    /// difference ([`Headway`](hrsw_safety::Headway)). Larger values keep the workspace nearer to the person and the
-    /// robot farther back in it.
+    /// difference ([`FollowingDistance`](hrsw_safety::FollowingDistance)). Larger values keep the workspace nearer to
+    /// the person and the robot farther back in it.
     pub clearance: f64,
     /// Distance by which the tool is kept within the workspace \[m or rad\]. It covers the uncertainty of the person's
     /// place, and is at most half of the narrowest range. Default 0.02.
@@ -209,7 +209,7 @@ pub struct ControllerSettings {
     pub desired: DesiredMotion,
     /// The shared workspace.
     pub space: SpaceSettings,
-    /// Place of the hand of a person who works on the held object.
+    /// Place of the hand of a person who works on the grasped object.
     pub hand: HandSettings,
     /// Place of the on-board camera in the frame of the base on the floor \[m\]. The camera identifies which surface is
     /// on which side of the object. Default `None`, which trusts the object's description.
@@ -239,7 +239,7 @@ pub struct ControllerSettings {
     /// Tolerances for the times of ticks and camera frames.
     pub clock: ClockSettings,
     /// Limits on the distance between commanded and measured state.
-    pub leash: LeashSettings,
+    pub following_error: FollowingErrorSettings,
     /// Separation from people and from the robot itself.
     pub safety: SafetySettings,
 }
@@ -274,7 +274,7 @@ impl Default for ControllerSettings {
             hold: HoldSettings::default(),
             stale: StaleSettings::default(),
             clock: ClockSettings::default(),
-            leash: LeashSettings::default(),
+            following_error: FollowingErrorSettings::default(),
             safety: moca_safety(),
         }
     }
@@ -344,7 +344,7 @@ impl ControllerSettings {
             return Err(Error::Setting { name: "on_board_camera", value, expected: "finite" });
         }
         self.clock.validate(self.period)?;
-        self.leash.validate()?;
+        self.following_error.validate()?;
         let [linear, angular] = desired.axis_accelerations();
         let brake = (desired.velocity / linear).max(desired.angular_velocity / angular);
         if self.horizon != self.period && (self.horizon < self.period || self.horizon < brake) {

@@ -5,7 +5,7 @@ use hrsw::{
     Attachment, Bounds, FloorMotion, FrameFollower, HeldFrame, MovingSettings, MovingWorkspace,
     OrientationShape, PositionShape, Workspace,
 };
-use hrsw_safety::Headway;
+use hrsw_safety::FollowingDistance;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3, Vector6};
 use vision_models::{BodyTracker, Intention, Percept, StatureEstimate, TrackedPerson};
 
@@ -36,7 +36,7 @@ pub struct SharedSpace {
     room: (usize, usize),
     lead: f64,
     /// Distance behind a person who walks away; `None` if no distances are kept.
-    headway: Option<Headway>,
+    following_distance: Option<FollowingDistance>,
     /// Horizontal unit vector from the person to the workspace, in the person's axes.
     bearing: Vector3<f64>,
 }
@@ -65,7 +65,8 @@ impl SharedSpace {
         let workspace = Workspace::new(frame, bounds, turn)?.with_reference(space.tool);
         let moving = MovingSettings { frame: settings.follower, ..MovingSettings::default() };
         let separation = Some(&settings.safety.separation).filter(|_| settings.safety.pairs > 0);
-        let headway = separation.map(|terms| Headway::new(*terms, space.clearance)).transpose()?;
+        let following =
+            separation.map(|terms| FollowingDistance::new(*terms, space.clearance)).transpose()?;
         let level = Vector3::new(centre.x, centre.y, 0.0);
         Ok(Self {
             tracker: BodyTracker::new(settings.tracker.clone())?,
@@ -79,7 +80,7 @@ impl SharedSpace {
             carrier: Carrier::Nothing,
             room: (space.position_rows, space.orientation_rows),
             lead: space.lead,
-            headway,
+            following_distance: following,
             bearing: level.try_normalize(1e-9).unwrap_or_else(Vector3::x),
         })
     }
@@ -193,7 +194,7 @@ impl SharedSpace {
 
     /// Falls behind a person who walks away while they work with the robot, and catches up otherwise.
     fn follow(&mut self, period: f64) -> Result<(), Error> {
-        let Some(headway) = &mut self.headway else { return Ok(()) };
+        let Some(following) = &mut self.following_distance else { return Ok(()) };
         let person = self
             .person
             .filter(|person| person.status.is_usable() && self.intention.intention().is_together());
@@ -201,7 +202,7 @@ impl SharedSpace {
             let outward = person.world_from_person().rotation * self.bearing;
             -self.drift.xy().dot(&outward.xy())
         });
-        Ok(headway.advance(away, period)?)
+        Ok(following.advance(away, period)?)
     }
 
     /// Changes the carrier of the workspace when working together begins or ends.
@@ -235,7 +236,7 @@ impl SharedSpace {
             let unit = direction.unit();
             Vector3::new(unit.x, unit.y, 0.0) * self.lead
         });
-        let behind = if together && usable { self.headway() } else { Vector3::zeros() };
+        let behind = if together && usable { self.following_distance() } else { Vector3::zeros() };
         Ok(self.moving.set_lead(lead + behind)?)
     }
 
@@ -267,7 +268,7 @@ impl SharedSpace {
     /// Returns true if the workspace belongs to the person and has reached them.
     pub fn is_in_place(&self) -> bool {
         let way = self.frame.pose().inv_mul(self.workspace().world_from_workspace());
-        let off = way.translation.vector - self.headway();
+        let off = way.translation.vector - self.following_distance();
         self.is_shared() && off.norm() <= self.lead + IN_PLACE && way.rotation.angle() <= IN_PLACE
     }
 
@@ -304,19 +305,19 @@ impl SharedSpace {
     }
 
     /// The offset by which the workspace stays behind a person who walks away, in the person's axes \[m\].
-    pub fn headway(&self) -> Vector3<f64> {
-        self.bearing * self.headway.map_or(0.0, |headway| headway.distance())
+    pub fn following_distance(&self) -> Vector3<f64> {
+        self.bearing * self.following_distance.map_or(0.0, |following| following.distance())
     }
 
-    /// The person's frame that the controller uses. It is smooth in time and moved by the headway, so that the tool
-    /// keeps its place in a workspace that falls behind.
+    /// The person's frame that the controller uses. It is smooth in time and moved by the following distance, so that
+    /// the tool keeps its place in a workspace that falls behind.
     ///
     /// # Errors
     /// Never, since the frame is always finite.
     pub fn working_frame(&self) -> Result<PersonFrame, Error> {
         let pose = self.frame.pose();
         let forward = pose.rotation * Vector3::x();
-        let origin = pose.translation.vector + pose.rotation * self.headway();
+        let origin = pose.translation.vector + pose.rotation * self.following_distance();
         Ok(PersonFrame::new(origin, forward.y.atan2(forward.x))?)
     }
 }

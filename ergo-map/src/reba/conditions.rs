@@ -1,16 +1,16 @@
 use crate::error::{Result, within};
 
-/// Quality of the hold on the load (added to table B).
+/// Quality of the grip on the load (added to table B).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, PartialOrd, Ord)]
 pub enum Coupling {
     /// A well-fitting handle and a mid-range power grip.
     #[default]
     Good,
-    /// An acceptable hold, not ideal.
+    /// An acceptable grip, not ideal.
     Fair,
-    /// A hold that is possible but not acceptable.
+    /// A grip that is possible but not acceptable.
     Poor,
-    /// No safe hold.
+    /// No safe grip.
     Unacceptable,
 }
 
@@ -60,7 +60,7 @@ pub struct Conditions {
     pub load: f64,
     /// The load is applied with shock or builds up rapidly.
     pub shock: bool,
-    /// Quality of the hold.
+    /// Quality of the grip.
     pub coupling: Coupling,
     /// Support of the body.
     pub support: LegSupport,

@@ -107,7 +107,7 @@ impl Evaluate {
         let watch = &mut session.watch();
         let all = self.clips(&model, watch)?;
         let (shard, cases) = (self.shards.shard(), all.len() as u64);
-        let own = (0..).zip(all).filter(|(case, _)| shard.holds(*case));
+        let own = (0..).zip(all).filter(|(case, _)| shard.contains(*case));
         let mut clips: Vec<LabelledClip> = own.map(|(_, clip)| clip).collect();
         ensure!(!clips.is_empty(), "shard {shard} of {cases} clips is empty; take fewer shards");
         let weights = model.weights.weights(self.weights.weights.clone(), watch);

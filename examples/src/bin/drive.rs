@@ -408,8 +408,8 @@ fn of_settings<T>(settings: Option<&PathBuf>, result: Result<T>) -> Result<T> {
 
 /// The controller as a law, and the sender of its camera frames.
 fn law(scenario: &Scenario) -> Result<(LoopController, SyncSender<CameraFrame>)> {
-    let Scenario { model, comfort, settings, torques, start, .. } = scenario;
-    let controller = Controller::new(model.clone(), *comfort, settings.clone(), start)?;
+    let Scenario { model, ergonomics, settings, torques, start, .. } = scenario;
+    let controller = Controller::new(model.clone(), *ergonomics, settings.clone(), start)?;
     Ok(LoopController::new(TorqueController::new(controller, torques.clone())?))
 }
 

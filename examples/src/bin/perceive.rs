@@ -441,7 +441,7 @@ fn print(report: &Report, session: &mut Session) -> Result<()> {
         writeln!(out, "measured posture: REBA {mean:.1}, {max} at most; RULA {rula:.1}")?;
         let never = summary.unseen.iter().filter(|(_, share)| **share == 1.0);
         let never: Vec<_> = never.map(|(name, _)| *name).collect();
-        writeln!(out, "  never seen: {}, loads, holds, support, how long", never.join(", "))?;
+        writeln!(out, "  never seen: {}, loads, coupling, support, how long", never.join(", "))?;
     }
     if let Some(truth) = &report.truth {
         let percent = |share: Option<f64>| 100.0 * share.unwrap_or(f64::NAN);

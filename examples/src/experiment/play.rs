@@ -39,7 +39,7 @@ pub(super) fn run<E: Experiment>(
     let shard = common.shards.shard();
     let average = build_map(session, &Person::average(), &MapOptions::default(), None)?;
     let own: Vec<(u64, E::Case)> =
-        (0..).zip(all).filter(|(number, _)| shard.holds(*number)).collect();
+        (0..).zip(all).filter(|(number, _)| shard.contains(*number)).collect();
     let wanted = common.figures().map(|_| common.show);
     let progress = session.progress(E::NAME, own.len() as u64);
     let interrupt = session.interrupt();

@@ -40,13 +40,13 @@ impl Shard {
     }
 
     /// Returns true if this case belongs to the shard.
-    pub fn holds(self, case: u64) -> bool {
+    pub fn contains(self, case: u64) -> bool {
         case % self.count == self.index
     }
 
     /// The shard's cases among `cases`.
     pub fn of(self, cases: u64) -> impl Iterator<Item = u64> {
-        (0..cases).filter(move |case| self.holds(*case))
+        (0..cases).filter(move |case| self.contains(*case))
     }
 }
 

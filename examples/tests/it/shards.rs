@@ -27,7 +27,7 @@ proptest! {
     #[test]
     fn every_case_is_of_one_shard(cases in 0..50_u64, count in 1..20_u64) {
         for case in 0..cases {
-            prop_assert_eq!(shards(count).filter(|shard| shard.holds(case)).count(), 1);
+            prop_assert_eq!(shards(count).filter(|shard| shard.contains(case)).count(), 1);
         }
     }
 

@@ -12,7 +12,7 @@ mod part_speeds;
 mod person_pairs;
 mod places;
 mod reach;
-mod undercut;
+mod separation_violations;
 
 use ahqp_core::{AugmentedState, Rows};
 
@@ -32,7 +32,7 @@ use part_speeds::PartSpeeds;
 use person_pairs::Pair;
 use places::Places;
 use reach::Reach;
-use undercut::Undercut;
+use separation_violations::SeparationViolations;
 
 /// Writes a block of rows, −∂d/∂q q̇ ≤ v_max(d), that bound the speed of approach of pairs of
 /// bodies.
@@ -108,7 +108,7 @@ pub struct ApproachRows {
     needs_inertia: bool,
     /// True if a pair that needs a row got none.
     crowded: bool,
-    undercut: Undercut,
+    violations: SeparationViolations,
 }
 
 /// Rounding error of a speed of approach \[m/s\].
@@ -149,7 +149,7 @@ impl ApproachRows {
             least_distance: f64::INFINITY,
             needs_inertia: false,
             crowded: false,
-            undercut: Undercut::new(),
+            violations: SeparationViolations::new(),
         })
     }
 
@@ -214,7 +214,7 @@ impl ApproachRows {
                 self.keep_closest((i, j), near.distance);
                 if near.distance <= farthest {
                     let pair = Pair { robot: (i, body), other: (j, part), near, farthest };
-                    self.weigh(motion, &mut moves, &pair);
+                    self.evaluate(motion, &mut moves, &pair);
                     reach = self.reach(moves.fastest, moves.change);
                 }
             }
@@ -291,14 +291,14 @@ impl ApproachRows {
                 share = share.max((approach - upper.max(least)) / (approach - least));
             }
         }
-        let is_left = self.undercut.is_left_by(motion, velocity, ROUNDING);
-        if is_left && (share == 0.0 || self.undercut.is_empty()) { share.min(1.0) } else { 1.0 }
+        let is_left = self.violations.is_left_by(motion, velocity, ROUNDING);
+        if is_left && (share == 0.0 || self.violations.is_empty()) { share.min(1.0) } else { 1.0 }
     }
 
     /// Returns true if a pair that may not touch is closer than the uncertainty of both positions.
     /// No direction surely leads away then, so the robot must stand still.
     pub fn is_too_near_to_tell(&self) -> bool {
-        self.undercut.is_too_near()
+        self.violations.is_too_near()
     }
 
     /// Returns true if [`JointMotion::inverse_inertia`] decided, or would have decided, the speed
@@ -311,7 +311,7 @@ impl ApproachRows {
     /// Returns true if more pairs are at their limits than there are rows. The robot must then
     /// brake, which satisfies the limits of all pairs.
     pub fn is_crowded(&self) -> bool {
-        self.crowded || self.undercut.overflows()
+        self.crowded || self.violations.overflows()
     }
 
     /// Returns the smallest distance of the pairs written last \[m\], infinite if there are none.
@@ -324,7 +324,7 @@ impl ApproachRows {
         self.nearest = None;
         self.least_distance = f64::INFINITY;
         self.crowded = false;
-        self.undercut.clear();
+        self.violations.clear();
     }
 
     /// Measures the pair that was nearest last. Its distance bounds the smallest distance from

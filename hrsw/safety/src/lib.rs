@@ -43,7 +43,7 @@
 //!     inverse_inertia: None,
 //! };
 //! let age = Age::new(0.05)?;
-//! let input = SafetyInput { now: 0.05, elapsed: 1e-3, age, together: false, feels: false };
+//! let input = SafetyInput { now: 0.05, elapsed: 1e-3, age, together: false, measures_force: false };
 //! safety.measure(&motion, &bodies, &input)?;
 //! safety.decide(&bodies, &input);
 //! assert!(safety.nearest().is_none_or(|pair| pair.room() > 0.0));
@@ -71,7 +71,7 @@ mod distance;
 mod distance_bounds;
 mod error;
 mod fault;
-mod headway;
+mod following_distance;
 mod joint_velocity;
 mod link_capsule;
 mod measured_velocity;
@@ -92,7 +92,7 @@ pub use contact::{Contact, ContactLimit};
 pub use distance::{Proximity, proximity};
 pub use error::Error;
 pub use fault::{ClockFault, Fault, FrameFault};
-pub use headway::Headway;
+pub use following_distance::FollowingDistance;
 pub use hrsw::Capsule;
 pub use link_capsule::LinkCapsule;
 pub use measured_velocity::MeasuredVelocity;

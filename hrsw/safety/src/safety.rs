@@ -51,7 +51,7 @@ pub struct SafetyInput {
     pub together: bool,
     /// True if a contact would be noticed, because the force from outside was measured for this
     /// tick.
-    pub feels: bool,
+    pub measures_force: bool,
 }
 
 /// Speed and separation monitoring between robot and people, with self-collision avoidance, the
@@ -83,7 +83,7 @@ pub struct Safety {
     supervisor: Supervisor,
     separation: ApproachRows,
     own: ApproachRows,
-    /// Pairs of the settings, then those of a held object.
+    /// Pairs of the settings, then those of a grasped object.
     own_pairs: Vec<(usize, usize)>,
     separation_rows: Rows,
     own_rows: Rows,
@@ -144,26 +144,26 @@ impl Safety {
         })
     }
 
-    /// Adds the held object to the self-collision pairs of the hand. `bodies` are those of the
-    /// robot, with the held object as the last.
-    pub fn hold(&mut self, bodies: &[RobotBody]) {
-        self.release();
-        let Some((held, own)) = bodies.split_last() else { return };
-        let of_hand =
-            |index: &usize| own.get(*index).is_some_and(|body| body.joints == held.joints);
+    /// Adds the grasped object to the self-collision pairs of the gripper. `bodies` are those of
+    /// the robot, with the grasped object as the last.
+    pub fn attach(&mut self, bodies: &[RobotBody]) {
+        self.detach();
+        let Some((grasped, own)) = bodies.split_last() else { return };
+        let of_gripper =
+            |index: &usize| own.get(*index).is_some_and(|body| body.joints == grasped.joints);
         for &(first, second) in &self.settings.own_pairs {
             let others = [(first, second), (second, first)];
-            for (_, other) in others.into_iter().filter(|(hand, _)| of_hand(hand)) {
+            for (_, other) in others.into_iter().filter(|(gripper, _)| of_gripper(gripper)) {
                 let pair = (own.len(), other);
-                if !of_hand(&other) && !self.own_pairs.contains(&pair) {
+                if !of_gripper(&other) && !self.own_pairs.contains(&pair) {
                     self.own_pairs.push(pair);
                 }
             }
         }
     }
 
-    /// Removes the pairs of the held object.
-    pub fn release(&mut self) {
+    /// Removes the pairs of the grasped object.
+    pub fn detach(&mut self) {
         self.own_pairs.truncate(self.settings.own_pairs.len());
     }
 
@@ -214,12 +214,12 @@ impl Safety {
         input: &SafetyInput,
     ) -> Result<(), Error> {
         let step = self.settings.contact_acceleration * input.elapsed;
-        let change = if input.together && input.feels { step } else { -step };
+        let change = if input.together && input.measures_force { step } else { -step };
         for (change, limit) in self.velocity_change.iter_mut().zip(&self.acceleration_limits) {
             *change = limit * input.elapsed;
         }
         self.contact_speed = (self.contact_speed + change).clamp(0.0, self.settings.contact_speed);
-        if !input.feels {
+        if !input.measures_force {
             self.contact_speed = 0.0;
         }
         let separation = *self.separation.settings();

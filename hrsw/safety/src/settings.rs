@@ -76,8 +76,8 @@ impl Default for PersonBodySettings {
 /// use nalgebra::Vector3;
 ///
 /// let capsule = Capsule::new(Vector3::zeros(), Vector3::new(0.0, 0.0, 0.1), 0.05)?;
-/// let hand = LinkCapsule { link: "hand".to_owned(), capsule };
-/// let settings = SafetySettings { bodies: vec![hand], ..SafetySettings::default() };
+/// let gripper = LinkCapsule { link: "gripper".to_owned(), capsule };
+/// let settings = SafetySettings { bodies: vec![gripper], ..SafetySettings::default() };
 /// assert!(settings.validate().is_ok());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -107,7 +107,7 @@ pub struct SafetySettings {
     pub supervisor: SupervisorSettings,
     /// How the person's body is computed.
     pub person: PersonBodySettings,
-    /// Capsules of the robot, best from the hand to the base: the nearest are then found first.
+    /// Capsules of the robot, best from the gripper to the base: the nearest are then found first.
     /// Default: those of the robot, none if the robot is not known.
     pub bodies: Vec<LinkCapsule>,
     /// Pairs of these capsules that are kept apart, by index. Default: those of the robot.

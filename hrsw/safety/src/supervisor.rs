@@ -76,8 +76,8 @@ pub struct SupervisorSettings {
     /// Time of the ramp from full speed to zero, and back \[s\]. Default 0.5.
     pub ramp: f64,
     /// Force from outside above which the robot stops and gives way \[N\], see
-    /// [`Supervisor::feel`]. Default 60, below the lowest limit of a region of the body in a
-    /// quasi-static contact: 65 N on the face.
+    /// [`Supervisor::set_external_force`]. Default 60, below the lowest limit of a region of the
+    /// body in a quasi-static contact: 65 N on the face.
     pub contact_force: f64,
 }
 
@@ -169,7 +169,7 @@ pub struct Supervisor {
     cause: Option<Cause>,
     clear_for: f64,
     /// Time for which the protective distance has been violated \[s\].
-    undercut_for: f64,
+    violated_for: f64,
     waits: bool,
     unacknowledged: Option<Fault>,
     urgent: bool,
@@ -199,7 +199,7 @@ impl Supervisor {
             state,
             cause: None,
             clear_for: 0.0,
-            undercut_for: 0.0,
+            violated_for: 0.0,
             waits: false,
             unacknowledged: None,
             urgent: false,
@@ -265,7 +265,7 @@ impl Supervisor {
 
     /// Takes the force from outside in a tick, estimated from the joints' torques \[N\]. If it is
     /// above [`SupervisorSettings::contact_force`] or NaN, a fault is reported and returned.
-    pub fn feel(&mut self, force: f64) -> Option<Fault> {
+    pub fn set_external_force(&mut self, force: f64) -> Option<Fault> {
         let limit = self.settings.contact_force;
         // Both comparisons are false for NaN.
         let (within, relieved) = (force <= limit, force <= 0.5 * limit);
@@ -299,16 +299,16 @@ impl Supervisor {
             self.report(Fault::BadData);
         }
         let tolerance = self.settings.tolerance;
-        let undercut = observation.nearest.filter(|pair| pair.room() < -tolerance);
-        self.undercut_for = if undercut.is_some() { self.undercut_for + period } else { 0.0 };
+        let violation = observation.nearest.filter(|pair| pair.room() < -tolerance);
+        self.violated_for = if violation.is_some() { self.violated_for + period } else { 0.0 };
         let is_glimpse = self.state < SafetyState::Retreat
-            && self.undercut_for > 0.0
-            && self.undercut_for < self.settings.retreat_after;
+            && self.violated_for > 0.0
+            && self.violated_for < self.settings.retreat_after;
         let nearest = observation.nearest.filter(|_| !is_glimpse);
         let observation = &Observation { nearest, ..*observation };
         let demanded = self.demand(observation, 0.0);
         if self.state < SafetyState::Retreat {
-            self.urgent = undercut.is_some_and(|pair| pair.approach > CREEP);
+            self.urgent = violation.is_some_and(|pair| pair.approach > CREEP);
         }
         let faulty = std::mem::take(&mut self.reported);
         match demanded {

@@ -95,7 +95,7 @@ using Handle = std::unique_ptr<T, Deleter<T, free>>;
 
 }  // namespace detail
 
-// A hierarchical quadratic programme: levels of objectives and constraints, highest priority first.
+// A hierarchical quadratic program: levels of objectives and constraints, highest priority first.
 class Hierarchy {
  public:
   explicit Hierarchy(std::size_t variables) {

@@ -94,19 +94,19 @@ int main(int count, char** arguments) {
   q << 0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785;
   ahqp::Ik ik(model);
   expect_error(AHQP_STATUS_BAD_ARGUMENT, "not built", [&] { ik.step(q, 1e-3, velocity); });
-  expect_error(AHQP_STATUS_BAD_DATA, "panda_hand", [&] { ik.push_frame("hand", "hand"); });
-  const auto hand = ik.push_frame("hand", "panda_hand_tcp");
+  expect_error(AHQP_STATUS_BAD_DATA, "panda_hand", [&] { ik.push_frame("tool", "hand"); });
+  const auto tool = ik.push_frame("tool", "panda_hand_tcp");
   expect_error(AHQP_STATUS_BAD_ARGUMENT, "q has size 1", [&] { ik.build(one); });
   ik.build(q);
   expect_error(AHQP_STATUS_BAD_ARGUMENT, "built already", [&] { ik.push_posture("late"); });
-  expect_error(AHQP_STATUS_BAD_ARGUMENT, "no posture task", [&] { ik.set_posture(hand, q); });
+  expect_error(AHQP_STATUS_BAD_ARGUMENT, "no posture task", [&] { ik.set_posture(tool, q); });
   expect_error(AHQP_STATUS_BAD_ARGUMENT, "norm",
-               [&] { ik.set_pose(hand, Eigen::Vector3d::Zero(), Eigen::Quaterniond(2.0, 0.0, 0.0, 0.0)); });
+               [&] { ik.set_pose(tool, Eigen::Vector3d::Zero(), Eigen::Quaterniond(2.0, 0.0, 0.0, 0.0)); });
   expect_error(AHQP_STATUS_BAD_DATA, "positive", [&] { ik.step(q, 0.0, velocity); });
   expect_error(AHQP_STATUS_BAD_ARGUMENT, "the velocity has size 1", [&] { ik.step(q, 1e-3, small); });
   expect_error(AHQP_STATUS_BAD_DATA, "NaN", [&] { ik.step(Eigen::VectorXd::Constant(q.size(), nan), 1e-3, velocity); });
   const auto [position, orientation] = ik.pose(q, "panda_hand_tcp");
-  ik.set_pose(hand, position, orientation);
+  ik.set_pose(tool, position, orientation);
   expect(ik.step(q, 1e-3, velocity) == AHQP_STATUS_OK && velocity.norm() < 1e-9, "a pose that is held");
   ik.reset(Eigen::VectorXd::Constant(q.size(), 0.1));
   ik.brake(1e-3, velocity);

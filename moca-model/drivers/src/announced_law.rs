@@ -31,7 +31,7 @@ impl<F: FnMut(&str)> ControlLaw for AnnouncedLaw<F> {
 
     fn begin(&mut self, measured: &JointMeasurement) -> Result<(), Error> {
         self.law.begin(measured)?;
-        if !self.law.controller().feels_contacts() {
+        if !self.law.controller().measures_contacts() {
             (self.tell)(
                 "the robot measures no torques of its arm: nothing is felt, so force limiting is off, and the robot \
                  keeps its protective distance from everybody, those included with whom it works",

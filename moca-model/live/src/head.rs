@@ -118,6 +118,6 @@ pub(crate) fn sampler(cell: &Workcell) -> Result<Sampler, Error> {
     let (controller, map) = (cell.plant().controller(), &cell.setup().map);
     let mut sampler =
         Sampler::new(controller.robot().model(), MOCA_URDF, controller.settings(), map)?;
-    sampler.holding(cell.object());
+    sampler.grasping(cell.object());
     Ok(sampler)
 }

@@ -65,7 +65,7 @@ pub struct Picture {
     stopped: bool,
     waits: bool,
     ergonomics: bool,
-    holds: bool,
+    grasps: bool,
     rests: bool,
     /// REBA of the true posture.
     reba: Option<u8>,
@@ -150,7 +150,7 @@ impl Picture {
             stopped: command.safety == SafetyState::ProtectiveStop,
             waits: supervisor.waits_for_acknowledgement(),
             ergonomics: cell.setup().robot.controller.goal == Goal::Ergonomics,
-            holds: controller.object().is_some(),
+            grasps: controller.object().is_some(),
             rests: controller.space().is_at_rest(),
             reba: tick.reba_measured,
             pair,

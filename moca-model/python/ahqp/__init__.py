@@ -1,4 +1,4 @@
-"""Strict priorities: hierarchical quadratic programmes, their proofs, and limits of joints.
+"""Strict priorities: hierarchical quadratic programs, their proofs, and limits of joints.
 
 `ahqp.whole_body` has robots and their inverse kinematics, `ahqp.ergo` the ergonomics of people. SI units
 and radians throughout. Arrays may be anything that numpy takes for an array of real numbers; arrays of

@@ -23,7 +23,7 @@ def solved(*args, n=2, **keywords):
 
 def ik():
     model = whole_body.Model.from_file(PANDA)
-    tasks = {"hand": whole_body.PositionTask("panda_hand_tcp"), "posture": whole_body.PostureTask()}
+    tasks = {"tool": whole_body.PositionTask("panda_hand_tcp"), "posture": whole_body.PostureTask()}
     return whole_body.Ik(model, tasks, model.neutral())
 
 
@@ -79,13 +79,13 @@ CASES = [
     (lambda: ik().step([0.0], 1e-3), ValueError, "q has 1 entries; it must have 7"),
     (lambda: ik().step([NAN] * 7, 1e-3), ahqp.Error, "NaN"),
     (lambda: ik().step([0.0] * 7, -1.0), ahqp.Error, "positive"),
-    (lambda: ik().set_target("foot", [0.0] * 3), ValueError, "hand, posture"),
-    (lambda: ik().set_target("hand", [NAN] * 3), ahqp.Error, "NaN"),
-    (lambda: ik().set_target("hand", np.eye(4)), ValueError, "one dimension"),
+    (lambda: ik().set_target("foot", [0.0] * 3), ValueError, "tool, posture"),
+    (lambda: ik().set_target("tool", [NAN] * 3), ahqp.Error, "NaN"),
+    (lambda: ik().set_target("tool", np.eye(4)), ValueError, "one dimension"),
     (lambda: whole_body.Ik(whole_body.Model.from_file(PANDA), {"task": 3}), TypeError, "task"),
     (lambda: whole_body.Ik(whole_body.Model.from_file(PANDA), {}), ahqp.Error, "no level"),
-    (lambda: whole_body.PositionTask("hand", axes="abc"), ValueError, "xyz"),
-    (lambda: whole_body.AxisTask("hand", [0.0, 0.0, 0.0]), ValueError, "not zero"),
+    (lambda: whole_body.PositionTask("tool", axes="abc"), ValueError, "xyz"),
+    (lambda: whole_body.AxisTask("tool", [0.0, 0.0, 0.0]), ValueError, "not zero"),
     (lambda: ergo.Worksheet(trunk_flexion=NAN).score(), ahqp.Error, "trunk_flexion"),
     (lambda: ergo.Worksheet(coupling="sticky").score(), ValueError, "unacceptable"),
     (lambda: ergo.Worksheet(trunk=1.0), TypeError, "trunk"),

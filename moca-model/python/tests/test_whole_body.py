@@ -23,7 +23,7 @@ from ahqp.whole_body import (
     WheelLimit,
 )
 
-HAND = "panda_hand_tcp"
+TOOL = "panda_hand_tcp"
 START = np.array([0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785])
 
 
@@ -39,17 +39,17 @@ def test_jacobians_are_differences_of_poses():
     model, step = panda(), 1e-6
     data = Data(model)
     data.update(START, np.ones(7))
-    jacobian, twist = data.jacobian(HAND), data.twist(HAND)
+    jacobian, twist = data.jacobian(TOOL), data.twist(TOOL)
     assert jacobian @ np.ones(7) == pytest.approx(twist, abs=1e-12)
-    pose = data.pose(HAND)
+    pose = data.pose(TOOL)
     for joint in range(7):
         moved = START.copy()
         moved[joint] += step
         data.update(moved)
-        difference = (data.pose(HAND)[:3, 3] - pose[:3, 3]) / step
+        difference = (data.pose(TOOL)[:3, 3] - pose[:3, 3]) / step
         assert jacobian[:3, joint] == pytest.approx(difference, abs=1e-5)
     data.update(START)
-    local = data.jacobian(HAND, local=True)
+    local = data.jacobian(TOOL, local=True)
     assert pose[:3, :3] @ local[:3] == pytest.approx(jacobian[:3], abs=1e-12)
 
 
@@ -76,18 +76,18 @@ def test_a_velocity_is_needed_for_what_moves():
     data = Data(panda())
     data.update(START)
     with pytest.raises(ValueError, match="no velocity"):
-        data.twist(HAND)
+        data.twist(TOOL)
 
 
 def test_all_tasks_reach_their_targets_within_the_limits():
     model = panda()
     limits = model.limits
     tasks = {
-        "pose": {"place": PositionTask(HAND), "turn": OrientationTask(HAND)},
+        "pose": {"place": PositionTask(TOOL), "turn": OrientationTask(TOOL)},
         "rest": {"posture": PostureTask(gain=1.0), "damping": DampingTask(weights=np.full(7, 1e-3))},
     }
-    ik = Ik(model, tasks, START, limits={"hand": FrameVelocityLimit(HAND, [0.2] * 3, [np.inf] * 3)})
-    goal = ik.pose(START, HAND)[:3, 3] + [0.05, 0.1, -0.1]
+    ik = Ik(model, tasks, START, limits={"tool": FrameVelocityLimit(TOOL, [0.2] * 3, [np.inf] * 3)})
+    goal = ik.pose(START, TOOL)[:3, 3] + [0.05, 0.1, -0.1]
     ik.set_target("place", goal)
     q, last = START, np.zeros(7)
     for _ in range(3000):
@@ -96,17 +96,17 @@ def test_all_tasks_reach_their_targets_within_the_limits():
         assert np.all(np.abs(step.velocity) <= limits["velocity"] * (1 + 1e-9))
         assert np.all(np.abs(step.velocity - last) <= limits["acceleration"] * 1e-3 * (1 + 1e-6))
         last, q = step.velocity, step.q
-    assert ik.pose(q, HAND)[:3, 3] == pytest.approx(goal, abs=1e-6)
+    assert ik.pose(q, TOOL)[:3, 3] == pytest.approx(goal, abs=1e-6)
     assert set(step.slack) == {"place", "turn", "posture", "damping"}
     assert step.iterations > 0 and step.acceleration.shape == (7,)
 
 
 def test_every_kind_of_task_takes_a_target():
-    model = panda(frames={"tool": (HAND, np.eye(4))})
+    model = panda(frames={"tool": (TOOL, np.eye(4))})
     tasks = {
         "frame": FrameTask("tool", gain=10.0),
-        "relative": RelativeFrameTask("panda_link2", HAND),
-        "axis": AxisTask(HAND, [0.0, 0.0, 1.0]),
+        "relative": RelativeFrameTask("panda_link2", TOOL),
+        "axis": AxisTask(TOOL, [0.0, 0.0, 1.0]),
         "mass": CentreOfMassTask(axes="x"),
         "coupling": JointCouplingTask({"panda_joint1": 1.0, "panda_joint3": -1.0}),
         "posture": PostureTask(["panda_joint5"]),
@@ -133,8 +133,8 @@ def test_bases_move_and_brake():
     model = panda(base="planar", limits=dict.fromkeys(names, slow))
     assert model.joints[:3] == list(names)
     q = model.neutral()
-    ik = Ik(model, {"hand": PositionTask(HAND), "rest": PostureTask()}, q, limits={"wheels": WheelLimit.mecanum(1.0, 0.4)})
-    ik.set_target("hand", [2.0, 0.0, 0.8])
+    ik = Ik(model, {"tool": PositionTask(TOOL), "rest": PostureTask()}, q, limits={"wheels": WheelLimit.mecanum(1.0, 0.4)})
+    ik.set_target("tool", [2.0, 0.0, 0.8])
     for _ in range(300):
         q = ik.step(q, 1e-3).q
     assert q[0] > 0.0

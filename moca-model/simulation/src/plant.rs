@@ -6,8 +6,8 @@
 //! use moca_model::{Controller, ControllerSettings, MOCA_HOME, moca};
 //! use nalgebra::{Matrix3, Vector3};
 //!
-//! let comfort = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0)?;
-//! let controller = Controller::new(moca()?, comfort, ControllerSettings::default(), &MOCA_HOME)?;
+//! let ergonomics = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0)?;
+//! let controller = Controller::new(moca()?, ergonomics, ControllerSettings::default(), &MOCA_HOME)?;
 //! let mut plant = Plant::new(Drive::Torque, controller, 1)?;
 //! for tick in 0..100_u32 {
 //!     plant.step(1e-3 * f64::from(tick))?;
@@ -26,7 +26,7 @@ use moca_model::whole_body::state::{ExternalWrench, PayloadId};
 use moca_model::whole_body::torque::Compensation;
 use moca_model::whole_body::{Data, FrameId, Model};
 use moca_model::{
-    Command, Controller, ControllerSettings, DynamicRobot, DynamicRobotSettings, HeldObject,
+    Command, Controller, ControllerSettings, DynamicRobot, DynamicRobotSettings, GraspedObject,
     Measured, SimulatedRobot, TorqueController, TorqueLoopSettings,
 };
 use nalgebra::{Isometry3, Translation3, Vector3, Vector6};
@@ -192,14 +192,14 @@ impl Plant {
     ///
     /// # Errors
     /// An object that cannot be held.
-    pub fn hold(&mut self, object: &HeldObject) -> Result<(), Error> {
+    pub fn grasp(&mut self, object: &GraspedObject) -> Result<(), Error> {
         match &mut self.robot {
             Robot::Torque(both) => {
                 let (controller, robot) = &mut **both;
-                controller.hold(object.clone())?;
-                robot.hold(controller.controller().robot().tool(), object)?;
+                controller.grasp(object.clone())?;
+                robot.attach(controller.controller().robot().tool(), object)?;
             }
-            Robot::Kinematic(both) => both.0.hold(object.clone())?,
+            Robot::Kinematic(both) => both.0.grasp(object.clone())?,
         }
         self.face = object.tool_from_face()?;
         Ok(())
@@ -285,7 +285,7 @@ impl Plant {
                 }
                 let started = Instant::now();
                 // No force acts on a robot without mass.
-                controller.feel(0.0);
+                controller.set_external_force(0.0);
                 controller.step(now, &told.position)?;
                 started
             }
@@ -313,7 +313,7 @@ impl Plant {
         }
     }
 
-    /// Moves the robot for a period while `force` \[N, world\] pushes the held object. Only a robot under torques
+    /// Moves the robot for a period while `force` \[N, world\] pushes the grasped object. Only a robot under torques
     /// reacts to it.
     ///
     /// # Errors
@@ -362,8 +362,8 @@ impl Plant {
         }
         if mass > 0.0 {
             let tool = controller.controller().robot().tool();
-            let load = HeldObject { mass, ..HeldObject::default() };
-            self.load = Some(robot.hold(tool, &load)?);
+            let load = GraspedObject { mass, ..GraspedObject::default() };
+            self.load = Some(robot.attach(tool, &load)?);
         }
         Ok(())
     }
@@ -412,7 +412,7 @@ impl Plant {
         &self.reference
     }
 
-    /// The true pose of the hand of the person who works on the held object; that of the tool if there is none.
+    /// The true pose of the hand of the person who works on the grasped object; that of the tool if there is none.
     pub fn hand(&self) -> Isometry3<f64> {
         self.tool * Translation3::from(*self.controller().robot().tool_from_hand())
     }

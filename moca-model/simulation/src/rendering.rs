@@ -1,4 +1,4 @@
-//! A small software renderer. It shows what a colour camera with depth sees of the simulated person, the held object,
+//! A small software renderer. It shows what a colour camera with depth sees of the simulated person, the grasped object,
 //! the tool and the room.
 //!
 //! Bodies are capsules and boxes with one light. Depth has the noise of a stereo camera, correlated in time and among

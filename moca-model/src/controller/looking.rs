@@ -5,7 +5,7 @@ use vision_models::{Percept, Surface};
 
 use super::Controller;
 use crate::error::Error;
-use crate::held_object::BoxSide;
+use crate::grasped_object::BoxSide;
 use crate::interaction::{Phase, Sight};
 
 /// Least cosine of the angle between a side's normal and the direction to the camera at which the side faces the

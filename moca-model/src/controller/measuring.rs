@@ -25,9 +25,12 @@ impl Controller {
             return false;
         }
         let tool = self.robot.world_from_tool().translation.vector;
-        let Ok(following) =
-            self.leash.hold(&mut self.command, configuration, &self.follows_position, &tool)
-        else {
+        let Ok(following) = self.following_error.clamp(
+            &mut self.command,
+            configuration,
+            &self.follows_position,
+            &tool,
+        ) else {
             return false;
         };
         self.refer(configuration, following, elapsed);
@@ -47,7 +50,7 @@ impl Controller {
             self.report(Fault::FollowingError);
         }
         let (desired, actual) = (&mut self.command.desired, self.robot.world_from_hand());
-        self.leash.hold_pose(desired, &actual, following);
+        self.following_error.clamp_pose(desired, &actual, following);
         true
     }
 

@@ -78,16 +78,16 @@ impl Controller {
             elapsed,
             age: self.clock.age(),
             together: self.space.is_shared(),
-            feels: self.feels,
+            measures_force: self.measures_force,
         };
         let (robot, safety, velocity) =
             (&mut self.robot, &mut self.safety, &self.command.joint_velocity);
         if safety.needs_inertia() {
-            robot.weigh()?;
+            robot.update_inertia()?;
         }
         safety.measure(&robot.motion(velocity), robot.bodies(), &input)?;
         if safety.needs_inertia() && robot.inverse_inertia().is_none() {
-            robot.weigh()?;
+            robot.update_inertia()?;
             if robot.inverse_inertia().is_some() {
                 safety.measure_people(&robot.motion(velocity), robot.bodies())?;
             }

@@ -7,18 +7,18 @@ use super::Controller;
 impl Controller {
     /// Takes the external force measured for the coming tick \[N\]. Too large a force stops the robot. While the robot
     /// yields, the commanded state follows the measured one within the speed and travel of
-    /// [`LeashSettings`](crate::LeashSettings).
+    /// [`FollowingErrorSettings`](crate::FollowingErrorSettings).
     ///
     /// A robot without this measurement keeps its distance from everybody. The person who works with it may only touch
     /// it in ticks for which this was called.
-    pub fn feel(&mut self, force: f64) {
-        self.feels = true;
+    pub fn set_external_force(&mut self, force: f64) {
+        self.measures_force = true;
         let supervisor = self.safety.supervisor_mut();
-        let (fault, gives_way) = (supervisor.feel(force), supervisor.gives_way());
+        let (fault, gives_way) = (supervisor.set_external_force(force), supervisor.gives_way());
         if let Some(fault) = fault {
             self.note(fault);
         }
-        self.leash.give_way(gives_way);
+        self.following_error.give_way(gives_way);
     }
 
     /// Asks the robot to stop. From the next tick on it brakes as fast as its limits allow, and stands until an
@@ -31,7 +31,7 @@ impl Controller {
     /// at rest from the measured one, so that no missed motion is made up. The robot then stands until an
     /// acknowledgement.
     pub fn robot_stopped(&mut self) {
-        self.leash.resynchronise();
+        self.following_error.resynchronise();
         self.command.joint_velocity.fill(0.0);
         self.command.desired_twist.fill(0.0);
         self.acceleration.fill(0.0);
@@ -41,7 +41,7 @@ impl Controller {
     /// Restarts the commanded state from the measured one in the coming tick. The springs stay active while the robot
     /// brakes, since the arm would drift without them.
     pub(crate) fn restart(&mut self) {
-        self.leash.restart();
+        self.following_error.restart();
     }
 
     /// Reports a fault to the supervisor.

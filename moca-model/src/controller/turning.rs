@@ -7,7 +7,7 @@ use vision_models::Intention;
 
 use super::Controller;
 use crate::error::Error;
-use crate::held_object::BoxSide;
+use crate::grasped_object::BoxSide;
 use crate::interaction::{Phase, Situation};
 
 /// Distance of the desired pose from the shared workspace up to which it counts as within \[m or rad\].
@@ -80,7 +80,7 @@ impl Controller {
         let situation = Situation {
             time,
             intention,
-            holds: self.object.is_some(),
+            grasps: self.object.is_some(),
             mismatch,
             arrived: self.has_arrived(),
             sight: self.sight(),

@@ -17,13 +17,13 @@ pub(super) struct RobotBodies {
     own: usize,
 }
 
-/// Room for the held object and for the hand tool of the person.
-const HELD: usize = 2;
+/// Room for the grasped object and for the hand tool of the person.
+const ATTACHED: usize = 2;
 
 impl RobotBodies {
     pub(super) fn new(model: &Model, tool: FrameId, bodies: &[LinkCapsule]) -> Result<Self, Error> {
-        let mut shapes = Vec::with_capacity(bodies.len() + HELD);
-        let mut placed = Vec::with_capacity(bodies.len() + HELD);
+        let mut shapes = Vec::with_capacity(bodies.len() + ATTACHED);
+        let mut placed = Vec::with_capacity(bodies.len() + ATTACHED);
         for body in bodies {
             let link = model.frame_id(&body.link)?;
             shapes.push((link, body.capsule));
@@ -35,10 +35,10 @@ impl RobotBodies {
     }
 
     /// Replaces the capsules that the tool's frame carries. Allocates nothing.
-    pub(super) fn hold(&mut self, held: impl IntoIterator<Item = Capsule>) {
+    pub(super) fn attach(&mut self, capsules: impl IntoIterator<Item = Capsule>) {
         self.shapes.truncate(self.own);
         self.placed.truncate(self.own);
-        for capsule in held.into_iter().take(HELD) {
+        for capsule in capsules.into_iter().take(ATTACHED) {
             self.shapes.push((self.tool, capsule));
             self.placed.push(RobotBody { capsule, joints: self.joints });
         }

@@ -8,9 +8,9 @@ use whole_body::{Axes, Data, FrameId, Model, Posed};
 use super::bodies::RobotBodies;
 use super::inertia::InverseInertia;
 use crate::error::{Error, check_plain};
-use crate::held_object::HeldObject;
+use crate::grasped_object::GraspedObject;
 
-/// The robot at one configuration, as the stack of tasks sees it: pose and Jacobian of the tool, bodies, held object,
+/// The robot at one configuration, as the stack of tasks sees it: pose and Jacobian of the tool, bodies, grasped object,
 /// and the hand of the person who works on that.
 ///
 /// ```
@@ -30,7 +30,7 @@ pub struct Kinematics {
     data: Data,
     tool: FrameId,
     world_from_tool: Isometry3<f64>,
-    held: Option<Held>,
+    grasped: Option<Grasped>,
     /// Place of the hand in the tool's frame \[m\].
     hand: Vector3<f64>,
     jacobian: Matrix6xX<f64>,
@@ -38,9 +38,9 @@ pub struct Kinematics {
     inertia: InverseInertia,
 }
 
-/// The held object.
+/// The grasped object.
 #[derive(Debug, Clone, Copy)]
-struct Held {
+struct Grasped {
     payload: PayloadId,
     capsule: Capsule,
     /// Place where the person's hand tool meets it, in the tool's frame \[m\].
@@ -68,7 +68,7 @@ impl Kinematics {
             data: Data::new(&model),
             tool,
             world_from_tool: Isometry3::identity(),
-            held: None,
+            grasped: None,
             hand: Vector3::zeros(),
             jacobian: Matrix6xX::zeros(n),
             inertia: InverseInertia::new(n),
@@ -95,7 +95,7 @@ impl Kinematics {
     ///
     /// # Errors
     /// Never, since there is a configuration from the beginning.
-    pub fn weigh(&mut self) -> Result<(), Error> {
+    pub fn update_inertia(&mut self) -> Result<(), Error> {
         if self.inertia.get().is_none() {
             self.inertia.update(&mut self.data.posed(&self.model)?);
         }
@@ -106,23 +106,23 @@ impl Kinematics {
     /// none. Allocates nothing.
     ///
     /// # Errors
-    /// Those of [`HeldObject::validate`]; the robot then keeps what it held before.
-    pub fn hold(&mut self, object: &HeldObject) -> Result<(), Error> {
+    /// Those of [`GraspedObject::validate`]; the robot then keeps what it grasped before.
+    pub fn attach(&mut self, object: &GraspedObject) -> Result<(), Error> {
         object.validate()?;
         let (capsule, face) = (object.capsule()?, object.tool_from_face()?);
-        self.release()?;
+        self.detach()?;
         let payload = self.data.attach(&self.model, &object.payload(self.tool))?;
-        self.held = Some(Held { payload, capsule, face });
+        self.grasped = Some(Grasped { payload, capsule, face });
         self.carry()
     }
 
-    /// Releases the held object.
+    /// Releases the grasped object.
     ///
     /// # Errors
     /// Never.
-    pub fn release(&mut self) -> Result<(), Error> {
-        if let Some(held) = self.held.take() {
-            self.data.detach(&self.model, held.payload)?;
+    pub fn detach(&mut self) -> Result<(), Error> {
+        if let Some(grasped) = self.grasped.take() {
+            self.data.detach(&self.model, grasped.payload)?;
         }
         self.carry()
     }
@@ -142,13 +142,13 @@ impl Kinematics {
 
     /// Updates the bodies that the tool's frame carries.
     fn carry(&mut self) -> Result<(), Error> {
-        let held = self.held.filter(|_| self.bodies.are_any());
-        let tool = held.filter(|held| (held.face - self.hand).norm() > 2.0 * TOOL_RADIUS);
+        let grasped = self.grasped.filter(|_| self.bodies.are_any());
+        let tool = grasped.filter(|grasped| (grasped.face - self.hand).norm() > 2.0 * TOOL_RADIUS);
         let tool = match tool {
-            Some(held) => Some(Capsule::new(held.face, self.hand, TOOL_RADIUS)?),
+            Some(grasped) => Some(Capsule::new(grasped.face, self.hand, TOOL_RADIUS)?),
             None => None,
         };
-        self.bodies.hold(held.map(|held| held.capsule).into_iter().chain(tool));
+        self.bodies.attach(grasped.map(|grasped| grasped.capsule).into_iter().chain(tool));
         self.bodies.place(&self.data.posed(&self.model)?)
     }
 
@@ -193,7 +193,7 @@ impl Kinematics {
     }
 
     /// M⁻¹, the inverse of the joint-space inertia, n × n \[1/kg, 1/(kg m²)\]. `None` if it has not been
-    /// [computed](Self::weigh) at this configuration, and for a robot with a joint that moves no mass.
+    /// [computed](Self::update_inertia) at this configuration, and for a robot with a joint that moves no mass.
     pub fn inverse_inertia(&self) -> Option<&DMatrix<f64>> {
         self.inertia.get()
     }

@@ -17,7 +17,7 @@ use super::settings::{AnswerDelay, TorqueLoopSettings};
 use crate::command::Command;
 use crate::controller::Controller;
 use crate::error::Error;
-use crate::held_object::HeldObject;
+use crate::grasped_object::GraspedObject;
 use sensing::Usable;
 
 /// Measurements of a robot in a tick, n of each, in the order of q.
@@ -38,9 +38,9 @@ pub struct Measured<'a> {
 /// and torque rate, the base velocities. The term g(q) is left out if the robot adds it itself
 /// ([`Compensation`](whole_body::torque::Compensation)).
 ///
-/// Tasks are computed at the commanded arm, whose q* is within the leash of q, and at the commanded base, which
-/// approaches its measured place. So the arm's spring and damper do not form a feedback loop with the tasks. The tool
-/// corrects for the true place of the base.
+/// Tasks are computed at the commanded arm and base. The arm's q* is within the following-error limit of q, and the
+/// base approaches its measured place. So the arm's spring and damper do not form a feedback loop with the
+/// tasks. The tool corrects for the true place of the base.
 ///
 /// A [`MomentumObserver`] estimates the external torque. The force at the tool that explains it goes to the supervisor
 /// each tick. Above its limit the robot stops and yields: q* is q until the force is gone.
@@ -53,8 +53,8 @@ pub struct Measured<'a> {
 /// use moca_model::whole_body::torque::Compensation;
 /// use nalgebra::{Matrix3, Vector3};
 ///
-/// let comfort = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::new(-0.4, 0.1, -1.1), 0.8)?;
-/// let controller = Controller::new(moca()?, comfort, ControllerSettings::default(), &MOCA_HOME)?;
+/// let ergonomics = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::new(-0.4, 0.1, -1.1), 0.8)?;
+/// let controller = Controller::new(moca()?, ergonomics, ControllerSettings::default(), &MOCA_HOME)?;
 /// let mut controller = TorqueController::new(controller, TorqueLoopSettings::new(Compensation::BARE))?;
 /// // In the loop: controller.observe(&percept) at each camera frame, and each millisecond
 /// let measured =
@@ -76,7 +76,7 @@ pub struct TorqueController {
     contact: ContactForce,
     force: Vector3<f64>,
     /// Whether the last torques of all joints with torque drives were measured.
-    feels: bool,
+    measures_force: bool,
     /// Last usable measurement.
     position: Vec<f64>,
     velocity: Vec<f64>,
@@ -98,8 +98,8 @@ pub struct TorqueController {
     support: SupportTorque,
     payload_watch: PayloadWatch,
     unknown_payload: Option<f64>,
-    /// The payload of the held object.
-    held: Option<PayloadId>,
+    /// The payload of the grasped object.
+    grasped: Option<PayloadId>,
     law: LawInput,
     /// Additional deflection of the springs that compensates their sag \[rad\].
     sag: Vec<f64>,
@@ -162,7 +162,7 @@ impl TorqueController {
             observer: MomentumObserver::new(&model, observer)?,
             contact: ContactForce::new(&model, tool, names)?,
             force: Vector3::zeros(),
-            feels: false,
+            measures_force: false,
             velocity: vec![0.0; position.len()],
             watch: MeasurementWatch::new(position.len()),
             prediction: StatePrediction::new(&position, &joints),
@@ -176,7 +176,7 @@ impl TorqueController {
             support: SupportTorque::new(&model, settings.compensation, settings.rotor_inertia)?,
             payload_watch: PayloadWatch::default(),
             unknown_payload: None,
-            held: None,
+            grasped: None,
             law: LawInput {
                 desired: none.clone(),
                 desired_velocity: none.clone(),
@@ -201,7 +201,7 @@ impl TorqueController {
     pub(super) fn wait(&mut self, measured: &Measured<'_>, (pushed, torque): (usize, f64)) {
         let usable = self.take(measured);
         self.predict(measured.age);
-        self.feel(usable, self.watch.age() == 0.0);
+        self.sense_force(usable, self.watch.age() == 0.0);
         if !self.waits {
             self.rest.copy_from_slice(self.prediction.position());
             self.waits = true;
@@ -297,22 +297,22 @@ impl TorqueController {
         self.controller.observe_people(percept, others)
     }
 
-    /// Takes the first measurement of a robot, before the first step. [`feels_contacts`](Self::feels_contacts) is known
-    /// afterwards.
+    /// Takes the first measurement of a robot, before the first step. [`measures_contacts`](Self::measures_contacts) is
+    /// known afterwards.
     ///
     /// # Errors
     /// [`Error::Robot`] for a state far beyond the limits, which must be in other units. It names the joint.
     pub fn begin(&mut self, measured: &Measured<'_>) -> Result<(), Error> {
         self.model().check_units(measured.position, measured.velocity)?;
-        self.feels = self.measures_torques(measured);
+        self.measures_force = self.measures_torques(measured);
         Ok(())
     }
 
     /// Whether contacts would be noticed, because the last torques of all joints with torque drives were measured.
     /// Otherwise force limiting is off and nobody may be touched. The robot then keeps the same distance from its
     /// partner as from others.
-    pub fn feels_contacts(&self) -> bool {
-        self.feels
+    pub fn measures_contacts(&self) -> bool {
+        self.measures_force
     }
 
     fn measures_torques(&self, measured: &Measured<'_>) -> bool {
@@ -340,7 +340,7 @@ impl TorqueController {
         let last = self.last.replace(now);
         self.elapsed = self.time_since(last, now);
         self.predict(measured.age);
-        self.feel(usable, self.watch.age() == 0.0);
+        self.sense_force(usable, self.watch.age() == 0.0);
         let configuration =
             if usable.position { self.prediction.position() } else { measured.position };
         let outcome = self.controller.step(now, configuration).map(|_| ());
@@ -372,18 +372,18 @@ impl TorqueController {
             }
         }
         self.learn_sag(usable);
-        let weigh = |desired: &mut [f64], predicted: &[f64], is_known: bool| {
+        let blend = |desired: &mut [f64], predicted: &[f64], is_known: bool| {
             for (desired, predicted) in desired.iter_mut().zip(predicted) {
-                let weighed = self.prediction.towards(*desired, *predicted);
-                *desired = if is_known { weighed } else { *predicted };
+                let blended = self.prediction.towards(*desired, *predicted);
+                *desired = if is_known { blended } else { *predicted };
             }
         };
         let law = &mut self.law;
         for (desired, sag) in law.desired.iter_mut().zip(&self.sag) {
             *desired += sag;
         }
-        weigh(&mut law.desired, &law.measured, usable.position || usable.velocity);
-        weigh(&mut law.desired_velocity, &law.measured_velocity, usable.velocity);
+        blend(&mut law.desired, &law.measured, usable.position || usable.velocity);
+        blend(&mut law.desired_velocity, &law.measured_velocity, usable.velocity);
     }
 
     /// Learns the sag of the springs slowly. It is kept during a stop, and reset while the arm yields.
@@ -425,29 +425,29 @@ impl TorqueController {
         &self.force
     }
 
-    /// Sets the object that the tool holds, as [`Controller::hold`]. Gravity and observer include it.
+    /// Sets the object that the tool holds, as [`Controller::grasp`]. Gravity and observer include it.
     ///
     /// # Errors
-    /// Those of [`Controller::hold`].
-    pub fn hold(&mut self, object: HeldObject) -> Result<(), Error> {
+    /// Those of [`Controller::grasp`].
+    pub fn grasp(&mut self, object: GraspedObject) -> Result<(), Error> {
         let payload = object.payload(self.controller.robot().tool());
-        self.controller.hold(object)?;
+        self.controller.grasp(object)?;
         self.let_go()?;
-        self.held = Some(self.attach(&payload)?);
+        self.grasped = Some(self.attach(&payload)?);
         Ok(())
     }
 
-    /// Releases the held object and returns it.
+    /// Releases the grasped object and returns it.
     ///
     /// # Errors
     /// Never.
-    pub fn release(&mut self) -> Result<Option<HeldObject>, Error> {
+    pub fn release(&mut self) -> Result<Option<GraspedObject>, Error> {
         self.let_go()?;
         self.controller.release()
     }
 
     fn let_go(&mut self) -> Result<(), Error> {
-        self.held.take().map_or(Ok(()), |payload| self.detach(payload))
+        self.grasped.take().map_or(Ok(()), |payload| self.detach(payload))
     }
 
     /// Attaches a payload, which gravity and observer include.

@@ -4,7 +4,7 @@ use ergo_map::ErgonomicsQuadratic;
 use moca_model::whole_body::Data;
 use moca_model::whole_body::control_loop::{ControlLaw, JointCommand};
 use moca_model::{
-    CameraFrame, Controller, ControllerSettings, HeldObject, ImpedanceSettings, JointImpedance,
+    CameraFrame, Controller, ControllerSettings, GraspedObject, ImpedanceSettings, JointImpedance,
     JointState, Kinematics, MOCA_HOME, MOCA_TOOL, SimulatedRobot, moca, moca_safety,
 };
 use nalgebra::{Matrix3, Point3, Vector3};
@@ -60,11 +60,11 @@ fn impedance_and_simulation_allocate_nothing() {
 fn a_tick_of_the_controller_allocates_nothing() {
     let hessian = Matrix3::identity() * 8.0;
     let best = Vector3::new(0.35, -0.1, 1.1);
-    let comfort = ErgonomicsQuadratic::new(hessian, -(hessian * best), 1.0).unwrap();
+    let ergonomics = ErgonomicsQuadratic::new(hessian, -(hessian * best), 1.0).unwrap();
     let model = moca().unwrap();
     let settings = ControllerSettings::default();
     let mut robot = SimulatedRobot::new(&model, &MOCA_HOME).unwrap();
-    let mut controller = Controller::new(model, comfort, settings, &MOCA_HOME).unwrap();
+    let mut controller = Controller::new(model, ergonomics, settings, &MOCA_HOME).unwrap();
     let mut body = Body::default();
     for (joint, y, z) in [
         (Body25::RightShoulder, 0.2, 1.43),
@@ -76,7 +76,7 @@ fn a_tick_of_the_controller_allocates_nothing() {
         let position = Point3::new(1.4, y, z);
         body.set(joint, Some(Keypoint { position, confidence: Confidence::ONE }));
     }
-    controller.hold(HeldObject::default()).unwrap();
+    controller.grasp(GraspedObject::default()).unwrap();
     let action = RecognisedAction { action: Action::DeliverObject, confidence: Confidence::ONE };
     let mut percept = Percept { time: 0.0, body: Some(body), action: Some(action), surface: None };
     let count = allocations(|| {
@@ -90,7 +90,7 @@ fn a_tick_of_the_controller_allocates_nothing() {
                 }
                 controller.observe(&percept).unwrap();
             }
-            controller.feel(0.0);
+            controller.set_external_force(0.0);
             controller.step(now, robot.position()).unwrap();
             robot.step(&controller.command().joint_velocity, 1e-3).unwrap();
         }

@@ -40,10 +40,10 @@ fn unknown_tools_and_bodies_are_named() {
     assert_error!(error, Error::Robot(whole_body::Error::UnknownName { .. }), "gripper");
     let error = refused(&MOCA, MOCA_TOOL, &[ball("panda_hand"), ball("tail")]);
     assert_error!(error, Error::Robot(whole_body::Error::UnknownName { .. }), "tail");
-    let comfort =
+    let ergonomics =
         ergo_map::ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
     let settings = ControllerSettings { tool: "panda_tpc".into(), ..ControllerSettings::default() };
-    let error = Controller::new(MOCA.clone(), comfort, settings, &MOCA_HOME).unwrap_err();
+    let error = Controller::new(MOCA.clone(), ergonomics, settings, &MOCA_HOME).unwrap_err();
     assert_error!(
         error,
         Error::Robot(whole_body::Error::UnknownName { .. }),
@@ -102,25 +102,25 @@ fn configurations_that_are_none() {
 }
 
 #[test]
-fn invalid_space_clock_and_leash_are_named() {
+fn invalid_space_clock_and_following_error_are_named() {
     let model = MOCA.clone();
-    let comfort = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
+    let ergonomics = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
     let mut named = Vec::new();
     let mut check = |change: &dyn Fn(&mut ControllerSettings), name: &'static str| {
         let mut settings =
             ControllerSettings { safety: moca_safety().off(), ..ControllerSettings::default() };
         change(&mut settings);
-        let error = Controller::new(model.clone(), comfort, settings, &MOCA_HOME).unwrap_err();
+        let error = Controller::new(model.clone(), ergonomics, settings, &MOCA_HOME).unwrap_err();
         assert!(error.to_string().contains(name), "{error}");
         named.push(name);
     };
     check(&|s| s.clock.tolerance = 1.0, "clock.tolerance");
     check(&|s| s.clock.gap = 1e-3, "clock.gap");
     check(&|s| s.clock.ahead = -1.0, "clock.ahead");
-    check(&|s| s.leash.prismatic = 0.0, "leash.prismatic");
-    check(&|s| s.leash.revolute = f64::INFINITY, "leash.revolute");
-    check(&|s| s.leash.position = -0.1, "leash.position");
-    check(&|s| s.leash.rotation = 4.0, "leash.rotation");
+    check(&|s| s.following_error.prismatic = 0.0, "following_error.prismatic");
+    check(&|s| s.following_error.revolute = f64::INFINITY, "following_error.revolute");
+    check(&|s| s.following_error.position = -0.1, "following_error.position");
+    check(&|s| s.following_error.rotation = 4.0, "following_error.rotation");
     check(&|s| s.space.lead = -0.1, "space.lead");
     check(&|s| s.space.clearance = f64::NAN, "space.clearance");
     check(&|s| s.space.margin = -1e-3, "space.margin");

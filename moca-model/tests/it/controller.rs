@@ -19,7 +19,7 @@ const PERIOD: f64 = 1e-3;
 const FRAME: u32 = 50;
 
 /// Ergonomics with the optimum at (0.35, −0.1, 1.1) in the person's frame.
-fn comfort() -> ErgonomicsQuadratic {
+fn ergonomics() -> ErgonomicsQuadratic {
     let hessian = Matrix3::from_diagonal(&Vector3::new(10.0, 5.0, 7.0));
     let best = Vector3::new(0.42, -0.1, 1.1);
     ErgonomicsQuadratic::new(hessian, -(hessian * best), 0.5 * best.dot(&(hessian * best))).unwrap()
@@ -61,7 +61,7 @@ impl Loop {
     fn new(settings: ControllerSettings) -> Self {
         let model = MOCA.clone();
         let robot = SimulatedRobot::new(&model, &MOCA_HOME).unwrap();
-        let controller = Controller::new(model, comfort(), settings, &MOCA_HOME).unwrap();
+        let controller = Controller::new(model, ergonomics(), settings, &MOCA_HOME).unwrap();
         Self { controller, robot, tick: 0 }
     }
 
@@ -223,7 +223,7 @@ proptest! {
         let mut start = MOCA_HOME;
         (start[0], start[2]) = (x, yaw);
         let mut controller =
-            Controller::new(model, comfort(), ControllerSettings::default(), &start).unwrap();
+            Controller::new(model, ergonomics(), ControllerSettings::default(), &start).unwrap();
         let person = person_at(2.0, 0.5, 3.0);
         let mut robot = SimulatedRobot::new(&MOCA, &start).unwrap();
         let mut fastest = 0.0_f64;
@@ -250,7 +250,7 @@ proptest! {
 #[test]
 fn bad_settings_and_bad_measurements_are_named() {
     let model = MOCA.clone();
-    let make = |settings| Controller::new(model.clone(), comfort(), settings, &MOCA_HOME);
+    let make = |settings| Controller::new(model.clone(), ergonomics(), settings, &MOCA_HOME);
     let standard = ControllerSettings::default;
     let short = DesiredMotion { acceleration: 0.5, ..DesiredMotion::default() };
     for (settings, word) in [

@@ -97,9 +97,11 @@ impl Drive {
     pub(crate) fn with(settings: ControllerSettings) -> Self {
         let model = MOCA.clone();
         let robot = SimulatedRobot::new(&model, &MOCA_HOME).unwrap();
-        let comfort = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
+        let ergonomics =
+            ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
         let period = settings.period;
-        let mut controller = Controller::new(model.clone(), comfort, settings, &MOCA_HOME).unwrap();
+        let mut controller =
+            Controller::new(model.clone(), ergonomics, settings, &MOCA_HOME).unwrap();
         let space = controller.space().workspace();
         let (centre, rotation) = (space.position(), space.world_from_workspace().rotation);
         let middle = (centre.min() + centre.max()) * 0.5;

@@ -93,15 +93,15 @@ fn scenarios() -> BTreeMap<String, Scenario> {
         (Fault::ContactForce, |drive| {
             // A torque controller reports the observed force to the supervisor.
             let supervisor = drive.controller.safety_mut().supervisor_mut();
-            assert_eq!(supervisor.feel(59.0), None);
-            assert_eq!(supervisor.feel(61.0), Some(Fault::ContactForce));
+            assert_eq!(supervisor.set_external_force(59.0), None);
+            assert_eq!(supervisor.set_external_force(61.0), Some(Fault::ContactForce));
             drive.step();
         }),
         (Fault::NoSolution, |drive| {
             towards_work(drive);
-            drive.controller.set_comfort(unusable());
+            drive.controller.set_ergonomics(unusable());
             drive.step();
-            drive.controller.set_comfort(usable());
+            drive.controller.set_ergonomics(usable());
         }),
         (Fault::StopRequested, |drive| {
             drive.controller.request_stop();
@@ -113,7 +113,7 @@ fn scenarios() -> BTreeMap<String, Scenario> {
 
 /// The rows of the book's table: fault, state, how it ends.
 fn table() -> Vec<[String; 3]> {
-    let book = include_str!("../book.md");
+    let book = include_str!("../faults.md");
     let (_, table) = book.split_once("| fault | when | state | how it ends |").unwrap();
     let rows = table.lines().skip(2).take_while(|line| line.starts_with('|'));
     rows.map(|line| {

@@ -4,7 +4,7 @@
 use ahqp_core::Budget;
 use ergo_map::ErgonomicsQuadratic;
 use hrsw_safety::{ClockFault, Fault, FrameFault, SafetyState};
-use moca_model::{ControllerSettings, Error, LeashSettings, MOCA_HOME, Outcome};
+use moca_model::{ControllerSettings, Error, FollowingErrorSettings, MOCA_HOME, Outcome};
 use nalgebra::{Matrix3, Vector3};
 use vision_models::{Action, Tool};
 
@@ -174,7 +174,7 @@ pub(crate) fn towards_work(drive: &mut Drive) {
 fn ticks_without_a_solution_are_heard_of() {
     let mut drive = Drive::new();
     towards_work(&mut drive);
-    drive.controller.set_comfort(unusable());
+    drive.controller.set_ergonomics(unusable());
     drive.step();
     assert_eq!(drive.controller.command().outcome, Outcome::Braking);
     assert_eq!(drive.controller.command().fault, Some(Fault::NoSolution));
@@ -239,7 +239,7 @@ fn error_brakes_and_informs_the_supervisor() {
 /// The measured state stands still for some time, because the robot is held or not measured.
 #[test]
 fn command_never_runs_away_from_held_robot() {
-    let leash = LeashSettings::default();
+    let following_error = FollowingErrorSettings::default();
     for (ticks, moves) in [(300, false), (2000, false), (300, true), (2000, true)] {
         let mut drive = Drive::new();
         drive.run(1.2);
@@ -250,16 +250,17 @@ fn command_never_runs_away_from_held_robot() {
             for (index, (commanded, measured)) in
                 command.joint_position.iter().zip(measured).enumerate()
             {
-                let length = if index < 2 { leash.prismatic } else { leash.revolute };
+                let length =
+                    if index < 2 { following_error.prismatic } else { following_error.revolute };
                 let apart = (commanded - measured).abs();
                 // A tick adds this distance.
                 assert!(apart <= length + joints[index].velocity * PERIOD, "{index}: {apart}");
             }
             let (desired, actual) = (&command.desired, drive.controller.actual());
             let apart = (desired.translation.vector - actual.translation.vector).norm();
-            assert!(apart <= leash.position + 2e-3, "{apart} m");
+            assert!(apart <= following_error.position + 2e-3, "{apart} m");
             let angle = desired.rotation.angle_to(&actual.rotation);
-            assert!(angle <= leash.rotation + 4e-3, "{angle} rad");
+            assert!(angle <= following_error.rotation + 4e-3, "{angle} rad");
         };
         let before = drive.fastest();
         for _ in 0..ticks {

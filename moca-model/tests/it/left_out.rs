@@ -90,10 +90,10 @@ struct Run {
 
 impl Run {
     fn new() -> Self {
-        let comfort =
+        let ergonomics =
             ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::new(-0.4, 0.1, -1.1), 0.8);
         let settings = ControllerSettings::default();
-        let controller = Controller::new(MOCA.clone(), comfort.unwrap(), settings, &MOCA_HOME);
+        let controller = Controller::new(MOCA.clone(), ergonomics.unwrap(), settings, &MOCA_HOME);
         let torques = TorqueLoopSettings::new(moca_model::whole_body::torque::Compensation::BARE);
         Self {
             controller: TorqueController::new(controller.unwrap(), torques).unwrap(),
@@ -180,13 +180,13 @@ fn assert_never_bolder(what: &str, with: &Run, without: &Run) {
 #[test]
 fn without_torques_nothing_is_felt_and_nobody_touched() {
     let with = run(6.0, everything, all_torques);
-    assert!(with.controller.feels_contacts());
+    assert!(with.controller.measures_contacts());
     let fastest = with.ticks.iter().fold(0.0, |most: f64, tick| most.max(tick.contact_speed));
     assert!(fastest > 0.1, "they work together: {fastest} m/s");
     // All torques of the arm are missing, as in an empty list of efforts, or a single one.
     for lost in [3..10, 5..6] {
         let without = run(6.0, everything, |torques| torques[lost.clone()].fill(None));
-        assert!(!without.controller.feels_contacts());
+        assert!(!without.controller.measures_contacts());
         assert!(without.ticks.iter().all(|tick| tick.contact_speed == 0.0));
         assert_eq!(without.controller.external_force().norm(), 0.0, "no force that is not there");
         assert!(without.state() < SafetyState::ProtectiveStop);
@@ -205,14 +205,14 @@ fn force_limiting_comes_and_goes_with_the_torques() {
     for _ in 0..4000 {
         run.step(&everything, &|torques| torques.fill(None));
     }
-    assert!(!run.controller.feels_contacts());
+    assert!(!run.controller.measures_contacts());
     for _ in 0..1500 {
         run.step(&everything, &all_torques);
     }
-    assert!(run.controller.feels_contacts());
+    assert!(run.controller.measures_contacts());
     assert!(run.ticks.last().unwrap().contact_speed > 0.1);
     run.step(&everything, &|torques| torques[4] = None);
-    assert!(!run.controller.feels_contacts());
+    assert!(!run.controller.measures_contacts());
     assert_eq!(run.ticks.last().unwrap().contact_speed, 0.0, "at once");
 }
 
@@ -258,8 +258,10 @@ fn lost_joint_never_leaves_more_room() {
     let stands = |time: f64| Percept { action: None, ..everything(time + 2.0) };
     let rooms = |missing: Option<Body25>| -> Vec<Boldness> {
         let settings = ControllerSettings::default();
-        let comfort = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
-        let mut controller = Controller::new(MOCA.clone(), comfort, settings, &MOCA_HOME).unwrap();
+        let ergonomics =
+            ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
+        let mut controller =
+            Controller::new(MOCA.clone(), ergonomics, settings, &MOCA_HOME).unwrap();
         let ticks = (0..700_u32).map(|tick| {
             let now = f64::from(tick) * PERIOD;
             if tick.is_multiple_of(FRAME) {

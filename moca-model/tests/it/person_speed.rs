@@ -139,7 +139,7 @@ fn share_in_retreat(towards: f64) -> f64 {
             elapsed: PERIOD,
             age: Age::new(0.0).unwrap(),
             together: false,
-            feels: false,
+            measures_force: false,
         };
         safety.measure(&robot.motion(&[0.0; 10]), robot.bodies(), &input).unwrap();
         safety.decide(robot.bodies(), &input);
@@ -259,7 +259,8 @@ fn place_from_covariances_has_stated_uncertainty() {
                 .observe(&Percept { time: now, body: seen, action: None, surface: None })
                 .unwrap();
             let age = Age::new(0.0).unwrap();
-            let input = SafetyInput { now, elapsed: PERIOD, age, together: false, feels: false };
+            let input =
+                SafetyInput { now, elapsed: PERIOD, age, together: false, measures_force: false };
             safety.measure(&robot.motion(&[0.0; 10]), robot.bodies(), &input).unwrap();
             let trunk = safety.person_bodies().first().unwrap();
             let error =

@@ -26,9 +26,10 @@ impl Loop {
     fn new() -> Self {
         let model = MOCA.clone();
         let robot = SimulatedRobot::new(&model, &MOCA_HOME).unwrap();
-        let comfort = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
+        let ergonomics =
+            ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
         let settings = ControllerSettings::default();
-        let controller = Controller::new(model, comfort, settings, &MOCA_HOME).unwrap();
+        let controller = Controller::new(model, ergonomics, settings, &MOCA_HOME).unwrap();
         Self { controller, robot, tick: 0 }
     }
 
@@ -194,10 +195,10 @@ fn the_capsules_hold_the_chassis() {
 #[test]
 fn bad_safety_settings_are_named() {
     let model = MOCA.clone();
-    let comfort = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
+    let ergonomics = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
     let make = |safety| {
         let settings = ControllerSettings { safety, ..ControllerSettings::default() };
-        Controller::new(model.clone(), comfort, settings, &MOCA_HOME).unwrap_err()
+        Controller::new(model.clone(), ergonomics, settings, &MOCA_HOME).unwrap_err()
     };
     let standard = moca_safety;
     let error = make(SafetySettings { contact_speed: f64::NAN, ..standard() });
@@ -210,7 +211,8 @@ fn bad_safety_settings_are_named() {
     let error = make(SafetySettings { own_pairs: vec![(0, 99)], ..standard() });
     assert!(error.to_string().contains("99"), "{error}");
     let mut controller =
-        Controller::new(model.clone(), comfort, ControllerSettings::default(), &MOCA_HOME).unwrap();
+        Controller::new(model.clone(), ergonomics, ControllerSettings::default(), &MOCA_HOME)
+            .unwrap();
     let half = Bounds::symmetric(Vector3::repeat(0.1)).unwrap();
     let turned = hrsw::OrientedBox::new(Isometry3::identity(), half).unwrap();
     let error = controller.space_mut().reshape_position(&turned.into(), 1.0).unwrap_err();

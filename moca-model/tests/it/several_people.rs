@@ -46,7 +46,7 @@ fn nobody_else_is_worked_with() {
             let work = doing(Action::Using(Tool::Drill), drive.time(), drive.person);
             drive.controller.observe_people(&work, &[body(4.0)]).unwrap();
         }
-        drive.controller.feel(0.0);
+        drive.controller.set_external_force(0.0);
         drive.step();
     }
     assert!(drive.controller.safety().contact_speed() > 0.0);
@@ -109,7 +109,7 @@ fn working_person_stops_counting_as_another() {
             (percept(time, None), vec![body(5.0), body(3.0)])
         };
         drive.controller.observe_people(&percept, &others).unwrap();
-        drive.controller.feel(0.0);
+        drive.controller.set_external_force(0.0);
         drive.step();
         let safety = drive.controller.safety();
         let of_person = safety.person_bodies().len();

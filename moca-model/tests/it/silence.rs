@@ -48,11 +48,12 @@ struct Moving {
 
 impl Moving {
     fn new(delay: usize, every: u32, seed: u64) -> Self {
-        let comfort = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
+        let ergonomics =
+            ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
         let mut settings = ControllerSettings::default();
         settings.desired.velocity = 1.0;
         settings.desired.angular_velocity = 2.0;
-        let controller = Controller::new(MOCA.clone(), comfort, settings, &MOCA_HOME).unwrap();
+        let controller = Controller::new(MOCA.clone(), ergonomics, settings, &MOCA_HOME).unwrap();
         let settings = DynamicRobotSettings { delay, loss: 0.0, ..DynamicRobotSettings::default() };
         Self {
             controller: TorqueController::new(

@@ -31,10 +31,10 @@ fn measure(jacobian: &Matrix6xX<f64>) -> f64 {
 }
 
 fn controller(singularity: Option<SingularitySettings>) -> Result<Controller, Error> {
-    let comfort = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
+    let ergonomics = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
     let safety = moca_safety().off();
     let settings = ControllerSettings { safety, singularity, ..ControllerSettings::default() };
-    Controller::new(MOCA.clone(), comfort, settings, &MOCA_HOME)
+    Controller::new(MOCA.clone(), ergonomics, settings, &MOCA_HOME)
 }
 
 /// Sets a target for the tool 2 m above its reach, for 8 s.

@@ -62,8 +62,9 @@ impl Held {
         };
         let defaults = ControllerSettings::default();
         let settings = ControllerSettings { safety, desired, singularity: None, ..defaults };
-        let comfort = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
-        let controller = Controller::new(MOCA.clone(), comfort, settings, &MOCA_HOME).unwrap();
+        let ergonomics =
+            ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
+        let controller = Controller::new(MOCA.clone(), ergonomics, settings, &MOCA_HOME).unwrap();
         Self {
             controller,
             draw: Draw(seed),

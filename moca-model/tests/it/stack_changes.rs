@@ -17,7 +17,7 @@ struct Change {
     /// Place of the person's trunk \[m\]; `None` if nobody is seen.
     person: Option<f64>,
     /// Whether external forces would be noticed, so that contacts are permitted.
-    feels: bool,
+    measures_force: bool,
     ticks: u32,
 }
 
@@ -28,8 +28,9 @@ fn change() -> impl Strategy<Value = Change> {
         Action::DeliverObject,
         Action::Walking,
     ]);
-    (action, prop::option::weighted(0.8, 0.8..2.0_f64), any::<bool>(), 200..900_u32)
-        .prop_map(|(action, person, feels, ticks)| Change { action, person, feels, ticks })
+    (action, prop::option::weighted(0.8, 0.8..2.0_f64), any::<bool>(), 200..900_u32).prop_map(
+        |(action, person, measures_force, ticks)| Change { action, person, measures_force, ticks },
+    )
 }
 
 proptest! {
@@ -42,16 +43,16 @@ proptest! {
     ) {
         let hessian = Matrix3::from_diagonal(&Vector3::new(10.0, 5.0, 7.0));
         let best = Vector3::new(0.42, -0.1, 1.1);
-        let comfort = ErgonomicsQuadratic::new(hessian, -(hessian * best), 8.0).unwrap();
+        let ergonomics = ErgonomicsQuadratic::new(hessian, -(hessian * best), 8.0).unwrap();
         let safety = if keeps_distance { moca_safety() } else { moca_safety().off() };
         let settings = ControllerSettings { safety, ..ControllerSettings::default() };
         let desired = settings.desired;
-        let mut controller = Controller::new(MOCA.clone(), comfort, settings, &MOCA_HOME).unwrap();
+        let mut controller = Controller::new(MOCA.clone(), ergonomics, settings, &MOCA_HOME).unwrap();
         let mut robot = SimulatedRobot::new(&MOCA, &MOCA_HOME).unwrap();
         let limits = MOCA.limits();
         let (mut velocity, mut acceleration) = (vec![0.0; 10], vec![0.0; 10]);
         let (mut twist, mut moved, mut tick) = (Vector6::zeros(), false, 0_u32);
-        for Change { action, person, feels, ticks } in changes {
+        for Change { action, person, measures_force, ticks } in changes {
             for _ in 0..ticks {
                 let now = f64::from(tick) * PERIOD;
                 if tick.is_multiple_of(FRAME) {
@@ -59,8 +60,8 @@ proptest! {
                     // A person who jumps is only accepted from the next frame on.
                     prop_assert!(matches!(seen, Ok(()) | Err(Error::Safety(hrsw_safety::Error::BodySpeed { .. }))), "{seen:?}");
                 }
-                if feels {
-                    controller.feel(0.0);
+                if measures_force {
+                    controller.set_external_force(0.0);
                 }
                 let command = controller.step(now, robot.position()).unwrap();
                 for (joint, limits) in limits.iter().enumerate() {

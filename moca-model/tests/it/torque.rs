@@ -10,8 +10,8 @@ use moca_model::whole_body::simulation::{Contact, RandomSource};
 use moca_model::whole_body::state::ExternalWrench;
 use moca_model::whole_body::torque::Compensation;
 use moca_model::{
-    Controller, ControllerSettings, DynamicRobot, DynamicRobotSettings, LeashSettings, MOCA_HOME,
-    MOCA_TOOL, Measured, TorqueController, TorqueLoopSettings,
+    Controller, ControllerSettings, DynamicRobot, DynamicRobotSettings, FollowingErrorSettings,
+    MOCA_HOME, MOCA_TOOL, Measured, TorqueController, TorqueLoopSettings,
 };
 use nalgebra::{Isometry3, Matrix3, Vector3, Vector6};
 
@@ -53,8 +53,9 @@ struct Loop {
 
 impl Loop {
     fn new(settings: ControllerSettings) -> Self {
-        let comfort = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
-        let controller = Controller::new(MOCA.clone(), comfort, settings, &MOCA_HOME).unwrap();
+        let ergonomics =
+            ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
+        let controller = Controller::new(MOCA.clone(), ergonomics, settings, &MOCA_HOME).unwrap();
         Self {
             controller: TorqueController::new(
                 controller,
@@ -214,10 +215,10 @@ fn hard_push_stops_arm_which_yields() {
     assert_eq!(robot.state(), SafetyState::Normal);
 }
 
-/// q* stays within the leash for 3 s at a wall, and the robot jumps by at most 5 mm.
+/// q* stays within the following-error limit for 3 s at a wall, and the robot jumps by at most 5 mm.
 #[test]
 fn tool_released_from_wall_does_not_jump() {
-    let leash = LeashSettings::default().revolute;
+    let following_error = FollowingErrorSettings::default().revolute;
     for contact_force in [60.0, 1e6] {
         let mut settings = ControllerSettings::default();
         settings.safety.supervisor.contact_force = contact_force;
@@ -244,7 +245,7 @@ fn tool_released_from_wall_does_not_jump() {
             excursion = excursion.max(robot.excursion());
         }
         // The command of one period comes on top.
-        assert!(excursion <= leash + 2.61e-3 + 1e-3, "{excursion} rad");
+        assert!(excursion <= following_error + 2.61e-3 + 1e-3, "{excursion} rad");
         assert!(jump <= 5e-3, "{jump} m");
     }
 }
@@ -341,10 +342,10 @@ fn a_tick_down_to_torque_allocates_nothing() {
 
 #[test]
 fn joints_that_nobody_knows_are_refused() {
-    let comfort = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
+    let ergonomics = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
     let new = |settings| {
         let controller =
-            Controller::new(MOCA.clone(), comfort, ControllerSettings::default(), &MOCA_HOME);
+            Controller::new(MOCA.clone(), ergonomics, ControllerSettings::default(), &MOCA_HOME);
         TorqueController::new(controller.unwrap(), settings).unwrap_err().to_string()
     };
     let default = || TorqueLoopSettings::new(Compensation::BARE);

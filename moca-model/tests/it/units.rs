@@ -166,9 +166,10 @@ fn joints_in_wrong_units_end_the_loop() {
         (&millimetres, &rest, 1, "metres, not millimetres"),
         (&home, &fast, 4, "radians a second, not degrees a second"),
     ] {
-        let comfort = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
+        let ergonomics =
+            ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
         let controller =
-            Controller::new(MOCA.clone(), comfort, ControllerSettings::default(), &MOCA_HOME);
+            Controller::new(MOCA.clone(), ergonomics, ControllerSettings::default(), &MOCA_HOME);
         let controller = TorqueController::new(
             controller.unwrap(),
             TorqueLoopSettings::new(moca_model::whole_body::torque::Compensation::BARE),

@@ -3,7 +3,8 @@
 use hrsw_safety::{Capsule, proximity};
 use moca_model::whole_body::{Data, FrameId};
 use moca_model::{
-    Controller, ControllerSettings, HeldObject, MOCA_HOME, MOCA_TOOL, SimulatedRobot, moca_safety,
+    Controller, ControllerSettings, GraspedObject, MOCA_HOME, MOCA_TOOL, SimulatedRobot,
+    moca_safety,
 };
 use nalgebra::{DMatrix, Isometry3, Matrix3, Point3, Vector3};
 use rand::Rng;
@@ -109,16 +110,16 @@ fn walk_in(seed: u64, count: &mut Count) {
     let mut robot = SimulatedRobot::new(&model, &MOCA_HOME).unwrap();
     let hessian = Matrix3::from_diagonal(&Vector3::new(10.0, 5.0, 7.0));
     let best = Vector3::new(0.35, -0.1, 1.1);
-    let comfort = ergo_map::ErgonomicsQuadratic::new(
+    let ergonomics = ergo_map::ErgonomicsQuadratic::new(
         hessian,
         -(hessian * best),
         0.5 * best.dot(&(hessian * best)),
     );
     let settings = ControllerSettings::default();
     let mut controller =
-        Controller::new(model.clone(), comfort.unwrap(), settings, &MOCA_HOME).unwrap();
-    let object = HeldObject::default();
-    controller.hold(object.clone()).unwrap();
+        Controller::new(model.clone(), ergonomics.unwrap(), settings, &MOCA_HOME).unwrap();
+    let object = GraspedObject::default();
+    controller.grasp(object.clone()).unwrap();
 
     // They stand in front of the robot, work, and walk into it from there at some speed and angle.
     let tool = robot.position()[0] + 0.3;
@@ -148,7 +149,7 @@ fn walk_in(seed: u64, count: &mut Count) {
         if tick % FRAME == 0 {
             controller.observe(&percept(now, &pose)).unwrap();
         }
-        controller.feel(0.0);
+        controller.set_external_force(0.0);
         let command = controller.step(now, robot.position()).unwrap();
         assert!(command.outcome.is_optimal());
         let velocity = command.joint_velocity.clone();

@@ -93,9 +93,11 @@ pub enum Error {
         given: String,
     },
 
-    /// A joint is listed both as moving and as held.
-    #[error("joint `{joint}` is listed among the moving joints and held at a position; do either")]
-    HeldAndMoving {
+    /// A joint is listed both as moving and as locked.
+    #[error(
+        "joint `{joint}` is listed among the moving joints and locked at a position; do either"
+    )]
+    LockedAndMoving {
         /// The joint.
         joint: String,
     },

@@ -22,7 +22,7 @@
 //! refer to a frame's origin, in axes parallel to the world's unless [`Axes::Local`] is given. The size of q is
 //! [`Model::position_count`], that of q̇ [`Model::velocity_count`]. They differ only for a floating base.
 //!
-//! This program moves a Panda's hand on a circle. The hand's position has priority over its orientation, and that over
+//! This program moves a Panda's tool on a circle. The tool's position has priority over its orientation, and that over
 //! the posture of the arm:
 //!
 //! ```
@@ -31,14 +31,14 @@
 //! use whole_body::{Description, Ik, Model};
 //!
 //! let model = Model::from_urdf_file("examples/urdf/panda.urdf", &Description::default())?;
-//! let hand = model.frame_id("panda_hand_tcp")?;
+//! let tool = model.frame_id("panda_hand_tcp")?;
 //! let mut q = vec![0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785];
 //! let mut builder = Ik::builder(&model);
-//! let position = builder.push("position", PositionTask::new(hand)); // highest priority first
-//! builder.push("orientation", OrientationTask::new(hand));
+//! let position = builder.push("position", PositionTask::new(tool)); // highest priority first
+//! builder.push("orientation", OrientationTask::new(tool));
 //! builder.push("posture", PostureTask::new());
 //! let mut ik = builder.build_at(&q)?; // orientation and posture stay as they are there
-//! let start = ik.pose(&q, hand)?.translation.vector;
+//! let start = ik.pose(&q, tool)?.translation.vector;
 //! for tick in 0..6000 {
 //!     let angle = f64::min(1.57e-3 * f64::from(tick), std::f64::consts::TAU); // once round
 //!     let target = start + 0.1 * vector![0.0, angle.sin(), angle.cos() - 1.0];
@@ -46,7 +46,7 @@
 //!     let step = ik.step(&q, 1e-3)?; // within all limits of the joints
 //!     step.integrate(&mut q)?; // or send step.velocity() to the robot
 //! }
-//! assert!((ik.pose(&q, hand)?.translation.vector - start).norm() < 1e-3);
+//! assert!((ik.pose(&q, tool)?.translation.vector - start).norm() < 1e-3);
 //! # Ok::<(), whole_body::Error>(())
 //! ```
 //!

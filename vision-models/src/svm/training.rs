@@ -66,7 +66,7 @@ pub(super) fn train(
         Training { converged: false, iterations: 0, objective: f64::INFINITY, bound: 0.0 };
     let mut last_progress = 0;
     loop {
-        search.weigh();
+        search.update_alphas();
         let Forces { combination, sum, bound } = problem.forces(&search.alphas);
         let objective = problem.objective(&search.plane, &search.decisions);
         if objective < training.objective || bound > training.bound {
@@ -96,7 +96,7 @@ pub(super) fn train(
         // If this step is the run's last, it comes nearest to its minimum.
         search.step(&direction);
         if minimised {
-            search.weigh();
+            search.update_alphas();
             search.smoothing.sharpen(&search.alphas);
         }
     }
@@ -120,7 +120,7 @@ impl<'a, 'b> Search<'a, 'b> {
     }
 
     /// Computes α and the curvature at the plane.
-    fn weigh(&mut self) {
+    fn update_alphas(&mut self) {
         self.curved.clear();
         let margins = self.decisions.iter().zip(&self.problem.sides).map(|(f, side)| side * f);
         for (sample, (alpha, margin)) in self.alphas.iter_mut().zip(margins).enumerate() {

@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 use crate::error::Error;
 
 /// The posture of a map for a hand position, with its scores for an easy task. The task has no
-/// load, a good hold, and nothing that is held for long or repeated.
+/// load, a good grip, and nothing that is held for long or repeated.
 #[derive(Debug, Clone)]
 pub struct Assessment {
     /// Target of the hand, in the person's frame \[m\].

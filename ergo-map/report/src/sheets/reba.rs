@@ -89,7 +89,7 @@ impl Sheet for Worksheet {
         let reba = self.score()?;
         let parts = reba.sub_scores;
         let faithful = ContinuousReba::of_worksheet(self, Mode::FAITHFUL)?.reba;
-        let comfort = ContinuousReba::of_worksheet(self, Mode::Graded)?.contributions().mean();
+        let continuous = ContinuousReba::of_worksheet(self, Mode::Graded)?.contributions().mean();
         let whole = [
             parts.neck,
             parts.trunk,
@@ -106,6 +106,6 @@ impl Sheet for Worksheet {
             reba.action_level.number(),
         ];
         let whole = whole.map(|score| score.to_string()).into_iter();
-        Ok(whole.chain([faithful.to_string(), comfort.to_string()]).collect())
+        Ok(whole.chain([faithful.to_string(), continuous.to_string()]).collect())
     }
 }

@@ -152,8 +152,8 @@ fn activity_and_continuous_scores_match_the_crate() {
     sheet.conditions.repeated = true;
     sheet.conditions.rapid_or_unstable = true;
     let of = |mode| ContinuousReba::of_worksheet(&sheet, mode).unwrap();
-    let comfort = of(Mode::Graded).contributions().mean();
-    assert_eq!(numbers(&rows[0], &["reba_faithful", "e_s"]), [of(Mode::FAITHFUL).reba, comfort]);
+    let continuous = of(Mode::Graded).contributions().mean();
+    assert_eq!(numbers(&rows[0], &["reba_faithful", "e_s"]), [of(Mode::FAITHFUL).reba, continuous]);
 }
 
 #[test]

@@ -28,7 +28,7 @@ pub(super) struct Pair<'a> {
 impl ApproachRows {
     /// Evaluates a pair in sight. Keeps what the supervisor needs to know, and considers the points
     /// of the robot's capsule that may get a row: the nearest point and both ends.
-    pub(super) fn weigh(
+    pub(super) fn evaluate(
         &mut self,
         motion: &JointMotion<'_>,
         moves: &mut BodyMotion,
@@ -48,11 +48,11 @@ impl ApproachRows {
                 let may_approach =
                     near.distance >= self.settings.protective_distance(human_speed, 0.0);
                 let distance = near.distance;
-                self.undercut.take((robot, body), part, distance, may_approach, &self.settings);
+                self.violations.take((robot, body), part, distance, may_approach, &self.settings);
             }
         }
         let id = PointId { robot, other, end: None };
-        self.weigh_point(motion, moves, (id, body, part), (&body.capsule, near));
+        self.evaluate_point(motion, moves, (id, body, part), (&body.capsule, near));
         for (end, point) in body.capsule.ends().into_iter().enumerate() {
             let along = point - near.on_first;
             // The whole part lies beyond the plane through its nearest point that is normal to the
@@ -62,14 +62,14 @@ impl ApproachRows {
                 let at_end = body.capsule.at(point);
                 let near = proximity(&at_end, &part.capsule);
                 let id = PointId { end: Some(end), ..id };
-                self.weigh_point(motion, moves, (id, body, part), (&at_end, near));
+                self.evaluate_point(motion, moves, (id, body, part), (&at_end, near));
             }
         }
     }
 
     /// Considers a point on the axis of a capsule of the robot. It is the nearest point of the
     /// capsule or of one of its ends.
-    fn weigh_point(
+    fn evaluate_point(
         &mut self,
         motion: &JointMotion<'_>,
         moves: &mut BodyMotion,

@@ -6,7 +6,7 @@ mod clock;
 mod closed_loop;
 mod contact;
 mod culling;
-mod headway;
+mod following_distance;
 mod nearness;
 mod safety;
 mod supervisor;

@@ -32,7 +32,7 @@ proptest! {
     ) {
         let settings = SupervisorSettings { acknowledge, ..SupervisorSettings::default() };
         let mut supervisor = Supervisor::new(settings).unwrap();
-        let (mut clear, mut undercut) = (0.0, 0.0);
+        let (mut clear, mut violated) = (0.0, 0.0);
         for (room, age, fault, ticks) in steps {
             let observation = seen(room.map(pair), age);
             let room = room.unwrap_or(f64::INFINITY);
@@ -42,7 +42,7 @@ proptest! {
             let slow = asked == SafetyState::Reduced || age > settings.reduced_age;
             for _ in 0..ticks {
                 let before = supervisor;
-                undercut = if close { undercut + 1e-3 } else { 0.0 };
+                violated = if close { violated + 1e-3 } else { 0.0 };
                 if let Some(fault) = fault {
                     supervisor.report(fault);
                     prop_assert!(supervisor.state() >= fault.state(), "at once");
@@ -50,7 +50,7 @@ proptest! {
                 supervisor.update(&observation, 1e-3);
                 if stop {
                     prop_assert_eq!(supervisor.state(), SafetyState::ProtectiveStop);
-                } else if undercut >= settings.retreat_after + 1e-3 {
+                } else if violated >= settings.retreat_after + 1e-3 {
                     prop_assert!(supervisor.state() >= SafetyState::Retreat);
                 } else if slow {
                     prop_assert!(supervisor.state() >= SafetyState::Reduced);

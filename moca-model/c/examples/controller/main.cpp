@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <limits>
 
-#include "hand_controller.hpp"
+#include "tool_controller.hpp"
 
 namespace ci = controller_interface;
 
@@ -11,7 +11,7 @@ int main(int count, char** arguments) {
   if (count < 2) return 2;
   std::vector<std::string> joints;
   for (int joint = 1; joint <= 7; ++joint) joints.push_back("panda_joint" + std::to_string(joint));
-  HandController controller(arguments[1], "panda_hand_tcp", joints);
+  ToolController controller(arguments[1], "panda_hand_tcp", joints);
   std::vector<double> position{0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785}, command(7, 0.0);
   for (auto& value : position) controller.state_interfaces_.emplace_back(&value);
   for (auto& value : command) controller.command_interfaces_.emplace_back(&value);
@@ -29,14 +29,14 @@ int main(int count, char** arguments) {
     is_right &= controller.update({tick * period}, {period}) == ci::return_type::OK;
     for (std::size_t joint = 0; joint < 7; ++joint) position[joint] += command[joint] * period;
   }
-  // The hand is there, by kinematics of its own.
+  // The tool is there, by kinematics of its own.
   const auto model = ahqp::Model::from_file(arguments[1]);
   ahqp::Ik ik(model);
   ik.push_posture("posture");
   const Eigen::VectorXd q = Eigen::Map<Eigen::VectorXd>(position.data(), 7);
   ik.build(q);
   const double error = (ik.pose(q, "panda_hand_tcp").first - goal).norm();
-  std::printf("the hand is %.1e m from its goal\n", error);
+  std::printf("the tool is %.1e m from its goal\n", error);
   is_right &= error < 1e-6;
   // A sensor fails: the robot brakes, and the controller says so.
   position[3] = std::numeric_limits<double>::quiet_NaN();

@@ -59,16 +59,16 @@ fn solving_and_rewriting_allocate_nothing() {
 #[test]
 fn steps_allocate_nothing() {
     let urdf = r#"<robot name="arm">
-      <link name="base"/> <link name="upper"/> <link name="lower"/> <link name="hand"/>
+      <link name="base"/> <link name="upper"/> <link name="lower"/> <link name="tool"/>
       <joint name="shoulder" type="revolute"><parent link="base"/><child link="upper"/>
         <axis xyz="0 0 1"/><limit lower="-2" upper="2" velocity="2" effort="9"/></joint>
       <joint name="elbow" type="revolute"><origin xyz="0.5 0 0"/><parent link="upper"/>
         <child link="lower"/><axis xyz="0 0 1"/>
         <limit lower="-2" upper="2" velocity="2" effort="9"/></joint>
       <joint name="wrist" type="fixed"><origin xyz="0.5 0 0"/><parent link="lower"/>
-        <child link="hand"/></joint>
+        <child link="tool"/></joint>
     </robot>"#;
-    let [urdf, hand, posture] = [urdf, "hand", "posture"].map(|text| CString::new(text).unwrap());
+    let [urdf, tool, posture] = [urdf, "tool", "posture"].map(|text| CString::new(text).unwrap());
     let (mut model, mut ik, mut task) = (null_mut(), null_mut(), 7);
     let (mut q, mut velocity) = ([0.3, 0.6], [0.0; 2]);
     // SAFETY: pointers to numbers and texts that live as long as the calls; handles are freed once.
@@ -76,7 +76,7 @@ fn steps_allocate_nothing() {
         assert_eq!(ahqp_model_from_urdf(urdf.as_ptr(), 0, &raw mut model), Done);
         assert_eq!(ahqp_ik_new(model, &raw mut ik), Done);
         ahqp_model_free(model);
-        let (name, frame) = (hand.as_ptr(), hand.as_ptr());
+        let (name, frame) = (tool.as_ptr(), tool.as_ptr());
         assert_eq!(ahqp_ik_push_position(ik, name, frame, &raw mut task), Done);
         assert_eq!(ahqp_ik_push_posture(ik, posture.as_ptr(), null_mut()), Done);
         assert_eq!(ahqp_ik_build(ik, vector(&q)), Done);

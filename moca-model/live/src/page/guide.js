@@ -5,8 +5,8 @@ const SCENES = [
     name: "Hand it over, and turn it",
     begin: (controls) => controls.again({ hands_over: true }),
     steps: [
-      ["Offer the object: choose “offer”, and wait for the robot's hand.", ({ picture }) => picture.phase.label.startsWith("handover") || picture.holds],
-      ["Stand still until the gripper has closed.", ({ picture }) => picture.holds],
+      ["Offer the object: choose “offer”, and wait for the gripper.", ({ picture }) => picture.phase.label.startsWith("handover") || picture.grasps],
+      ["Stand still until the gripper has closed.", ({ picture }) => picture.grasps],
       ["Take the polisher, for the other side of the object.", ({ leads }) => leads.worker.activity === "use" && leads.worker.tool === "polisher"],
       ["The robot turns the object: see the phase.", ({ picture }) => picture.phase.label.startsWith("turning")],
       ["Work on the smooth side.", ({ picture }) => picture.phase.label === "working"],
@@ -19,7 +19,7 @@ const SCENES = [
       controls.lead("worker", { activity: "use", tool: "drill" });
     },
     steps: [
-      ["Work with the drill until robot and person are together.", ({ picture }) => picture.intention.label !== "apart" && picture.holds],
+      ["Work with the drill until robot and person are together.", ({ picture }) => picture.intention.label !== "apart" && picture.grasps],
       ["Drag the person a metre aside: the robot comes along.", ({ picture, start }) => Math.hypot(picture.floor[0] - start.floor[0], picture.floor[1] - start.floor[1]) > 0.9],
       ["Let go: the robot comes to rest for a person who stands.", ({ picture }) => picture.calm < 0.01 && picture.phase.label === "working"],
       ["Squat, and see e_s: the robot brings the work down.", ({ leads }) => leads.worker.squat > 0.1 || leads.worker.lean > 0.3],

@@ -61,7 +61,7 @@ class Readings {
     text("distance", `${number("monitored distance")} m of ${number("protective distance")} m protective${pair}`);
     text("levels", `pose ${written(1e3 * run.now("tracking error"), 1)} mm, workspace ${written(1e3 * run.now("slack of position"), 1)} mm, e_s ${number("e_s")}`);
     text("calmness", `the tool moves at ${written(1e3 * picture.calm, 1)} mm/s${picture.rests ? "; the frame is held" : ""}`);
-    text("tool in the workspace", picture.holds ? "with the object" : "with empty gripper");
+    text("tool in the workspace", picture.grasps ? "with the object" : "with empty gripper");
     text("judged by the truth", `limits ${picture.limits}, too near ${picture.too_near}, not solved ${picture.unsolved}`);
     const { pace } = picture;
     text("loop", `tick ${pace.median.toFixed(0)} µs, 99 % ${pace.p99.toFixed(0)} µs; late ${((100 * pace.late) / pace.ticks).toFixed(1)} %, lost ${pace.lost}`);

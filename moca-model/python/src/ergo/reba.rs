@@ -37,7 +37,7 @@ keyword_class!(
         load: f64 = 0.0,
         /// The load is applied with shock or builds up rapidly.
         shock: bool = false,
-        /// Quality of the hold: "good", "fair", "poor" or "unacceptable".
+        /// Quality of the grip: "good", "fair", "poor" or "unacceptable".
         coupling: String = { String::from("good") },
         /// What carries the body: "bilateral", "walking", "unilateral" or "sitting".
         support: String = { String::from("bilateral") },

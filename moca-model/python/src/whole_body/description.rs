@@ -15,7 +15,7 @@ pub(crate) struct Keywords<'py> {
     pub(crate) root: Option<String>,
     pub(crate) tips: Vec<String>,
     pub(crate) joints: Vec<String>,
-    pub(crate) held: Option<Bound<'py, PyDict>>,
+    pub(crate) locked: Option<Bound<'py, PyDict>>,
     pub(crate) origins: Option<Bound<'py, PyDict>>,
     pub(crate) limits: Option<Bound<'py, PyDict>>,
     pub(crate) frames: Option<Bound<'py, PyDict>>,
@@ -42,7 +42,7 @@ impl Keywords<'_> {
             root: self.root,
             tips: self.tips,
             joints: self.joints,
-            held: entries(self.held, |_, value| Ok(value.extract::<f64>()?))?,
+            locked: entries(self.locked, |_, value| Ok(value.extract::<f64>()?))?,
             origins: entries(self.origins, |name, value| pose(name, value))?,
             limits: entries(self.limits, |_, value| limit(value))?,
             frames: entries(self.frames, |name, value| {

@@ -14,7 +14,7 @@ type Part = fn(&JointLimits) -> f64;
 
 /// A robot: a tree of joints, the bodies that they move, and frames on these. It does not change.
 ///
-/// `Model(urdf, *, base="fixed", root=None, tips=(), joints=(), held=None, origins=None, limits=None,
+/// `Model(urdf, *, base="fixed", root=None, tips=(), joints=(), locked=None, origins=None, limits=None,
 /// frames=None, gravity=None, time_to_full_speed=None, ignore_unusable_limits=False)`
 ///
 /// Parameters
@@ -30,7 +30,7 @@ type Part = fn(&JointLimits) -> f64;
 ///     The links that should move; empty for all.
 /// joints : sequence of str
 ///     The joints of q, to fix their order; empty for all joints that move.
-/// held : dict of str to float
+/// locked : dict of str to float
 ///     Joints that stay at a position [rad or m].
 /// origins : dict of str to array, (4, 4)
 ///     Joint origins that replace the URDF's.
@@ -52,7 +52,7 @@ pub(crate) struct Model(pub(crate) whole_body::Model);
 #[pymethods]
 impl Model {
     #[new]
-    #[pyo3(signature = (urdf, *, base="fixed", root=None, tips=Vec::new(), joints=Vec::new(), held=None, origins=None, limits=None, frames=None, gravity=None, time_to_full_speed=None, ignore_unusable_limits=false))]
+    #[pyo3(signature = (urdf, *, base="fixed", root=None, tips=Vec::new(), joints=Vec::new(), locked=None, origins=None, limits=None, frames=None, gravity=None, time_to_full_speed=None, ignore_unusable_limits=false))]
     #[allow(clippy::too_many_arguments)] // keywords of Python
     fn new(
         urdf: &str,
@@ -60,7 +60,7 @@ impl Model {
         root: Option<String>,
         tips: Vec<String>,
         joints: Vec<String>,
-        held: Option<Bound<'_, PyDict>>,
+        locked: Option<Bound<'_, PyDict>>,
         origins: Option<Bound<'_, PyDict>>,
         limits: Option<Bound<'_, PyDict>>,
         frames: Option<Bound<'_, PyDict>>,
@@ -73,7 +73,7 @@ impl Model {
             root,
             tips,
             joints,
-            held,
+            locked,
             origins,
             limits,
             frames,
@@ -86,7 +86,7 @@ impl Model {
 
     /// Reads a robot from a file.
     #[staticmethod]
-    #[pyo3(signature = (path, *, base="fixed", root=None, tips=Vec::new(), joints=Vec::new(), held=None, origins=None, limits=None, frames=None, gravity=None, time_to_full_speed=None, ignore_unusable_limits=false))]
+    #[pyo3(signature = (path, *, base="fixed", root=None, tips=Vec::new(), joints=Vec::new(), locked=None, origins=None, limits=None, frames=None, gravity=None, time_to_full_speed=None, ignore_unusable_limits=false))]
     #[allow(clippy::too_many_arguments)] // keywords of Python
     fn from_file(
         path: std::path::PathBuf,
@@ -94,7 +94,7 @@ impl Model {
         root: Option<String>,
         tips: Vec<String>,
         joints: Vec<String>,
-        held: Option<Bound<'_, PyDict>>,
+        locked: Option<Bound<'_, PyDict>>,
         origins: Option<Bound<'_, PyDict>>,
         limits: Option<Bound<'_, PyDict>>,
         frames: Option<Bound<'_, PyDict>>,
@@ -107,7 +107,7 @@ impl Model {
             root,
             tips,
             joints,
-            held,
+            locked,
             origins,
             limits,
             frames,

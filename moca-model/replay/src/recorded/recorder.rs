@@ -2,7 +2,7 @@
 
 use ergo_map::{ErgonomicsMap, RebaSubScores, Side};
 use moca_model::whole_body::Model;
-use moca_model::{Controller, ControllerSettings, HeldObject};
+use moca_model::{Controller, ControllerSettings, GraspedObject};
 use nalgebra::Isometry3;
 use vision_models::{Body, Percept};
 
@@ -93,9 +93,9 @@ impl Recorder {
     ///
     /// # Errors
     /// [`ReplayError::LateFrame`] after the first sample.
-    pub fn holding(&mut self, object: &HeldObject) -> Result<(), ReplayError> {
+    pub fn grasping(&mut self, object: &GraspedObject) -> Result<(), ReplayError> {
         self.check_early("object")?;
-        self.sampler.holding(object);
+        self.sampler.grasping(object);
         Ok(())
     }
 

@@ -3,7 +3,7 @@
 use ergo_map::{Conditions, ErgonomicsMap, PersonFrame, RebaSubScores};
 use hrsw_safety::Capsule;
 use moca_model::whole_body::{Data, FrameId, Model};
-use moca_model::{Controller, ControllerSettings, HeldObject, moca_safety};
+use moca_model::{Controller, ControllerSettings, GraspedObject, moca_safety};
 use nalgebra::{Isometry3, Translation3, Vector3};
 use vision_models::{Body, TrackedPerson};
 
@@ -196,7 +196,7 @@ impl Sampler {
     }
 
     /// Shows the object that the robot holds, as soon as the controller says so. To be called before the first sample.
-    pub fn holding(&mut self, object: &HeldObject) {
+    pub fn grasping(&mut self, object: &GraspedObject) {
         let shape = Shape::Box { size: object.size.into() };
         self.object = Some(self.add("object", Role::Object, shape, OBJECT_COLOUR));
     }

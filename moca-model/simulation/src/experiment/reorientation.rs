@@ -6,7 +6,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use ergo_map::ErgonomicsMap;
-use moca_model::{BoxSide, Goal, HeldObject, WorkFace};
+use moca_model::{BoxSide, Goal, GraspedObject, WorkFace};
 use nalgebra::Point2;
 use rand::Rng;
 use serde::{Deserialize, Serialize};
@@ -117,7 +117,7 @@ impl Case {
             WorkFace { side: BoxSide::Back, surface: other(self.front) },
         ];
         // The robot is wrong in half of the cases until it has looked.
-        scenario.delivery = Delivery::HandedOver { believed: HeldObject::default() };
+        scenario.delivery = Delivery::HandedOver { believed: GraspedObject::default() };
         let needed = self.person.tool().surface();
         let mut play = |title, goal| {
             let mut judge = Judge::new(&scenario, &walk.truth, needed);

@@ -117,15 +117,15 @@ impl Case {
         let space = scenario.settings.space;
         scenario.settings.space =
             SpaceSettings::for_person(space, &Person::new(AVERAGE)?, everybody.side());
-        let known = scenario.comfort;
+        let known = scenario.ergonomics;
         let (usual, _) = everybody.fit(&FIT)?;
         let mut play = |knowledge: Knowledge| {
-            let (comfort, adapts_from) = match knowledge {
+            let (ergonomics, adapts_from) = match knowledge {
                 Knowledge::Own | Knowledge::Nothing => (known, None),
                 Knowledge::Measured => (usual, Some(AVERAGE)),
                 Knowledge::Average => (usual, None),
             };
-            (scenario.comfort, scenario.adapts_from) = (comfort, adapts_from);
+            (scenario.ergonomics, scenario.adapts_from) = (ergonomics, adapts_from);
             // The page shows the best and the least knowledge, like those of the other experiments.
             match knowledge {
                 Knowledge::Own => player.play("Own map", &scenario, Goal::Ergonomics, |_, _| {}),

@@ -97,7 +97,7 @@ impl Walk {
         scenario.others.clone_from(&self.others);
         scenario.arrivals.clone_from(&self.arrivals);
         scenario.truth.clone_from(&self.motion);
-        (scenario.comfort, _) = map.fit(&FIT)?;
+        (scenario.ergonomics, _) = map.fit(&FIT)?;
         scenario.drive = drive;
         scenario.start = start(draw);
         Ok(scenario)

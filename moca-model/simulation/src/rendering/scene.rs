@@ -16,7 +16,7 @@ const WALL_PLACES: [(Point3<f64>, Vector3<f64>); 2] = [
     (Point3::new(0.0, -4.5, 0.0), Vector3::new(0.0, 1.0, 0.0)),
 ];
 
-/// First place of the held object in the world \[m\].
+/// First place of the grasped object in the world \[m\].
 const OBJECT_PLACE: Point3<f64> = Point3::new(0.75, 0.0, 1.05);
 
 /// The state of the simulation at a moment.
@@ -45,7 +45,7 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Creates the scene in front of a camera: the person with what they carry, the held object, floor and walls.
+    /// Creates the scene in front of a camera: the person with what they carry, the grasped object, floor and walls.
     pub fn new(state: &SceneState<'_>, camera: &Camera) -> Self {
         let camera_from_world = camera.world_from_camera().inverse();
         let SceneState { joints, appearance, .. } = *state;

@@ -1,7 +1,7 @@
-//! The robot's own camera, which recognises the surface of the held object.
+//! The robot's own camera, which recognises the surface of the grasped object.
 
 use human_perception::random;
-use moca_model::HeldObject;
+use moca_model::GraspedObject;
 use nalgebra::Vector3;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
@@ -35,7 +35,7 @@ impl OnBoardEye {
     pub(crate) fn look(
         &mut self,
         plant: &Plant,
-        object: &HeldObject,
+        object: &GraspedObject,
     ) -> Result<Option<RecognisedSurface>, Error> {
         // The random numbers are always drawn, so that later ones do not depend on what is seen.
         let sure = self.draw.random_range(0.8..0.99);

@@ -6,7 +6,7 @@ use std::time::Instant;
 use ergo_map::{ErgonomicsMap, PersonFrame};
 use hrsw_safety::SafetyState;
 use human_perception::percepts::{Assessor, MeasuredAssessment};
-use moca_model::{Controller, ControllerSettings, Goal, HeldObject, MOCA_BASE_JOINTS, Phase};
+use moca_model::{Controller, ControllerSettings, Goal, GraspedObject, MOCA_BASE_JOINTS, Phase};
 use moca_replay::recorded::Recorder;
 use moca_replay::report::TickRow;
 use nalgebra::Vector3;
@@ -69,7 +69,7 @@ impl<'a> Run<'a> {
         let monitor = LimitMonitor::new(&scenario.model, &settings, &scenario.start);
         let start = &scenario.start;
         let controller =
-            Controller::new(scenario.model.clone(), scenario.comfort, settings, start)?;
+            Controller::new(scenario.model.clone(), scenario.ergonomics, settings, start)?;
         let safety = &scenario.settings.safety;
         let separation = SeparationMonitor::new(&scenario.model, safety, period)?;
         let base = scenario.settings.base.map_or(0, |_| MOCA_BASE_JOINTS);
@@ -97,8 +97,8 @@ impl<'a> Run<'a> {
             recorder: None,
             scenario,
         };
-        if let Delivery::Held = scenario.delivery {
-            run.hold(&scenario.object)?;
+        if let Delivery::Grasped = scenario.delivery {
+            run.grasp(&scenario.object)?;
         }
         Ok(run)
     }
@@ -174,7 +174,7 @@ impl<'a> Run<'a> {
 
     fn observe(&mut self, percept: &Percept, others: &[Body]) -> Result<(), Error> {
         let taken = match &self.scenario.delivery {
-            Delivery::Held => self.plant.observe_people(percept, others),
+            Delivery::Grasped => self.plant.observe_people(percept, others),
             Delivery::HandedOver { .. } => {
                 let surface = self.on_board.look(&self.plant, &self.scenario.object)?;
                 self.plant.observe_people(&Percept { surface, ..percept.clone() }, others)
@@ -193,28 +193,28 @@ impl<'a> Run<'a> {
     }
 
     /// Closes the gripper when the object is there.
-    fn grasp(&mut self) -> Result<(), Error> {
+    fn close_gripper(&mut self) -> Result<(), Error> {
         match &self.scenario.delivery {
             Delivery::HandedOver { believed } if self.plant.command().phase == Phase::Grasping => {
-                self.hold(believed)
+                self.grasp(believed)
             }
             _ => Ok(()),
         }
     }
 
-    /// Lets the robot hold the object and believe it to be this one.
-    fn hold(&mut self, believed: &HeldObject) -> Result<(), Error> {
+    /// Lets the robot grasp the object and believe it to be this one.
+    fn grasp(&mut self, believed: &GraspedObject) -> Result<(), Error> {
         let tool = self.plant.controller().robot().tool();
         self.separation.carry(tool, &[self.scenario.object.capsule()?]);
-        self.plant.hold(believed)
+        self.plant.grasp(believed)
     }
 
     /// Adapts the ergonomics that the controller minimises to the measured stature.
     fn adapt(&mut self) -> Result<(), Error> {
         let Some(stature) = self.scenario.adapts_from else { return Ok(()) };
         if let Some(measured) = self.plant.controller().space().stature() {
-            let comfort = self.scenario.comfort.resized(measured.stature / stature)?;
-            self.plant.controller_mut().set_comfort(comfort);
+            let ergonomics = self.scenario.ergonomics.resized(measured.stature / stature)?;
+            self.plant.controller_mut().set_ergonomics(ergonomics);
         }
         Ok(())
     }
@@ -287,7 +287,7 @@ impl<'a> Run<'a> {
             });
         let force = self.work.advance(towards.filter(|_| self.engaged), self.period);
         self.plant.act(&force)?;
-        self.grasp()?;
+        self.close_gripper()?;
         Ok(row)
     }
 

@@ -5,7 +5,7 @@ use human_perception::percepts::PostureSettings;
 use moca_model::whole_body::Model;
 use moca_model::whole_body::torque::Compensation;
 use moca_model::{
-    CameraFrame, ControllerSettings, HeldObject, MOCA_HOME, SpaceSettings, TorqueLoopSettings,
+    CameraFrame, ControllerSettings, GraspedObject, MOCA_HOME, SpaceSettings, TorqueLoopSettings,
     moca, moca_safety,
 };
 use moca_replay::recorded::Recorder;
@@ -30,7 +30,7 @@ pub struct Scenario {
     /// The person's map, which scores the postures.
     pub map: ErgonomicsMap,
     /// The ergonomics that the controller minimises.
-    pub comfort: ErgonomicsQuadratic,
+    pub ergonomics: ErgonomicsQuadratic,
     /// Stature of the ergonomics, to adapt them to the measured stature \[m\]; `None` to leave them.
     pub adapts_from: Option<f64>,
     /// The robot.
@@ -44,7 +44,7 @@ pub struct Scenario {
     /// Dynamics of the robot.
     pub drive: Drive,
     /// The object that the robot holds for the person to work on.
-    pub object: HeldObject,
+    pub object: GraspedObject,
     /// How the robot gets the object.
     pub delivery: Delivery,
     /// Settings of the person's posture besides their joints.
@@ -56,16 +56,16 @@ pub struct Scenario {
 pub enum Delivery {
     /// The robot holds the object from the beginning and knows it. Surfaces are as recorded.
     #[default]
-    Held,
+    Grasped,
     /// The person hands it over. The on-board camera sees the true object.
     HandedOver {
         /// The object that the robot assumes until the camera has seen it.
-        believed: HeldObject,
+        believed: GraspedObject,
     },
 }
 
 impl Scenario {
-    /// Creates a scenario with MOCA at its home configuration, these percepts and this map, and a held object.
+    /// Creates a scenario with MOCA at its home configuration, these percepts and this map, and a grasped object.
     ///
     /// # Errors
     /// A map that cannot be fitted, or no percepts.
@@ -74,12 +74,13 @@ impl Scenario {
             let found = "the recording holds no camera frame".to_owned();
             return Err(Error::Unfit { found, wanted: "give at least one" });
         }
-        let (comfort, _) = map.fit(&FitOptions::default()).map_err(Error::Fit)?;
+        let (ergonomics, _) = map.fit(&FitOptions::default()).map_err(Error::Fit)?;
         let model = moca()?;
         let space = SpaceSettings::default().for_person(person, map.side());
         let settings = ControllerSettings { space, ..ControllerSettings::default() };
         let arrivals = percepts.iter().map(|percept| percept.time).collect();
-        let (start, drive, object) = (MOCA_HOME.to_vec(), Drive::default(), HeldObject::default());
+        let (start, drive, object) =
+            (MOCA_HOME.to_vec(), Drive::default(), GraspedObject::default());
         let torques = TorqueLoopSettings::new(Compensation::BARE);
         let adapts_from = None;
         Ok(Self {
@@ -88,7 +89,7 @@ impl Scenario {
             arrivals,
             truth: None,
             map,
-            comfort,
+            ergonomics,
             adapts_from,
             model,
             start,
@@ -96,7 +97,7 @@ impl Scenario {
             torques,
             drive,
             object,
-            delivery: Delivery::Held,
+            delivery: Delivery::Grasped,
             posture: PostureSettings::default(),
         })
     }
@@ -151,7 +152,7 @@ impl Scenario {
     /// [`Error::Replay`] for a text that is not the robot's URDF.
     pub fn recorder(&self, title: impl Into<String>, urdf: &str) -> Result<Recorder, Error> {
         let mut recorder = Recorder::new(title, &self.model, urdf, &self.settings, &self.map)?;
-        recorder.holding(&self.object)?;
+        recorder.grasping(&self.object)?;
         Ok(recorder)
     }
 

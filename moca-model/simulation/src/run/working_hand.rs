@@ -1,4 +1,4 @@
-//! The hand of the recorded person who works on the held object.
+//! The hand of the recorded person who works on the grasped object.
 
 use std::collections::VecDeque;
 

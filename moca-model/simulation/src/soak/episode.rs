@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use ergo_map::ErgonomicsQuadratic;
 use human_perception::random;
 use moca_model::whole_body::Model;
-use moca_model::{Controller, ControllerSettings, Goal, HeldObject, MOCA_HOME, SpaceSettings};
+use moca_model::{Controller, ControllerSettings, Goal, GraspedObject, MOCA_HOME, SpaceSettings};
 use nalgebra::{Matrix3, Vector2, Vector3};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
@@ -92,7 +92,7 @@ impl Episode {
         let PlantSettings { drive, controller, torques } = robot.clone();
         let position_rows = controller.space.position_rows.max(POSITION_ROWS);
         let space = SpaceSettings { position_rows, ..controller.space };
-        let object = HeldObject::default();
+        let object = GraspedObject::default();
         let settings = ControllerSettings { goal, space, ..controller };
         let robot = Vector2::new(start[0], start[1]);
         let camera = CameraSettings {
@@ -115,10 +115,10 @@ impl Episode {
         }
         let period = settings.period;
         let mut monitor = Monitor::new(model, &settings, &start)?;
-        let controller = Controller::new(model.clone(), comfort()?, settings, &start)?;
+        let controller = Controller::new(model.clone(), ergonomics()?, settings, &start)?;
         monitor.carry(controller.robot().tool(), &object.capsule()?);
         let mut plant = Plant::with_torques(drive, controller, torques, seed)?;
-        plant.hold(&object)?;
+        plant.grasp(&object)?;
         Ok(Self {
             monitor,
             person: Witnessed::new(Wanderer::new(generator(seed, Stream::Person), robot)),
@@ -381,7 +381,7 @@ fn start(model: &Model, draw: &mut ChaCha8Rng) -> Vec<f64> {
 }
 
 /// Best with the hand before the person at the height of the elbow.
-fn comfort() -> Result<ErgonomicsQuadratic, Error> {
+fn ergonomics() -> Result<ErgonomicsQuadratic, Error> {
     let hessian = Matrix3::from_diagonal(&Vector3::new(10.0, 5.0, 7.0));
     let best = Vector3::new(0.4, -0.1, 1.1);
     let least = 0.5 * best.dot(&(hessian * best));

@@ -122,7 +122,7 @@ impl fmt::Display for Summary {
             ("jumps of the desired velocity", counts.discontinuities),
             ("self-collisions", counts.self_collisions),
             ("disturbed, and in a state that is not enough", counts.wrong_states),
-            ("protective distance undercut by the person", counts.person_caused),
+            ("protective distance violated by the person", counts.person_caused),
             ("coming nearer to arms in collaboration", counts.contact),
         ] {
             writeln!(f, "{what:46} {count:>10}")?;

@@ -4,7 +4,7 @@ use ergo_map::{ErgonomicsMap, PersonFrame};
 use human_perception::percepts::{MeasuredAssessment, assess};
 use human_perception::random;
 use moca_model::whole_body::FrameId;
-use moca_model::{Controller, DynamicRobotSettings, Goal, HeldObject, MOCA_HOME, Phase, moca};
+use moca_model::{Controller, DynamicRobotSettings, Goal, GraspedObject, MOCA_HOME, Phase, moca};
 use moca_replay::report::TickRow;
 use nalgebra::{Isometry3, Point2, Point3, Vector2, Vector3};
 use rand::Rng;
@@ -65,7 +65,7 @@ pub struct Workcell {
     scorer: Scorer<ErgonomicsMap>,
     plant: Plant,
     elbow: FrameId,
-    object: HeldObject,
+    object: GraspedObject,
     worker: Guided,
     bystander: Option<Guided>,
     eye: Eye,
@@ -126,13 +126,13 @@ impl Workcell {
         let (model, settings) = (moca()?, setup.robot.controller.clone());
         let (period, stature, seed) = (settings.period, setup.map.stature(), setup.seed);
         let judge = Judge::new(&model, &settings, &MOCA_HOME)?;
-        let controller = Controller::new(model.clone(), setup.comfort, settings, &MOCA_HOME)?;
+        let controller = Controller::new(model.clone(), setup.ergonomics, settings, &MOCA_HOME)?;
         let torques = setup.robot.torques.clone();
         let plant = Plant::with_torques(setup.robot.drive, controller, torques, seed)?;
         let mut cell = Self {
             scorer: Scorer::new(setup.map.clone()),
             elbow: model.frame_id(ELBOW)?,
-            object: HeldObject::default(),
+            object: GraspedObject::default(),
             worker: Guided::new(stature, PLACES[0])?,
             bystander: None,
             eye: Eye::new(seed, period),
@@ -151,7 +151,7 @@ impl Workcell {
             setup,
         };
         if !cell.setup.hands_over {
-            cell.hold()?;
+            cell.grasp()?;
         }
         Ok(cell)
     }
@@ -273,7 +273,7 @@ impl Workcell {
         if self.plant.command().phase == Phase::Grasping
             && self.plant.controller().object().is_none()
         {
-            self.hold()?;
+            self.grasp()?;
         }
         self.tick += 1;
         Ok(())
@@ -358,10 +358,10 @@ impl Workcell {
     }
 
     /// The robot holds the object from now on.
-    fn hold(&mut self) -> Result<(), Error> {
+    fn grasp(&mut self) -> Result<(), Error> {
         let tool = self.plant.controller().robot().tool();
         self.judge.carry(tool, &self.object.capsule()?);
-        self.plant.hold(&self.object)
+        self.plant.grasp(&self.object)
     }
 
     /// The last tick of the controller.
@@ -406,7 +406,7 @@ impl Workcell {
     }
 
     /// What the robot holds, or will.
-    pub fn object(&self) -> &HeldObject {
+    pub fn object(&self) -> &GraspedObject {
         &self.object
     }
 

@@ -15,7 +15,7 @@ pub struct Setup {
     /// The person's map, which scores the postures and says how tall the person is.
     pub map: ErgonomicsMap,
     /// What the controller minimises.
-    pub comfort: ErgonomicsQuadratic,
+    pub ergonomics: ErgonomicsQuadratic,
     /// The robot, its controller and the loop of torques below it.
     pub robot: PlantSettings,
     /// Whether the person brings the object; the robot holds it from the beginning otherwise.
@@ -30,7 +30,7 @@ impl Setup {
     /// # Errors
     /// A map that cannot be fitted.
     pub fn new(map: ErgonomicsMap) -> Result<Self, Error> {
-        let (comfort, _) = map.fit(&FitOptions::default()).map_err(Error::Fit)?;
+        let (ergonomics, _) = map.fit(&FitOptions::default()).map_err(Error::Fit)?;
         let robot = PlantSettings::default();
         let space = robot.controller.space.for_person(map.person(), map.side());
         let controller = ControllerSettings {
@@ -39,7 +39,7 @@ impl Setup {
             ..robot.controller
         };
         let robot = PlantSettings { controller, ..robot };
-        Ok(Self { map, comfort, robot, hands_over: false, seed: 1 })
+        Ok(Self { map, ergonomics, robot, hands_over: false, seed: 1 })
     }
 
     /// The same for a person of another stature \[m\].

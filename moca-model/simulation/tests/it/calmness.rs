@@ -9,10 +9,10 @@ const PERIOD: f64 = 1e-3;
 
 /// Twelve seconds with a person who stands for eight and then walks at 0.3 m/s, and a robot with these motions.
 fn judge(workpiece: impl Fn(f64) -> f64, base: impl Fn(f64) -> f64) -> Calmness {
-    let comfort =
+    let ergonomics =
         ergo_map::ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
     let settings = ControllerSettings::default();
-    let controller = Controller::new(moca().unwrap(), comfort, settings, &MOCA_HOME).unwrap();
+    let controller = Controller::new(moca().unwrap(), ergonomics, settings, &MOCA_HOME).unwrap();
     let mut monitor = CalmnessMonitor::new(&moca().unwrap(), 3, PERIOD);
     let mut command: Command = controller.command().clone();
     for tick in 0..14_000 {
@@ -69,10 +69,11 @@ fn bang_bang_motion_of_base_is_counted() {
 
 #[test]
 fn a_command_says_why_the_base_moves() {
-    let comfort =
+    let ergonomics =
         ergo_map::ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
     let settings = ControllerSettings::default();
-    let mut controller = Controller::new(moca().unwrap(), comfort, settings, &MOCA_HOME).unwrap();
+    let mut controller =
+        Controller::new(moca().unwrap(), ergonomics, settings, &MOCA_HOME).unwrap();
     let command = controller.step(PERIOD, &MOCA_HOME).unwrap();
     assert!(matches!(command.base_motion, BaseMotion::Drives(_)), "nobody is there");
 }

@@ -45,9 +45,9 @@ static AT_REST: LazyLock<(Model, Command)> = LazyLock::new(|| {
         limits.jerk = None;
     }
     let model = Model::from_urdf(MOCA_URDF, &description).unwrap();
-    let comfort = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 0.0).unwrap();
+    let ergonomics = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 0.0).unwrap();
     let settings = ControllerSettings::default();
-    let controller = Controller::new(model.clone(), comfort, settings, &MOCA_HOME).unwrap();
+    let controller = Controller::new(model.clone(), ergonomics, settings, &MOCA_HOME).unwrap();
     let command = controller.command().clone();
     (model, command)
 });

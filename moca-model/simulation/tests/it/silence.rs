@@ -55,14 +55,14 @@ fn branch(plant: &Plant, begin: f64, heard: Heard, ticks: u32) -> Outcome {
     outcome
 }
 
-/// 50 moments of the loop of `follow` without a push on the held object. Under a lasting push an arm without
+/// 50 moments of the loop of `follow` without a push on the grasped object. Under a lasting push an arm without
 /// measurements moves, whatever controls it.
 fn moments() -> Vec<(f64, Plant)> {
     let scenario = Scenario::new(recorded(), &Person::average(), average_map().clone()).unwrap();
-    let Scenario { model, comfort, settings, start, torques, .. } = &scenario;
-    let controller = Controller::new(model.clone(), *comfort, settings.clone(), start).unwrap();
+    let Scenario { model, ergonomics, settings, start, torques, .. } = &scenario;
+    let controller = Controller::new(model.clone(), *ergonomics, settings.clone(), start).unwrap();
     let mut plant = Plant::with_torques(scenario.drive, controller, torques.clone(), 1).unwrap();
-    plant.hold(&scenario.object).unwrap();
+    plant.grasp(&scenario.object).unwrap();
     let begin = scenario.percepts.first().unwrap().time;
     let ticks = 1e3 * scenario.duration();
     let (mut frames, mut next) = (scenario.percepts.iter().peekable(), 0.03 * ticks);

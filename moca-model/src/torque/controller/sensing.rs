@@ -67,20 +67,20 @@ impl TorqueController {
 
     /// Estimates the external force by a new measurement and reports it to the supervisor. Gravity is that of the
     /// predicted position.
-    pub(super) fn feel(&mut self, usable: Usable, is_new: bool) {
+    pub(super) fn sense_force(&mut self, usable: Usable, is_new: bool) {
         self.unobserved += self.elapsed;
         let observes = usable.torque == Torques::Measured && is_new;
         if usable.is_bad() || (observes && self.observe_force().is_err()) {
             self.controller.report(Fault::BadMeasurement);
         }
-        self.feels = usable.torque == Torques::Measured;
-        if usable.is_bad() || !self.feels {
+        self.measures_force = usable.torque == Torques::Measured;
+        if usable.is_bad() || !self.measures_force {
             self.observer.reset();
             self.force = Vector3::zeros();
         } else if self.watch.age() <= FELT {
-            self.controller.feel(self.force.norm());
+            self.controller.set_external_force(self.force.norm());
         }
-        self.weigh();
+        self.look_for_payload();
         // The position is a valid configuration.
         let _ = self.support();
     }
@@ -134,7 +134,7 @@ impl TorqueController {
     }
 
     /// Checks whether the external force is the weight of a payload.
-    fn weigh(&mut self) {
+    fn look_for_payload(&mut self) {
         let gives_way = self.controller.safety().supervisor().gives_way();
         let force = Some(&self.force).filter(|_| gives_way);
         self.unknown_payload = self.payload_watch.update(force, self.elapsed);

@@ -38,16 +38,16 @@ def pink_times():
     model = pin.buildModelFromUrdf(str(URDF))
     robot = pink.Configuration(model, model.createData(), HOME)
     start = robot.get_transform_frame_to_world("panda_hand_tcp").copy()
-    hand = FrameTask("panda_hand_tcp", position_cost=1.0, orientation_cost=0.1, gain=0.02)
+    tool = FrameTask("panda_hand_tcp", position_cost=1.0, orientation_cost=0.1, gain=0.02)
     posture = PostureTask(cost=1e-3)
     posture.set_target(HOME)
     times = []
     for step in range(STEPS):
         target = start.copy()
         target.translation = start.translation + circle(step)
-        hand.set_target(target)
+        tool.set_target(target)
         begin = time.perf_counter()
-        velocity = pink.solve_ik(robot, [hand, posture], PERIOD, solver="quadprog", safety_break=False)
+        velocity = pink.solve_ik(robot, [tool, posture], PERIOD, solver="quadprog", safety_break=False)
         robot.integrate_inplace(velocity, PERIOD)
         times.append(time.perf_counter() - begin)
     return times
@@ -67,7 +67,7 @@ def mink_times():
     robot.update(HOME)
     frame = ("panda_hand_tcp", "body")
     start = robot.get_transform_frame_to_world(*frame)
-    hand = mink.FrameTask(*frame, position_cost=1.0, orientation_cost=0.1, gain=0.02)
+    tool = mink.FrameTask(*frame, position_cost=1.0, orientation_cost=0.1, gain=0.02)
     posture = mink.PostureTask(model, cost=1e-3)
     posture.set_target(HOME)
     names = [model.joint(i).name for i in range(model.njnt)]
@@ -78,9 +78,9 @@ def mink_times():
     times = []
     for step in range(STEPS):
         place = start.translation() + circle(step)
-        hand.set_target(mink.SE3.from_rotation_and_translation(start.rotation(), place))
+        tool.set_target(mink.SE3.from_rotation_and_translation(start.rotation(), place))
         begin = time.perf_counter()
-        velocity = mink.solve_ik(robot, [hand, posture], PERIOD, solver="daqp", limits=limits)
+        velocity = mink.solve_ik(robot, [tool, posture], PERIOD, solver="daqp", limits=limits)
         robot.integrate_inplace(velocity, PERIOD)
         times.append(time.perf_counter() - begin)
     return times
@@ -100,8 +100,8 @@ def placo_times():
     solver.dt = PERIOD
     solver.enable_joint_limits(True)
     solver.enable_velocity_limits(True)
-    hand = solver.add_frame_task("panda_hand_tcp", start)
-    hand.configure("hand", "soft", 1.0, 0.1)
+    tool = solver.add_frame_task("panda_hand_tcp", start)
+    tool.configure("tool", "soft", 1.0, 0.1)
     posture = solver.add_joints_task()
     posture.set_joints(dict(zip(names, HOME)))
     posture.configure("posture", "soft", 1e-3)
@@ -109,7 +109,7 @@ def placo_times():
     for step in range(STEPS):
         target = start.copy()
         target[:3, 3] += circle(step)
-        hand.T_world_frame = target
+        tool.T_world_frame = target
         begin = time.perf_counter()
         solver.solve(True)
         robot.update_kinematics()

@@ -9,15 +9,15 @@ use whole_body::tasks::{
 };
 use whole_body::{Base, Description, Ik, Model};
 
-/// A stack whose hands move on circles of 5 cm.
+/// A stack whose tools move on circles of 5 cm.
 pub(crate) struct Loop {
     pub(crate) ik: Ik,
     q: Vec<f64>,
-    hands: Vec<(Hand, Vector3<f64>)>,
+    tools: Vec<(Tool, Vector3<f64>)>,
     tick: u32,
 }
 
-enum Hand {
+enum Tool {
     Position(TaskId<PositionTask>),
     Pose(TaskId<FrameTask>, Isometry3<f64>),
 }
@@ -28,13 +28,13 @@ impl Loop {
         let angle = 1.5e-3 * f64::from(self.tick);
         self.tick += 1;
         let shift = Vector3::new(0.0, 0.05 * angle.sin(), 0.05 * angle.cos() - 0.05);
-        for (hand, start) in &self.hands {
-            match hand {
-                Hand::Position(id) => {
+        for (tool, start) in &self.tools {
+            match tool {
+                Tool::Position(id) => {
                     let target = Point3::from(start + shift);
                     self.ik.task_mut(*id).unwrap().set_target(target).unwrap();
                 }
-                Hand::Pose(id, pose) => {
+                Tool::Pose(id, pose) => {
                     let mut target = *pose;
                     target.translation.vector = start + shift;
                     self.ik.task_mut(*id).unwrap().set_target(target).unwrap();
@@ -50,20 +50,20 @@ impl Loop {
 pub(crate) fn panda() -> Loop {
     let urdf = include_str!("../../examples/urdf/panda.urdf");
     let model = Model::from_urdf(urdf, &Description::default()).unwrap();
-    let hand = model.frame_id("panda_hand_tcp").unwrap();
+    let tool = model.frame_id("panda_hand_tcp").unwrap();
     let q = vec![0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785];
     let mut builder = Ik::builder(&model);
-    let position = builder.push("position", PositionTask::new(hand));
-    let orientation = builder.push("orientation", OrientationTask::new(hand));
+    let position = builder.push("position", PositionTask::new(tool));
+    let orientation = builder.push("orientation", OrientationTask::new(tool));
     let posture = builder.push("posture", PostureTask::new());
     let mut ik = builder.build().unwrap();
-    let start = ik.pose(&q, hand).unwrap();
+    let start = ik.pose(&q, tool).unwrap();
     ik.task_mut(orientation).unwrap().set_target(start.rotation).unwrap();
     ik.task_mut(posture).unwrap().set_target(&q).unwrap();
-    Loop { ik, q, hands: vec![(Hand::Position(position), start.translation.vector)], tick: 0 }
+    Loop { ik, q, tools: vec![(Tool::Position(position), start.translation.vector)], tick: 0 }
 }
 
-/// Two arms on a base: wheels, positions of both hands, their orientations, the head, the base's place, posture.
+/// Two arms on a base: wheels, positions of both tools, their orientations, the head, the base's place, posture.
 pub(crate) fn two_arms() -> Loop {
     let urdf = include_str!("../../examples/urdf/two_arms.urdf");
     let [linear, angular] = [(1.0, 1.0), (2.0, 3.0)].map(|(v, a)| LimitOverride::of_speed(v, a));
@@ -82,7 +82,7 @@ pub(crate) fn two_arms() -> Loop {
     let mut builder = Ik::builder(&model);
     builder.limit("wheels", WheelLimit::mecanum(1.0, 0.4));
     let mut positions = TaskLevel::new("positions");
-    let hands = [
+    let tools = [
         positions.push("left", PositionTask::new(left)),
         positions.push("right", PositionTask::new(right)),
     ];
@@ -105,14 +105,14 @@ pub(crate) fn two_arms() -> Loop {
     ik.task_mut(centre).unwrap().set_target(Point3::origin()).unwrap();
     ik.task_mut(place).unwrap().set_target(Point3::origin()).unwrap();
     ik.task_mut(posture).unwrap().set_target(&q).unwrap();
-    let hands = hands.into_iter().zip([left, right]);
-    let hands = hands
-        .map(|(id, frame)| (Hand::Position(id), ik.pose(&q, frame).unwrap().translation.vector))
+    let tools = tools.into_iter().zip([left, right]);
+    let tools = tools
+        .map(|(id, frame)| (Tool::Position(id), ik.pose(&q, frame).unwrap().translation.vector))
         .collect();
-    Loop { ik, q, hands, tick: 0 }
+    Loop { ik, q, tools, tick: 0 }
 }
 
-/// A humanoid: feet, centre of mass, both hands, head, posture. The speed of the hands is limited (12 rows), and 48
+/// A humanoid: feet, centre of mass, both tools, head, posture. The speed of the tools is limited (12 rows), and 48
 /// rows stand for distances to obstacles.
 pub(crate) fn humanoid() -> Loop {
     let urdf = include_str!("../../examples/urdf/humanoid.urdf");
@@ -131,8 +131,8 @@ pub(crate) fn humanoid() -> Loop {
     let frames = names.map(|name| model.frame_id(name).unwrap());
     let [left_foot, right_foot, left, right, head] = frames;
     let mut builder = Ik::builder(&model);
-    for (name, hand) in [("slow left", left), ("slow right", right)] {
-        let limit = FrameVelocityLimit::new(hand, Vector3::repeat(1.0), Vector3::repeat(2.0));
+    for (name, tool) in [("slow left", left), ("slow right", right)] {
+        let limit = FrameVelocityLimit::new(tool, Vector3::repeat(1.0), Vector3::repeat(2.0));
         builder.limit(name, limit);
     }
     let mut obstacles = VelocityTask::new(48);
@@ -152,12 +152,12 @@ pub(crate) fn humanoid() -> Loop {
     builder.push_level(feet);
     let centre =
         builder.push("centre", CentreOfMassTask::new(&model).with_axes(&[Axis::X, Axis::Y]));
-    let mut hands = TaskLevel::new("hands");
+    let mut tools = TaskLevel::new("tools");
     let moving = [
-        (hands.push("left", FrameTask::new(left)), left),
-        (hands.push("right", FrameTask::new(right)), right),
+        (tools.push("left", FrameTask::new(left)), left),
+        (tools.push("right", FrameTask::new(right)), right),
     ];
-    builder.push_level(hands);
+    builder.push_level(tools);
     poses.push((builder.push("head", FrameTask::new(head)), head));
     let posture = builder.push("posture", PostureTask::new());
     let mut ik = builder.build().unwrap();
@@ -169,12 +169,12 @@ pub(crate) fn humanoid() -> Loop {
     let start = data.pose(&model, &q).unwrap().centre_of_mass();
     ik.task_mut(centre).unwrap().set_target(start).unwrap();
     ik.task_mut(posture).unwrap().set_target(&q).unwrap();
-    let hands = moving
+    let tools = moving
         .into_iter()
         .map(|(id, frame)| {
             let pose = ik.pose(&q, frame).unwrap();
-            (Hand::Pose(id, pose), pose.translation.vector)
+            (Tool::Pose(id, pose), pose.translation.vector)
         })
         .collect();
-    Loop { ik, q, hands, tick: 0 }
+    Loop { ik, q, tools, tick: 0 }
 }

@@ -3,19 +3,19 @@
 use ahqp_core::Status;
 
 use super::differential::{Ik, check_period};
-use super::leash::{Leash, LeashIntervals};
+use super::following_error::{FollowingErrorIntervals, FollowingErrorLimit};
 use crate::error::Error;
 
 /// The commanded state of a robot. Tasks are computed at it, and it stays near the measured state.
 ///
 /// - Commands obey the position, velocity, acceleration and jerk limits whatever the tasks ask and whatever is
 ///   measured. A joint that starts outside its limits returns.
-/// - The command of a held joint is at most the [`Leash`] away from the measured position. The distance never exceeds
-///   [`Leash::bound`], which adds the overrun of a robot that stops suddenly at full speed.
+/// - The command of a held joint is at most the [`FollowingErrorLimit`] away from the measured position. The distance
+///   never exceeds [`FollowingErrorLimit::bound`], which adds the overrun of a robot that stops suddenly at full speed.
 /// - A tick that cannot be computed brakes every joint within acceleration and jerk, and reports the fault.
 ///
 /// ```
-/// use whole_body::ik::{Commanded, Leash};
+/// use whole_body::ik::{Commanded, FollowingErrorLimit};
 /// use whole_body::tasks::PostureTask;
 /// use whole_body::Ik;
 /// # use whole_body::{Description, Model};
@@ -25,7 +25,7 @@ use crate::error::Error;
 /// let mut builder = Ik::builder(&model);
 /// let posture = builder.push("posture", PostureTask::new());
 /// let mut measured = vec![0.2];
-/// let mut robot = Commanded::new(builder.build()?, &measured, Leash::default())?;
+/// let mut robot = Commanded::new(builder.build()?, &measured, FollowingErrorLimit::default())?;
 /// robot.ik_mut().task_mut(posture)?.set_target(&[0.5])?;
 /// for _ in 0..1000 {
 ///     let command = robot.step(&measured, 1e-3);
@@ -40,7 +40,7 @@ use crate::error::Error;
 pub struct Commanded {
     ik: Ik,
     position: Vec<f64>,
-    leash: LeashIntervals,
+    following_error: FollowingErrorIntervals,
     fault: Option<Error>,
     status: Status,
 }
@@ -64,14 +64,24 @@ impl Commanded {
     /// Creates a robot at rest at the `measured` configuration.
     ///
     /// # Errors
-    /// [`Error::Value`] for a leash out of range; those of [`Model::integrate`](crate::Model::integrate)
-    /// on the configuration.
-    pub fn new(mut ik: Ik, measured: &[f64], leash: Leash) -> Result<Self, Error> {
+    /// [`Error::Value`] for a following-error limit out of range; those of
+    /// [`Model::integrate`](crate::Model::integrate) on the configuration.
+    pub fn new(
+        mut ik: Ik,
+        measured: &[f64],
+        following_error: FollowingErrorLimit,
+    ) -> Result<Self, Error> {
         ik.model().check_configuration(measured)?;
         let rest = vec![0.0; ik.model().velocity_count()];
         ik.reset(&rest)?;
-        let leash = LeashIntervals::new(leash, ik.model(), measured)?;
-        Ok(Self { ik, position: measured.to_vec(), leash, fault: None, status: Status::Solved })
+        let following_error = FollowingErrorIntervals::new(following_error, ik.model(), measured)?;
+        Ok(Self {
+            ik,
+            position: measured.to_vec(),
+            following_error,
+            fault: None,
+            status: Status::Solved,
+        })
     }
 
     /// Computes the command for the next `period` \[s\], with the robot at the `measured` configuration. Allocates
@@ -106,8 +116,8 @@ impl Commanded {
     fn advance(&mut self, measured: &[f64], period: f64) -> Result<Status, Error> {
         check_period(period)?;
         self.ik.model().check_configuration(measured)?;
-        self.leash.update(&self.position, &self.ik, measured, period)?;
-        let step = self.ik.step_within(&self.position, period, &self.leash.intervals)?;
+        self.following_error.update(&self.position, &self.ik, measured, period)?;
+        let step = self.ik.step_within(&self.position, period, &self.following_error.intervals)?;
         step.integrate(&mut self.position)?;
         Ok(step.status())
     }

@@ -37,7 +37,7 @@ pub use step::{ActiveLimit, ActiveRow, LevelReport, Step};
 /// use whole_body::{Description, Ik, Model};
 ///
 /// let urdf = r#"<robot name="arm">
-///   <link name="base"/> <link name="upper"/> <link name="lower"/> <link name="hand"/>
+///   <link name="base"/> <link name="upper"/> <link name="lower"/> <link name="tool"/>
 ///   <joint name="shoulder" type="revolute">
 ///     <parent link="base"/><child link="upper"/><axis xyz="0 0 1"/>
 ///     <limit lower="-2" upper="2" velocity="2" effort="9"/>
@@ -47,14 +47,14 @@ pub use step::{ActiveLimit, ActiveRow, LevelReport, Step};
 ///     <limit lower="-2" upper="2" velocity="2" effort="9"/>
 ///   </joint>
 ///   <joint name="wrist" type="fixed">
-///     <origin xyz="0.5 0 0"/><parent link="lower"/><child link="hand"/>
+///     <origin xyz="0.5 0 0"/><parent link="lower"/><child link="tool"/>
 ///   </joint>
 /// </robot>"#;
 /// let model = Model::from_urdf(urdf, &Description::default())?;
-/// let hand = model.frame_id("hand")?;
+/// let tool = model.frame_id("tool")?;
 ///
 /// let mut builder = Ik::builder(&model);
-/// let reach = builder.push("reach", PositionTask::new(hand));
+/// let reach = builder.push("reach", PositionTask::new(tool));
 /// let posture = builder.push("posture", PostureTask::new());
 /// let mut ik = builder.build()?;
 ///
@@ -93,7 +93,7 @@ pub struct Ik {
     /// Time in which the acceleration of each entry of q̇ fades, where limits of rows need that \[s\].
     fading: Vec<f64>,
     /// Joints at the ends of their ranges that levels would move beyond them.
-    held: Vec<usize>,
+    clamped: Vec<usize>,
     /// A velocity that all limits admit.
     admitted: Vec<f64>,
     /// Values of the rows of the limits.
@@ -139,7 +139,7 @@ impl Ik {
             fading: model.fading_times(),
             singularity: SingularityDamping::new(0.0, &[], stack.names().len(), rest.len()),
             asked: Vec::new(),
-            held: Vec::with_capacity(rest.len()),
+            clamped: Vec::with_capacity(rest.len()),
             admitted: rest,
             limit_values: Vec::new(),
             has_limits,
@@ -271,9 +271,9 @@ impl Ik {
             }
         })?;
         singularity.factorise();
-        // Rows for held joints and rows of curvature stand between the levels.
+        // Rows for clamped joints and rows of curvature stand between the levels.
         let (mut moved, mut ends) = (0, false);
-        self.held.clear();
+        self.clamped.clear();
         let limits = self.model.limits();
         let places = q.iter().skip(q.len().saturating_sub(limits.len()));
         let room =
@@ -281,15 +281,15 @@ impl Ik {
         for (index, asked) in asked.iter_mut().enumerate() {
             asked.span = asked.span.start + moved..asked.span.end + moved;
             let has_rows = asked.span.start < asked.span.end;
-            let above = self.held.len();
+            let above = self.clamped.len();
             let (span, counts) = (&mut asked.span, &mut asked.counts);
             *counts = false;
             let Some(rows) = self.stack.rows_mut(index) else { continue };
-            // Further limits may forbid a joint to stand still, so none is held. The solver itself handles joints at
+            // Further limits may forbid a joint to stand still, so none is clamped. The solver itself handles joints at
             // their ends below a level that reaches its targets.
             if has_rows && !has_limits && (ends || span.start == 0) {
-                let hold = |entry| self.held.push(entry);
-                let added = singularity.hold_ends(span, rows, room.clone(), hold);
+                let clamp = |entry| self.clamped.push(entry);
+                let added = singularity.clamp_ends(span, rows, room.clone(), clamp);
                 moved += added;
                 *span = span.start + added..span.end + added;
             }
@@ -313,8 +313,8 @@ impl Ik {
             ends |= bent > 0;
             if !ends {
                 // Levels that reach their targets leave the ends of joints to the solver.
-                let added = self.held.len() - above;
-                self.held.truncate(above);
+                let added = self.clamped.len() - above;
+                self.clamped.truncate(above);
                 singularity.release(span, added);
                 moved -= added;
                 *span = span.start - added..span.end - added;
@@ -323,7 +323,7 @@ impl Ik {
             singularity.take(&own);
         }
         let (lower, upper) = self.stack.bounds_mut();
-        for &entry in &self.held {
+        for &entry in &self.clamped {
             if let (Some(lower), Some(upper)) = (lower.get_mut(entry), upper.get_mut(entry)) {
                 let rest = 0.0_f64.clamp(*lower, *upper);
                 (*lower, *upper) = (rest, rest);

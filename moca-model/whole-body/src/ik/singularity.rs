@@ -167,14 +167,14 @@ impl SingularityDamping {
     }
 
     /// Holds joints at the ends of their ranges where the next level, at these places, would move them further. The
-    /// level then counts the hold as a decision above it. `room` is the distance of each joint to its lower and upper
+    /// level then counts the clamp as a decision above it. `room` is the distance of each joint to its lower and upper
     /// limit. Returns how many joints are held.
-    pub(super) fn hold_ends(
+    pub(super) fn clamp_ends(
         &mut self,
         span: &Range<usize>,
         rows: &Rows,
         room: impl Iterator<Item = [f64; 2]> + Clone,
-        mut hold: impl FnMut(usize),
+        mut clamp: impl FnMut(usize),
     ) -> usize {
         let is_near = |room: f64| room < AT_END;
         if !room.clone().flatten().any(is_near) {
@@ -191,7 +191,7 @@ impl SingularityDamping {
         for (entry, ([below, above], pull)) in room.zip(&*pulls).enumerate() {
             let is_end = is_near(if *pull > 0.0 { above } else { below }) && *pull != 0.0;
             if is_end && self.directions.insert(span.start, |row| row[entry] = 1.0) {
-                hold(entry);
+                clamp(entry);
                 held += 1;
             }
         }
@@ -218,7 +218,7 @@ impl SingularityDamping {
         }
         let m = span.len();
         self.directions.gram_into(span, &mut self.gram[..m * m]);
-        self.heaviest = self.weigh(span, rows);
+        self.heaviest = self.weight_gram(span, rows);
         eigenvectors(&mut self.gram[..m * m], m, &mut self.vectors[..m * m]);
         for k in 0..m {
             let vector = &self.vectors[k * m..][..m];
@@ -429,7 +429,7 @@ impl SingularityDamping {
     }
 
     /// Weights G, and returns the largest weight of a scaled row.
-    fn weigh(&mut self, span: &Range<usize>, rows: &Rows) -> f64 {
+    fn weight_gram(&mut self, span: &Range<usize>, rows: &Rows) -> f64 {
         let (m, norms) = (span.len(), self.directions.norms(span));
         let heaviness = |row: usize| rows.weight(row) * norms[row] * norms[row];
         let largest = (0..m).map(heaviness).fold(0.0, f64::max);

@@ -1,4 +1,4 @@
-//! Assembly of a model from the selected joints of a URDF. Fixed and held joints are merged into bodies.
+//! Assembly of a model from the selected joints of a URDF. Fixed and locked joints are merged into bodies.
 
 use std::collections::HashMap;
 
@@ -132,7 +132,7 @@ impl<'a, 'b> Assembly<'a, 'b> {
             let carrier = self.placed[self.tree.parent(index)];
             let origin = self.origin(joint);
             self.placed[child] = match self.selection.roles[index] {
-                Role::Held(position) => {
+                Role::Locked(position) => {
                     let held = displacement(joint, position)?;
                     (carrier.0, carrier.1 * origin * held)
                 }

@@ -12,8 +12,8 @@ pub(super) fn check_numbers(description: &Description) -> Result<(), Error> {
     for value in &description.gravity {
         check_finite(*value, || "a component of gravity".to_owned())?;
     }
-    for (joint, position) in &description.held {
-        check_finite(*position, || format!("the position that holds joint `{joint}`"))?;
+    for (joint, position) in &description.locked {
+        check_finite(*position, || format!("the position that locks joint `{joint}`"))?;
     }
     for (joint, pose) in &description.origins {
         check_pose(pose, || format!("the description's origin of joint `{joint}`"))?;

@@ -16,7 +16,7 @@ use super::limits::{LimitOverride, MissingAcceleration, UnusableLimits};
 /// let arm = Description {
 ///     root: Some("panda_link0".into()),
 ///     tips: vec!["panda_tcp".into()],
-///     held: vec![("panda_finger_joint1".into(), 0.04)],
+///     locked: vec![("panda_finger_joint1".into(), 0.04)],
 ///     ..Description::default()
 /// };
 /// // Legs: the root link moves freely.
@@ -31,13 +31,13 @@ pub struct Description {
     /// that are not below it are left out.
     pub root: Option<String>,
     /// Links that are to move; all joints move if there are none. Joints that move none of these links stay at
-    /// [`held`](Self::held) or at zero, and their links merge with the link that carries them.
+    /// [`locked`](Self::locked) or at zero, and their links merge with the link that carries them.
     pub tips: Vec<String>,
     /// The URDF's joints of q in their order, without the base's. The list ensures that q is what the caller expects.
     /// An empty list takes the joints that move.
     pub joints: Vec<String>,
     /// Joints that stay at a position \[rad or m\], such as fingers or a lift.
-    pub held: Vec<(String, f64)>,
+    pub locked: Vec<(String, f64)>,
     /// Joint origins (parent link to joint) that replace the URDF's, such as the mount of an arm or the length of a
     /// tool.
     pub origins: Vec<(String, Isometry3<f64>)>,
@@ -81,7 +81,7 @@ impl Default for Description {
             root: None,
             tips: Vec::new(),
             joints: Vec::new(),
-            held: Vec::new(),
+            locked: Vec::new(),
             origins: Vec::new(),
             limits: Vec::new(),
             missing_acceleration: MissingAcceleration::default(),

@@ -23,7 +23,7 @@ use crate::urdf::names::nearest;
 /// [`Data`](crate::Data), one for each thread.
 ///
 /// q and q̇ begin with the entries of the [`Base`]. One entry follows for each joint that moves by itself, depth first
-/// in the order of the URDF. Fixed and held joints are merged into the bodies that they join; their links remain as
+/// in the order of the URDF. Fixed and locked joints are merged into the bodies that they join; their links remain as
 /// frames. Mimic joints move with the joint that they follow; see [`MimicJoint`].
 ///
 /// ```

@@ -21,7 +21,7 @@ pub(super) struct Selection {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Role {
     /// Stays at a position \[rad or m\].
-    Held(f64),
+    Locked(f64),
     /// Moves as the free joint of this number.
     Free(usize),
     /// Follows the free joint of this number.
@@ -38,14 +38,14 @@ pub(super) fn select(tree: &Tree, description: &Description) -> Result<Selection
             moves[joint] = true;
         }
     }
-    let held = held(tree, description)?;
+    let locked = locked(tree, description)?;
     let mut roles = vec![None; joints.len()];
     let mut free = Vec::new();
     for &index in &order {
         let joint = &joints[index];
-        roles[index] = match (held[index], &joint.kind) {
-            (Some(position), _) => Some(Role::Held(position)),
-            (None, Kind::Fixed) => Some(Role::Held(0.0)),
+        roles[index] = match (locked[index], &joint.kind) {
+            (Some(position), _) => Some(Role::Locked(position)),
+            (None, Kind::Fixed) => Some(Role::Locked(0.0)),
             (None, Kind::Other(kind)) => {
                 return Err(Error::from(UrdfError::UnsupportedJoint {
                     line: joint.line,
@@ -58,7 +58,7 @@ pub(super) fn select(tree: &Tree, description: &Description) -> Result<Selection
                 free.push(index);
                 Some(Role::Free(free.len() - 1))
             }
-            _ => Some(Role::Held(0.0)),
+            _ => Some(Role::Locked(0.0)),
         };
     }
     let roles = Followers { tree, roles }.resolve(&order)?;
@@ -78,17 +78,17 @@ fn below(tree: &Tree, root: usize) -> Vec<usize> {
 }
 
 /// The position at which the description holds each joint.
-fn held(tree: &Tree, description: &Description) -> Result<Vec<Option<f64>>, Error> {
-    let mut held = vec![None; tree.document.joints.len()];
-    for (name, position) in &description.held {
-        held[tree.joint(None, name, "the held joint")?] = Some(*position);
+fn locked(tree: &Tree, description: &Description) -> Result<Vec<Option<f64>>, Error> {
+    let mut locked = vec![None; tree.document.joints.len()];
+    for (name, position) in &description.locked {
+        locked[tree.joint(None, name, "the locked joint")?] = Some(*position);
     }
     for name in &description.joints {
-        if held[tree.joint(None, name, "the moving joint")?].is_some() {
-            return Err(Error::HeldAndMoving { joint: name.clone() });
+        if locked[tree.joint(None, name, "the moving joint")?].is_some() {
+            return Err(Error::LockedAndMoving { joint: name.clone() });
         }
     }
-    Ok(held)
+    Ok(locked)
 }
 
 /// Finds for each mimic joint the independent joint that it follows.
@@ -103,7 +103,7 @@ impl Followers<'_, '_> {
         for &joint in order {
             self.resolve_one(joint)?;
         }
-        Ok(self.roles.into_iter().map(|role| role.unwrap_or(Role::Held(0.0))).collect())
+        Ok(self.roles.into_iter().map(|role| role.unwrap_or(Role::Locked(0.0))).collect())
     }
 
     /// Goes from follower to followed joint until a role is known, then back.
@@ -116,7 +116,7 @@ impl Followers<'_, '_> {
             }
             let Joint { name, line, mimic, .. } = &self.tree.document.joints[reached];
             let Some(mimic) = mimic else {
-                break Role::Held(0.0);
+                break Role::Locked(0.0);
             };
             if followers.len() > self.roles.len() {
                 return Err(Error::from(UrdfError::MimicLoop { line: *line, joint: name.clone() }));
@@ -127,7 +127,7 @@ impl Followers<'_, '_> {
         };
         for (joint, mimic) in followers.into_iter().rev() {
             role = match role {
-                Role::Held(position) => Role::Held(mimic.multiplier * position + mimic.offset),
+                Role::Locked(position) => Role::Locked(mimic.multiplier * position + mimic.offset),
                 Role::Free(free) => {
                     Role::Follows { free, multiplier: mimic.multiplier, offset: mimic.offset }
                 }

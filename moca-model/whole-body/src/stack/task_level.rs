@@ -21,9 +21,9 @@ use crate::tasks::task::Task;
 /// #   <link name="right"/><joint name="l" type="continuous"><parent link="base"/><child link="left"/>
 /// #   </joint><joint name="r" type="continuous"><parent link="base"/><child link="right"/></joint>
 /// #   </robot>"#, &Description::default())?;
-/// let mut hands = TaskLevel::new("hands");
-/// let left = hands.push("left", FrameTask::new(model.frame_id("left")?));
-/// let right = hands.push("right", FrameTask::new(model.frame_id("right")?));
+/// let mut tools = TaskLevel::new("tools");
+/// let left = tools.push("left", FrameTask::new(model.frame_id("left")?));
+/// let right = tools.push("right", FrameTask::new(model.frame_id("right")?));
 /// # let _ = (left, right);
 /// # Ok::<(), whole_body::Error>(())
 /// ```

@@ -18,7 +18,7 @@ impl Data {
     pub fn attach(&mut self, model: &Model, payload: &Payload) -> Result<PayloadId, Error> {
         self.check(model)?;
         let (id, body) = self.payloads.add(model, payload)?;
-        self.weigh(model, body);
+        self.update_inertia(model, body);
         Ok(id)
     }
 
@@ -29,12 +29,12 @@ impl Data {
     pub fn detach(&mut self, model: &Model, payload: PayloadId) -> Result<(), Error> {
         self.check(model)?;
         let body = self.payloads.remove(model, payload)?;
-        self.weigh(model, body);
+        self.update_inertia(model, body);
         Ok(())
     }
 
     /// Sums up a body and its payloads anew, so that nothing is ever subtracted.
-    fn weigh(&mut self, model: &Model, body: usize) {
+    fn update_inertia(&mut self, model: &Model, body: usize) {
         // Payloads on the world do not count in the dynamics.
         if body > 0 || model.base == Base::Floating {
             self.inertias[body] = self.payloads.on(body, &model.inertias[body]);

@@ -22,12 +22,12 @@ use crate::robot::model::Model;
 /// use nalgebra::Isometry3;
 /// use whole_body::tasks::{AugmentedFrameTask, VariableLayout};
 /// # use whole_body::{Description, Model};
-/// # let model = Model::from_urdf(r#"<robot name="slide"><link name="base"/><link name="hand"/>
-/// #   <joint name="j" type="prismatic"><parent link="base"/><child link="hand"/><axis xyz="1 0 0"/>
+/// # let model = Model::from_urdf(r#"<robot name="slide"><link name="base"/><link name="tool"/>
+/// #   <joint name="j" type="prismatic"><parent link="base"/><child link="tool"/><axis xyz="1 0 0"/>
 /// #   <limit lower="0" upper="1" velocity="1" effort="1"/></joint></robot>"#, &Description::default())?;
 /// let mut layout = VariableLayout::new(&model);
 /// let desired = layout.add("desired twist", 6);
-/// let mut task = AugmentedFrameTask::new(model.frame_id("hand")?, &desired);
+/// let mut task = AugmentedFrameTask::new(model.frame_id("tool")?, &desired);
 /// task.set_desired(Isometry3::translation(0.4, 0.0, 0.0))?; // x_d of the tick before
 /// # Ok::<(), whole_body::Error>(())
 /// ```

@@ -20,11 +20,11 @@ use crate::robot::model::Model;
 /// use nalgebra::{Point3, Vector3};
 /// use whole_body::tasks::{Axis, PositionTask};
 /// # use whole_body::{Description, Model};
-/// # let model = Model::from_urdf(r#"<robot name="slide"><link name="base"/><link name="hand"/>
-/// #   <joint name="j" type="prismatic"><parent link="base"/><child link="hand"/><axis xyz="1 0 0"/>
+/// # let model = Model::from_urdf(r#"<robot name="slide"><link name="base"/><link name="tool"/>
+/// #   <joint name="j" type="prismatic"><parent link="base"/><child link="tool"/><axis xyz="1 0 0"/>
 /// #   <limit lower="0" upper="1" velocity="1" effort="1"/></joint></robot>"#, &Description::default())?;
-/// let hand = model.frame_id("hand")?;
-/// let mut task = PositionTask::new(hand).with_gain(50.0).with_axes(&[Axis::X]);
+/// let tool = model.frame_id("tool")?;
+/// let mut task = PositionTask::new(tool).with_gain(50.0).with_axes(&[Axis::X]);
 /// task.set_moving_target(Point3::new(0.4, 0.0, 0.0), Vector3::new(0.1, 0.0, 0.0))?;
 /// # Ok::<(), whole_body::Error>(())
 /// ```

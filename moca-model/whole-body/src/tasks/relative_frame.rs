@@ -10,8 +10,8 @@ use crate::error::Error;
 use crate::robot::frame::FrameId;
 use crate::robot::model::Model;
 
-/// Moves a frame to a pose in another frame of the robot, such as one hand to the other or a camera to a hand. All
-/// quantities are in the reference's axes; the Jacobian is
+/// Moves a frame to a pose in another frame of the robot, such as one gripper to the other or a camera to a gripper.
+/// All quantities are in the reference's axes; the Jacobian is
 /// [`Posed::relative_jacobian_into`](crate::Posed::relative_jacobian_into).
 pub type RelativeFrameTask = PoseTask<RelativePose>;
 

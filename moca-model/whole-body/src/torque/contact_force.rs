@@ -9,12 +9,12 @@ use crate::robot::frame::FrameId;
 use crate::robot::model::Model;
 use crate::state::posed::Posed;
 
-/// Share of the trace of J Jᵀ that is added to its diagonal. The force in a direction that the joints hardly feel is
-/// then small.
+/// Share of the trace of J Jᵀ that is added to its diagonal. The force in a direction that hardly loads the
+/// joints is then small.
 const DAMPING: f64 = 1e-4;
 
 /// The force at a frame's origin that best explains external torques: the least squares of Jᵥᵀ f = r over the joints
-/// that feel it, where Jᵥ is the linear Jacobian.
+/// that it loads, where Jᵥ is the linear Jacobian.
 ///
 /// It is the contact force if the contact is at the frame. Other contacts appear as the most similar force at the
 /// frame. Moments at the frame count as zero.

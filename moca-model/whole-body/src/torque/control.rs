@@ -6,7 +6,7 @@ use super::prediction::StatePrediction;
 use super::resynchronisation::{Following, Resynchronisation};
 use super::support::{Compensation, SupportTorque, SupportedMotion};
 use crate::error::{Error, check_finite};
-use crate::ik::leash::Leash;
+use crate::ik::following_error::FollowingErrorLimit;
 use crate::robot::joint::JointKind;
 use crate::robot::model::Model;
 use crate::state::data::Data;
@@ -24,8 +24,8 @@ pub struct TorqueSettings {
     /// Gains of these joints, and the torque rate. The default is a Panda's.
     pub impedance: ImpedanceSettings,
     /// Largest following errors. Beyond them the desired state restarts from the measured one. The default is that of
-    /// [`Leash`], 0.1 rad or m.
-    pub leash: Leash,
+    /// [`FollowingErrorLimit`], 0.1 rad or m.
+    pub following_error: FollowingErrorLimit,
 }
 
 impl TorqueSettings {
@@ -36,7 +36,7 @@ impl TorqueSettings {
             compensation,
             rotor_inertia: 0.1,
             impedance: ImpedanceSettings::default(),
-            leash: Leash::default(),
+            following_error: FollowingErrorLimit::default(),
         }
     }
 }
@@ -45,9 +45,9 @@ impl TorqueSettings {
 /// measured one even if the robot is held ([`Resynchronisation`]).
 ///
 /// Each tick takes q̇*, from an [`Ik`](crate::Ik) for example, and the measured state. q* is the integral of q̇* within
-/// the leash of q. When the leash is reached, q* is set to q until the caller, who is told so, has brought q̇* to rest.
-/// The desired position of other joints, such as those of a base that takes velocities, is the measured one. Torque
-/// limits are the model's efforts.
+/// the following-error limit of q. When the following-error limit is reached, q* is set to q until the caller, who is
+/// told so, has brought q̇* to rest. The desired position of other joints, such as those of a base that takes
+/// velocities, is the measured one. Torque limits are the model's efforts.
 ///
 /// Between measurements the state is predicted ([`StatePrediction`]). Springs and dampers fade with the age of the
 /// measurement, until the robot only supports itself and comes to rest. Missing or frozen measurements are a
@@ -130,8 +130,8 @@ impl TorqueControl {
     /// Creates a controller for a robot at rest at the `measured` configuration.
     ///
     /// # Errors
-    /// [`Error::UnknownName`], [`Error::Unsuitable`] for a joint that torque cannot drive;
-    /// [`Error::UnknownEffort`]; those of [`JointImpedance::new`]; [`Error::Value`] for a leash out of range; those of
+    /// [`Error::UnknownName`], [`Error::Unsuitable`] for a joint that torque cannot drive; [`Error::UnknownEffort`];
+    /// those of [`JointImpedance::new`]; [`Error::Value`] for a following-error limit out of range; those of
     /// [`Data::pose`] on the configuration.
     pub fn new(model: &Model, settings: TorqueSettings, measured: &[f64]) -> Result<Self, Error> {
         model.check_configuration(measured)?;
@@ -153,7 +153,7 @@ impl TorqueControl {
             velocity: all.clone(),
             acceleration: all.clone(),
             commanded: all,
-            resynchronisation: Resynchronisation::of_model(model, &settings.leash)?,
+            resynchronisation: Resynchronisation::of_model(model, &settings.following_error)?,
             following: Following::Follows,
             desired: measured.to_vec(),
             room: Gathered {
@@ -200,7 +200,7 @@ impl TorqueControl {
             self.resynchronisation.restart();
         }
         self.is_lost = lost;
-        self.following = self.resynchronisation.hold(&mut self.desired, &self.position, rests)?;
+        self.following = self.resynchronisation.clamp(&mut self.desired, &self.position, rests)?;
         self.advance(velocity, period);
         self.support(velocity)?;
         self.gather(velocity);
@@ -283,7 +283,7 @@ impl TorqueControl {
         &self.desired
     }
 
-    /// Restarts q* from q as at the end of the leash. The robot yields until q̇* has come to rest.
+    /// Restarts q* from q as at the following-error limit. The robot yields until q̇* has come to rest.
     pub fn give_way(&mut self) {
         self.resynchronisation.resynchronise();
         self.following = Following::Resynchronising;

@@ -1,7 +1,7 @@
 //! Resynchronisation of a desired position with the measured one.
 
 use crate::error::{Error, check_size};
-use crate::ik::leash::Leash;
+use crate::ik::following_error::FollowingErrorLimit;
 use crate::robot::joint::JointKind;
 use crate::robot::model::Model;
 
@@ -10,7 +10,7 @@ use crate::robot::model::Model;
 pub enum Following {
     /// The robot follows.
     Follows,
-    /// The end of the leash was reached in this tick.
+    /// The end of the following-error limit was reached in this tick.
     Reached,
     /// The desired position restarted from the measured one in this tick. The robot does not follow or was told to
     /// yield, and has not been allowed to go on.
@@ -19,27 +19,27 @@ pub enum Following {
 
 /// Keeps a desired position q* near the measured position q.
 ///
-/// Within the leash q* is the caller's. If a joint is farther from it than its leash, all of q* restarts from q in
-/// every tick. The caller ends this once its desired velocities have come to rest. Then no difference q* − q is left
-/// that a spring could release. A robot that was held does not jump when it is released.
+/// Within the following-error limit q* is the caller's. If a joint is farther from it than its following-error limit,
+/// all of q* restarts from q in every tick. The caller ends this once its desired velocities have come to rest. Then no
+/// difference q* − q is left that a spring could release. A robot that was held does not jump when it is released.
 ///
 /// ```
 /// use whole_body::torque::{Following, Resynchronisation};
 ///
 /// let mut held = Resynchronisation::new(vec![0.1])?;
 /// let mut desired = [0.3];
-/// held.hold(&mut desired, &[0.25], false)?; // the first tick starts from what is measured
+/// held.clamp(&mut desired, &[0.25], false)?; // the first tick starts from what is measured
 /// assert_eq!(desired, [0.25]);
 /// desired[0] += 0.05;
-/// assert_eq!(held.hold(&mut desired, &[0.25], false)?, Following::Follows);
+/// assert_eq!(held.clamp(&mut desired, &[0.25], false)?, Following::Follows);
 /// desired[0] += 0.06; // the robot is held
-/// assert_eq!(held.hold(&mut desired, &[0.25], false)?, Following::Reached);
+/// assert_eq!(held.clamp(&mut desired, &[0.25], false)?, Following::Reached);
 /// assert_eq!(desired, [0.25]);
 /// # Ok::<(), whole_body::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Resynchronisation {
-    /// Leash of each entry of q \[rad or m\].
+    /// Following-error limit of each entry of q \[rad or m\].
     lengths: Vec<f64>,
     state: State,
 }
@@ -62,7 +62,7 @@ impl Resynchronisation {
     /// [`Error::Value`] for a length that is not positive.
     pub fn new(lengths: Vec<f64>) -> Result<Self, Error> {
         if let Some(&value) = lengths.iter().find(|length| length.is_nan() || **length <= 0.0) {
-            let (what, expected) = ("a leash", "positive, or infinite for none");
+            let (what, expected) = ("a following-error limit", "positive, or infinite for none");
             return Err(Error::value(what, value, expected));
         }
         Ok(Self { lengths, state: State::Unknown })
@@ -71,15 +71,15 @@ impl Resynchronisation {
     /// Creates a resynchronisation for all joints of a robot. A floating base has no limit, since it is estimated.
     ///
     /// # Errors
-    /// [`Error::Value`] for a leash out of range.
-    pub fn of_model(model: &Model, leash: &Leash) -> Result<Self, Error> {
-        leash.validate()?;
+    /// [`Error::Value`] for a following-error limit out of range.
+    pub fn of_model(model: &Model, following_error: &FollowingErrorLimit) -> Result<Self, Error> {
+        following_error.validate()?;
         let mut lengths = vec![f64::INFINITY; model.position_count()];
         for joint in model.joints() {
             let length = match joint.kind {
                 JointKind::Floating => continue,
-                JointKind::Prismatic => leash.prismatic,
-                JointKind::Revolute | JointKind::Continuous => leash.revolute,
+                JointKind::Prismatic => following_error.prismatic,
+                JointKind::Revolute | JointKind::Continuous => following_error.revolute,
             };
             if let Some(own) = lengths.get_mut(joint.position_index) {
                 *own = length;
@@ -93,12 +93,12 @@ impl Resynchronisation {
         &self.lengths
     }
 
-    /// Keeps `desired` near `measured`. `may_go_on` ends the resynchronisation, unless the leash is reached. Allocates
-    /// nothing.
+    /// Keeps `desired` near `measured`. `may_go_on` ends the resynchronisation, unless the following-error limit is
+    /// reached. Allocates nothing.
     ///
     /// # Errors
     /// [`Error::WrongSize`]; nothing is then changed.
-    pub fn hold(
+    pub fn clamp(
         &mut self,
         desired: &mut [f64],
         measured: &[f64],
@@ -132,7 +132,7 @@ impl Resynchronisation {
         self.state = State::Restarting;
     }
 
-    /// Returns whether the leash is reached. NaN counts as reached.
+    /// Returns whether the following-error limit is reached. NaN counts as reached.
     fn is_reached(&self, desired: &[f64], measured: &[f64]) -> bool {
         let apart = desired.iter().zip(measured).map(|(desired, measured)| desired - measured);
         let within = apart.zip(&self.lengths).all(|(apart, length)| apart.abs() <= *length);

@@ -2,7 +2,7 @@
 
 use allocation_counter::measure;
 use nalgebra::{DMatrix, IsometryMatrix3, Matrix3, Matrix3xX, Matrix6xX, Point3, Vector3, Vector6};
-use whole_body::ik::{Commanded, Leash};
+use whole_body::ik::{Commanded, FollowingErrorLimit};
 use whole_body::limits::FrameVelocityLimit;
 use whole_body::simulation::{Contact, JointDrive, RigidBodySimulation, SensorSettings, Sensors};
 use whole_body::state::{ExternalWrench, Payload};
@@ -150,7 +150,7 @@ fn allocations_of_steps(model: &Model) -> u64 {
         ik.brake(1e-3).unwrap();
     })
     .count_total;
-    let mut robot = Commanded::new(ik, &measured, Leash::default()).unwrap();
+    let mut robot = Commanded::new(ik, &measured, FollowingErrorLimit::default()).unwrap();
     counts += measure(|| {
         for _ in 0..100 {
             assert!(robot.step(&measured, 1e-3).fault.is_none());

@@ -1,7 +1,7 @@
 //! Impossible tasks, targets, periods and levels are errors that name them.
 
 use nalgebra::{Point3, Vector3};
-use whole_body::ik::{Commanded, IkSettings, Leash};
+use whole_body::ik::{Commanded, FollowingErrorLimit, IkSettings};
 use whole_body::limits::{FrameVelocityLimit, VelocityInterval, WheelLimit};
 use whole_body::stack::TaskLevel;
 use whole_body::tasks::{
@@ -31,22 +31,22 @@ fn refused<T: Task>(model: &Model, task: T) -> Error {
 #[test]
 fn targets_that_were_never_set() {
     let model = panda();
-    let hand = model.frame_id("panda_hand").unwrap();
-    let mut level = TaskLevel::new("hands");
-    level.push("left", FrameTask::new(hand));
+    let tool = model.frame_id("panda_hand").unwrap();
+    let mut level = TaskLevel::new("tools");
+    level.push("left", FrameTask::new(tool));
     let mut builder = Ik::builder(&model);
     builder.push_level(level);
     let posture = builder.push("posture", PostureTask::new());
     let mut ik = builder.build().unwrap();
     ik.task_mut(posture).unwrap().set_target(&HOME).unwrap();
-    expect(ik.step(&HOME, PERIOD).unwrap_err(), &["`left`", "`hands`", "target was never set"]);
+    expect(ik.step(&HOME, PERIOD).unwrap_err(), &["`left`", "`tools`", "target was never set"]);
     assert!(ik.velocity().iter().all(|v| *v == 0.0));
 }
 
 #[test]
 fn tasks_that_the_robot_cannot_do() {
     let model = panda();
-    let hand = model.frame_id("panda_hand").unwrap();
+    let tool = model.frame_id("panda_hand").unwrap();
     let root = model.frame_id("panda_link0").unwrap();
     let link7 = model.frame_id("panda_link7").unwrap();
     let names = ["`mine`", "level `mine`"];
@@ -55,22 +55,22 @@ fn tasks_that_the_robot_cannot_do() {
         &["no joint moves frame `panda_link0`", names[0]],
     );
     expect(refused(&model, FrameTask::new(root)), &names);
-    expect(refused(&model, RelativeFrameTask::new(link7, hand)), &["panda_link7", "panda_hand"]);
+    expect(refused(&model, RelativeFrameTask::new(link7, tool)), &["panda_link7", "panda_hand"]);
     expect(
-        refused(&model, PositionTask::new(hand).with_axes(&[])),
+        refused(&model, PositionTask::new(tool).with_axes(&[])),
         &["controls no axis, joint or row"],
     );
-    expect(refused(&model, PositionTask::new(hand).with_gain(0.0)), &["gain", "positive"]);
-    expect(refused(&model, PositionTask::new(hand).with_gain(f64::NAN)), &["gain", "NaN"]);
+    expect(refused(&model, PositionTask::new(tool).with_gain(0.0)), &["gain", "positive"]);
+    expect(refused(&model, PositionTask::new(tool).with_gain(f64::NAN)), &["gain", "NaN"]);
     let weights = Vector3::new(1.0, -1.0, 1.0);
-    expect(refused(&model, PositionTask::new(hand).with_weights(weights)), &["weight", "-1"]);
-    expect(refused(&model, ManipulabilityTask::new(hand, -1.0)), &["threshold"]);
+    expect(refused(&model, PositionTask::new(tool).with_weights(weights)), &["weight", "-1"]);
+    expect(refused(&model, ManipulabilityTask::new(tool, -1.0)), &["threshold"]);
     expect(refused(&model, PostureTask::new().with_weights(&[1.0; 3])), &["weights", "3", "7"]);
     expect(refused(&model, DampingTask::new().with_weights(&[1.0; 9])), &["weights", "9", "7"]);
     expect(refused(&model, JointCouplingTask::new(&[])), &["coefficients"]);
     expect(refused(&model, VelocityTask::new(0)), &["controls no axis, joint or row"]);
     expect(refused(&model, WheelLimit::mecanum(1.0, 0.5)), &["no planar base", "panda"]);
-    let limit = FrameVelocityLimit::new(hand, Vector3::new(0.1, -1.0, 0.1), Vector3::repeat(1.0));
+    let limit = FrameVelocityLimit::new(tool, Vector3::new(0.1, -1.0, 0.1), Vector3::repeat(1.0));
     expect(refused(&model, limit), &["limit", "-1", "positive"]);
     let other = humanoid();
     let foreign = other.frame_id("left_hand").unwrap();
@@ -89,18 +89,18 @@ fn tasks_that_the_robot_cannot_do() {
 #[test]
 fn levels_and_names() {
     let model = panda();
-    let hand = model.frame_id("panda_hand").unwrap();
+    let tool = model.frame_id("panda_hand").unwrap();
     expect(Ik::builder(&model).build().unwrap_err(), &["no level"]);
     let mut builder = Ik::builder(&model);
     builder.push_level(TaskLevel::new("empty"));
     expect(builder.build().unwrap_err(), &["`empty`", "no tasks"]);
     let mut builder = Ik::builder(&model);
-    builder.push("one", PositionTask::new(hand));
+    builder.push("one", PositionTask::new(tool));
     builder.push("one", DampingTask::new());
     expect(builder.build().unwrap_err(), &["level named `one` already"]);
     let mut builder = Ik::builder(&model);
     let mut level = TaskLevel::new("level");
-    level.push("twice", PositionTask::new(hand));
+    level.push("twice", PositionTask::new(tool));
     level.push("twice", DampingTask::new());
     builder.push_level(level);
     expect(builder.build().unwrap_err(), &["task named `twice` already"]);
@@ -125,9 +125,9 @@ fn levels_and_names() {
 #[test]
 fn states_periods_and_targets() {
     let model = panda();
-    let hand = model.frame_id("panda_hand").unwrap();
+    let tool = model.frame_id("panda_hand").unwrap();
     let mut builder = Ik::builder(&model);
-    let position = builder.push("position", PositionTask::new(hand).with_gain(100.0));
+    let position = builder.push("position", PositionTask::new(tool).with_gain(100.0));
     let mut ik = builder.build().unwrap();
     let task = ik.task_mut(position).unwrap();
     assert!(task.set_target(Point3::new(f64::NAN, 0.0, 0.0)).is_err());
@@ -148,8 +148,11 @@ fn states_periods_and_targets() {
     assert!(ik.reset(&[0.0; 3]).is_err() && ik.reset(&[f64::NAN; 7]).is_err());
     assert!(ik.velocity().iter().all(|v| *v == 0.0));
     assert!(ik.step(&HOME, PERIOD).is_ok());
-    let leash = Leash { revolute: 0.0, ..Leash::default() };
-    expect(Commanded::new(ik, &HOME, leash).unwrap_err(), &["leash", "positive"]);
+    let following_error = FollowingErrorLimit { revolute: 0.0, ..FollowingErrorLimit::default() };
+    expect(
+        Commanded::new(ik, &HOME, following_error).unwrap_err(),
+        &["following-error limit", "positive"],
+    );
 }
 
 #[test]

@@ -208,13 +208,13 @@ fn names_that_are_unknown_or_double() {
     let limits = vec![("lift".to_owned(), LimitOverride::default())];
     let friction = vec![("lift".to_owned(), JointFriction::PANDA[0])];
     let origins = vec![("lift".to_owned(), nalgebra::Isometry3::identity())];
-    let held = vec![("lift".to_owned(), 0.1)];
+    let locked = vec![("lift".to_owned(), 0.1)];
     let default = Description::default;
     for description in [
         Description { limits, ..default() },
         Description { friction, ..default() },
         Description { origins, ..default() },
-        Description { held, ..default() },
+        Description { locked, ..default() },
         Description { joints: vec!["lift".into()], ..default() },
     ] {
         assert_error!(
@@ -324,8 +324,9 @@ fn joints_that_cannot_be_moved() {
     joints.swap(0, 1);
     let swapped = Description { joints: joints.clone(), ..Description::default() };
     assert_error!(refused(swapped), Error::JointOrder { .. }, "base_x, base_y", "base_y, base_x");
-    let held = Description { held: vec![("base_x".into(), 0.0)], joints, ..Description::default() };
-    assert_error!(refused(held), Error::HeldAndMoving { .. }, "base_x");
+    let locked =
+        Description { locked: vec![("base_x".into(), 0.0)], joints, ..Description::default() };
+    assert_error!(refused(locked), Error::LockedAndMoving { .. }, "base_x");
     let planar = Description { base: Base::Planar, ..Description::default() };
     assert_error!(refused(planar), Error::DuplicateName { .. }, "base_x");
 }
@@ -387,9 +388,9 @@ fn numbers_of_a_description_that_are_none() {
     let mut description = Description::default();
     description.gravity.z = f64::NAN;
     assert_error!(refused(description), Error::Value { .. }, "gravity");
-    let held = vec![("panda_finger_joint1".to_owned(), f64::INFINITY)];
+    let locked = vec![("panda_finger_joint1".to_owned(), f64::INFINITY)];
     assert_error!(
-        refused(Description { held, ..Description::default() }),
+        refused(Description { locked, ..Description::default() }),
         Error::Value { .. },
         "panda_finger_joint1"
     );

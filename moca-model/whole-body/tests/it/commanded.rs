@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
-use whole_body::ik::{Commanded, Leash};
+use whole_body::ik::{Commanded, FollowingErrorLimit};
 use whole_body::robot::JointKind;
 use whole_body::stack::TaskId;
 use whole_body::tasks::{FrameTask, PositionTask, PostureTask};
@@ -14,13 +14,13 @@ use crate::support::stacks::{PERIOD, Random, humanoid, panda};
 const HOME: [f64; 7] = [0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785];
 
 fn robot(model: &Model) -> (Commanded, TaskId<PositionTask>) {
-    let hand = model.frame_id("panda_hand_tcp").unwrap();
+    let tool = model.frame_id("panda_hand_tcp").unwrap();
     let mut builder = Ik::builder(model);
-    let position = builder.push("position", PositionTask::new(hand));
+    let position = builder.push("position", PositionTask::new(tool));
     let posture = builder.push("posture", PostureTask::new());
     let mut ik = builder.build().unwrap();
     ik.task_mut(posture).unwrap().set_target(&HOME).unwrap();
-    (Commanded::new(ik, &HOME, Leash::default()).unwrap(), position)
+    (Commanded::new(ik, &HOME, FollowingErrorLimit::default()).unwrap(), position)
 }
 
 /// Checks of velocities, accelerations and jerks of commands against the model.
@@ -61,11 +61,11 @@ proptest! {
     #[test]
     fn a_held_robot_is_waited_for(seed in any::<u64>(), lag in 0.002..0.02_f64) {
         let model = panda();
-        let hand = model.frame_id("panda_hand_tcp").unwrap();
+        let tool = model.frame_id("panda_hand_tcp").unwrap();
         let (mut robot, position) = robot(&model);
         let mut random = Random(seed);
         let shift = Vector3::from_fn(|_, _| random.within(-0.4, 0.4));
-        let goal = pose(&model, &HOME, hand).translation.vector + shift;
+        let goal = pose(&model, &HOME, tool).translation.vector + shift;
         robot.ik_mut().task_mut(position).unwrap().set_target(Point3::from(goal)).unwrap();
         let (mut measured, mut watch) = (HOME.to_vec(), Watch::new(&model));
         let begin = 50 + usize::try_from(seed % 300).unwrap();
@@ -98,14 +98,14 @@ proptest! {
     #[test]
     fn sudden_stop_is_overrun_within_the_bound(seed in any::<u64>(), begin in 50..900_u32) {
         let model = panda();
-        let hand = model.frame_id("panda_hand_tcp").unwrap();
+        let tool = model.frame_id("panda_hand_tcp").unwrap();
         let (mut robot, position) = robot(&model);
         let mut random = Random(seed);
         let shift = Vector3::from_fn(|_, _| random.within(-0.8, 0.8));
-        let goal = pose(&model, &HOME, hand).translation.vector + shift;
+        let goal = pose(&model, &HOME, tool).translation.vector + shift;
         robot.ik_mut().task_mut(position).unwrap().set_target(goal).unwrap();
         let bounds = model.limits().iter().map(|limits| {
-            Leash::default().bound(JointKind::Revolute, limits)
+            FollowingErrorLimit::default().bound(JointKind::Revolute, limits)
         });
         let bounds: Vec<f64> = bounds.collect();
         let mut measured = HOME.to_vec();
@@ -118,22 +118,22 @@ proptest! {
                 }
             }
         }
-        // In the end the command waits at the leash.
+        // In the end the command waits at the following-error limit.
         let apart = measured.iter().zip(robot.position()).map(|(a, b)| (a - b).abs());
         prop_assert!(apart.fold(0.0, f64::max) <= 0.1 + 1e-6);
     }
 }
 
 #[test]
-fn leash_never_slows_a_following_robot() {
+fn a_following_robot_is_never_slowed() {
     let model = panda();
-    let hand = model.frame_id("panda_hand_tcp").unwrap();
+    let tool = model.frame_id("panda_hand_tcp").unwrap();
     let (mut robot, position) = robot(&model);
-    let goal = pose(&model, &HOME, hand).translation.vector + Vector3::new(-0.2, 0.5, 0.0);
+    let goal = pose(&model, &HOME, tool).translation.vector + Vector3::new(-0.2, 0.5, 0.0);
     robot.ik_mut().task_mut(position).unwrap().set_target(Point3::from(goal)).unwrap();
     let (mut measured, mut q) = (HOME.to_vec(), HOME.to_vec());
     let mut builder = Ik::builder(&model);
-    let alone = builder.push("position", PositionTask::new(hand));
+    let alone = builder.push("position", PositionTask::new(tool));
     let posture = builder.push("posture", PostureTask::new());
     let mut ik = builder.build().unwrap();
     ik.task_mut(alone).unwrap().set_target(Point3::from(goal)).unwrap();
@@ -151,9 +151,9 @@ fn leash_never_slows_a_following_robot() {
 #[test]
 fn what_cannot_be_computed_brakes_and_says_why() {
     let model = panda();
-    let hand = model.frame_id("panda_hand_tcp").unwrap();
+    let tool = model.frame_id("panda_hand_tcp").unwrap();
     let (mut robot, position) = robot(&model);
-    let goal = pose(&model, &HOME, hand).translation.vector + Vector3::new(0.0, 0.5, 0.0);
+    let goal = pose(&model, &HOME, tool).translation.vector + Vector3::new(0.0, 0.5, 0.0);
     robot.ik_mut().task_mut(position).unwrap().set_target(Point3::from(goal)).unwrap();
     let (mut measured, mut watch) = (HOME.to_vec(), Watch::new(&model));
     for _ in 0..150 {
@@ -182,26 +182,26 @@ fn what_cannot_be_computed_brakes_and_says_why() {
     }
 }
 
-/// A humanoid that stands on its feet, with a task for one hand.
+/// A humanoid that stands on its feet, with a task for one tool.
 fn standing(model: &Model, shift: Vector3<f64>) -> Commanded {
     let q = model.neutral();
     let mut builder = Ik::builder(model);
     for foot in ["left_foot", "right_foot"] {
         builder.push(foot, FrameTask::new(model.frame_id(foot).unwrap()));
     }
-    let hand = model.frame_id("left_hand").unwrap();
-    let reach = builder.push("hand", PositionTask::new(hand));
+    let tool = model.frame_id("left_hand").unwrap();
+    let reach = builder.push("tool", PositionTask::new(tool));
     builder.push("posture", PostureTask::new());
     let mut ik = builder.build_at(&q).unwrap();
-    let goal = pose(model, &q, hand).translation.vector + shift;
+    let goal = pose(model, &q, tool).translation.vector + shift;
     ik.task_mut(reach).unwrap().set_target(goal).unwrap();
-    Commanded::new(ik, &q, Leash::default()).unwrap()
+    Commanded::new(ik, &q, FollowingErrorLimit::default()).unwrap()
 }
 
 #[test]
 fn the_command_of_a_floating_base_waits_too() {
     let model = humanoid();
-    // Only the leash holds the base.
+    // Only the following-error limit holds the base.
     let base = model.frame_id("pelvis").unwrap();
     let mut builder = Ik::builder(&model);
     let task = builder.push("base", FrameTask::new(base));
@@ -212,7 +212,7 @@ fn the_command_of_a_floating_base_waits_too() {
     goal.translation.vector += Vector3::new(1.0, -0.5, 0.2);
     goal.append_rotation_wrt_center_mut(&UnitQuaternion::from_euler_angles(0.4, -0.8, 1.2));
     ik.task_mut(task).unwrap().set_target(goal).unwrap();
-    let mut robot = Commanded::new(ik, &q, Leash::default()).unwrap();
+    let mut robot = Commanded::new(ik, &q, FollowingErrorLimit::default()).unwrap();
     let mut apart = vec![0.0; model.velocity_count()];
     for _ in 0..2000 {
         let command = robot.step(&q, PERIOD);

@@ -69,17 +69,17 @@ fn tips_and_root_restrict_what_moves() {
         root: Some("panda_link0".into()),
         tips: vec!["panda_tcp".into()],
         joints: (1..8).map(|number| format!("panda_joint{number}")).collect(),
-        held: vec![("panda_finger_joint1".into(), 0.03)],
+        locked: vec![("panda_finger_joint1".into(), 0.03)],
         ..Description::default()
     };
     let model = read(MOCA, &description);
     assert_eq!(model.velocity_count(), 7);
-    assert!(model.mimic_joints().is_empty(), "a held leader holds its follower");
+    assert!(model.mimic_joints().is_empty(), "a locked leader locks its follower");
     let q = model.neutral();
     let apart = |finger: &str| {
-        let hand = pose(&model, &q, model.frame_id("panda_hand").unwrap());
+        let tool = pose(&model, &q, model.frame_id("panda_hand").unwrap());
         let finger = pose(&model, &q, model.frame_id(finger).unwrap());
-        (hand.inverse() * finger).translation.vector.y.abs()
+        (tool.inverse() * finger).translation.vector.y.abs()
     };
     assert_abs_diff_eq!(apart("panda_leftfinger"), 0.03, epsilon = 1e-12);
     assert_abs_diff_eq!(apart("panda_rightfinger"), 0.03, epsilon = 1e-12);
@@ -91,34 +91,34 @@ fn tips_and_root_restrict_what_moves() {
 }
 
 #[test]
-fn held_joint_equals_a_fixed_one() {
+fn locked_joint_equals_a_fixed_one() {
     let free = read(TWO_ARMS, &Description::default());
-    let held = vec![("left_arm3".to_owned(), 0.7), ("left_finger2".to_owned(), 0.01)];
-    let held = read(TWO_ARMS, &Description { held, ..Description::default() });
+    let locked = vec![("left_arm3".to_owned(), 0.7), ("left_finger2".to_owned(), 0.01)];
+    let locked = read(TWO_ARMS, &Description { locked, ..Description::default() });
     let place = free.joint(free.joint_id("left_arm3").unwrap()).unwrap().velocity_index;
     let mut q: Vec<_> = (0..free.velocity_count()).map(|index| 0.01 * index as f64).collect();
     q[place] = 0.7;
     let mut fewer = q.clone();
     fewer.remove(place);
     for name in ["left_arm6_link", "right_arm6_link", "left_finger1_link"] {
-        let [frame, other] = [&free, &held].map(|model| model.frame_id(name).unwrap());
-        assert_abs_diff_eq!(pose(&free, &q, frame), pose(&held, &fewer, other), epsilon = 1e-12);
+        let [frame, other] = [&free, &locked].map(|model| model.frame_id(name).unwrap());
+        assert_abs_diff_eq!(pose(&free, &q, frame), pose(&locked, &fewer, other), epsilon = 1e-12);
         let expected = jacobian(&free, &q, frame, Axes::World).remove_column(place);
-        let found = jacobian(&held, &fewer, other, Axes::World);
+        let found = jacobian(&locked, &fewer, other, Axes::World);
         assert_abs_diff_eq!(
             found,
             Matrix6xX::from_columns(&expected.column_iter().collect::<Vec<_>>()),
             epsilon = 1e-12
         );
     }
-    assert_eq!(held.mimic_joints().len(), 1, "a follower may be held as well");
+    assert_eq!(locked.mimic_joints().len(), 1, "a follower may be locked as well");
 }
 
 #[test]
-fn held_joint_moves_its_mass_along() {
+fn locked_joint_moves_its_mass_along() {
     let free = read(TWO_ARMS, &Description::default());
-    let held = vec![("left_arm3".to_owned(), 0.7), ("right_finger1".to_owned(), 0.02)];
-    let held = read(TWO_ARMS, &Description { held, ..Description::default() });
+    let locked = vec![("left_arm3".to_owned(), 0.7), ("right_finger1".to_owned(), 0.02)];
+    let locked = read(TWO_ARMS, &Description { locked, ..Description::default() });
     let place = |name: &str| free.joint(free.joint_id(name).unwrap()).unwrap().velocity_index;
     let (arm, finger) = (place("left_arm3"), place("right_finger1"));
     let mut q: Vec<_> = (0..free.velocity_count()).map(|index| 0.01 * index as f64).collect();
@@ -135,9 +135,9 @@ fn held_joint_moves_its_mass_along() {
         (torques, posed.potential_energy())
     };
     let (expected, energy) = at_rest(&free, &q);
-    let (torques, held_energy) = at_rest(&held, &without(&q));
+    let (torques, locked_energy) = at_rest(&locked, &without(&q));
     assert_abs_diff_eq!(torques[..], without(&expected)[..], epsilon = 1e-11);
-    assert_abs_diff_eq!(held_energy, energy, epsilon = 1e-11);
+    assert_abs_diff_eq!(locked_energy, energy, epsilon = 1e-11);
 }
 
 #[test]
@@ -163,8 +163,8 @@ fn frames_stand_on_links_and_on_frames() {
     let model = read(MOCA, &described(frame("needle", "tip")));
     let mut data = Data::new(&model);
     let posed = data.pose(&model, &model.neutral()).unwrap();
-    let [hand, needle] = ["panda_hand", "needle"].map(|name| model.frame_id(name).unwrap());
-    assert_abs_diff_eq!(posed.relative_pose(hand, needle).unwrap(), shift(0.3), epsilon = 1e-12);
+    let [tool, needle] = ["panda_hand", "needle"].map(|name| model.frame_id(name).unwrap());
+    assert_abs_diff_eq!(posed.relative_pose(tool, needle).unwrap(), shift(0.3), epsilon = 1e-12);
     assert_eq!(model.frame_name(needle).unwrap(), "needle");
     assert!(Model::from_urdf(MOCA, &described(frame("tip", "tool"))).is_err());
     assert!(Model::from_urdf(MOCA, &described(frame("new", "nowhere"))).is_err());
@@ -349,9 +349,9 @@ fn a_mimic_of_a_mimic_follows_the_first() {
     let last = &free.mimic_joints()[0];
     assert_eq!((last.name.as_str(), last.multiplier), ("last", -1.0));
     assert_abs_diff_eq!(last.offset, 0.25, epsilon = 1e-15);
-    let held = vec![("first".to_owned(), 0.4)];
-    let held = read(&urdf, &Description { base: Base::Planar, held, ..Description::default() });
-    for (model, q) in [(free, vec![0.4]), (held, vec![0.0; 3])] {
+    let locked = vec![("first".to_owned(), 0.4)];
+    let locked = read(&urdf, &Description { base: Base::Planar, locked, ..Description::default() });
+    for (model, q) in [(free, vec![0.4]), (locked, vec![0.0; 3])] {
         for (link, angle) in [("b", 0.9), ("c", -0.15)] {
             let pose = pose(&model, &q, model.frame_id(link).unwrap());
             assert_abs_diff_eq!(pose.rotation.euler_angles().2, angle, epsilon = 1e-12);

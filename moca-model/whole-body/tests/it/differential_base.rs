@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
-use whole_body::ik::{Commanded, Leash};
+use whole_body::ik::{Commanded, FollowingErrorLimit};
 use whole_body::limits::{FrameVelocityLimit, WheelLimit};
 use whole_body::robot::LimitOverride;
 use whole_body::stack::TaskId;
@@ -129,7 +129,7 @@ fn command_waits_for_held_base_without_sliding() {
     let Drive { mut ik, tip } = drive(&model, WheelLimit::differential(2.0, 0.5));
     ik.task_mut(tip).unwrap().set_target(Point3::new(2.0, 1.0, 0.0)).unwrap();
     let mut measured = model.neutral();
-    let mut robot = Commanded::new(ik, &measured, Leash::default()).unwrap();
+    let mut robot = Commanded::new(ik, &measured, FollowingErrorLimit::default()).unwrap();
     let mut worst = 0.0_f64;
     for tick in 0..6000 {
         let yaw = robot.position()[2];

@@ -76,12 +76,12 @@ proptest! {
 fn weights_of_a_level_divide_what_is_missing() {
     let model = panda();
     let mut q = vec![0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785];
-    let hand = model.frame_id("panda_hand_tcp").unwrap();
-    let start = pose(&model, &q, hand).translation.vector;
+    let tool = model.frame_id("panda_hand_tcp").unwrap();
+    let start = pose(&model, &q, tool).translation.vector;
     let mut level = TaskLevel::new("both");
     let weights = Vector3::new(1.0, 3.0, 1.0);
     let task =
-        PositionTask::new(hand).with_feedback(Feedback { gain: 20.0, deceleration: f64::INFINITY });
+        PositionTask::new(tool).with_feedback(Feedback { gain: 20.0, deceleration: f64::INFINITY });
     let one = level.push("one", task.clone().with_weights(weights));
     let other = level.push("other", task);
     let mut builder = Ik::builder(&model);
@@ -95,7 +95,7 @@ fn weights_of_a_level_divide_what_is_missing() {
     for _ in 0..3000 {
         ik.step(&q, PERIOD).unwrap().integrate(&mut q).unwrap();
     }
-    let moved = pose(&model, &q, hand).translation.vector - start;
+    let moved = pose(&model, &q, tool).translation.vector - start;
     assert!((moved - Vector3::new(0.02, 0.03, 0.0)).norm() < 1e-6, "{moved}");
 }
 
@@ -103,11 +103,11 @@ fn weights_of_a_level_divide_what_is_missing() {
 fn coordinates_that_a_mask_leaves_out_are_free() {
     let model = panda();
     let mut q = vec![0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785];
-    let hand = model.frame_id("panda_hand_tcp").unwrap();
-    let start = pose(&model, &q, hand);
+    let tool = model.frame_id("panda_hand_tcp").unwrap();
+    let start = pose(&model, &q, tool);
     let mut builder = Ik::builder(&model);
-    let height = builder.push("height", PositionTask::new(hand).with_axes(&[Axis::Z]));
-    let pull = builder.push("pull", FrameTask::new(hand));
+    let height = builder.push("height", PositionTask::new(tool).with_axes(&[Axis::Z]));
+    let pull = builder.push("pull", FrameTask::new(tool));
     let mut ik = builder.build().unwrap();
     let up = Vector3::new(0.0, 0.0, 0.05);
     ik.task_mut(height).unwrap().set_target(Point3::from(start.translation.vector + up)).unwrap();
@@ -117,7 +117,7 @@ fn coordinates_that_a_mask_leaves_out_are_free() {
     for _ in 0..3000 {
         ik.step(&q, PERIOD).unwrap().integrate(&mut q).unwrap();
     }
-    let end = pose(&model, &q, hand).translation.vector;
+    let end = pose(&model, &q, tool).translation.vector;
     let wanted = Vector3::new(aside.translation.x, aside.translation.y, start.translation.z + 0.05);
     assert!((end - wanted).norm() < 1e-4, "{end} for {wanted}");
 }
@@ -126,12 +126,12 @@ fn coordinates_that_a_mask_leaves_out_are_free() {
 #[test]
 fn feed_forward_takes_the_lag_away() {
     let model = panda();
-    let hand = model.frame_id("panda_hand_tcp").unwrap();
+    let tool = model.frame_id("panda_hand_tcp").unwrap();
     for (feed_forward, lag) in [(1.0, 0.0), (0.0, 0.05 / 20.0 + 0.05 * 0.05 / 5.0)] {
         let mut q = vec![0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785];
-        let start = pose(&model, &q, hand).translation.vector;
+        let start = pose(&model, &q, tool).translation.vector;
         let mut builder = Ik::builder(&model);
-        let position = builder.push("position", PositionTask::new(hand));
+        let position = builder.push("position", PositionTask::new(tool));
         let mut ik = builder.build().unwrap();
         let speed = Vector3::new(0.0, 0.05, 0.0);
         let mut behind = 0.0;
@@ -139,7 +139,7 @@ fn feed_forward_takes_the_lag_away() {
             let target = start + speed * (f64::from(tick) * PERIOD);
             let task = ik.task_mut(position).unwrap();
             task.set_moving_target(Point3::from(target), speed * feed_forward).unwrap();
-            behind = (target - pose(&model, &q, hand).translation.vector).norm();
+            behind = (target - pose(&model, &q, tool).translation.vector).norm();
             ik.step(&q, PERIOD).unwrap().integrate(&mut q).unwrap();
         }
         // The expected lag solves v/gain + v²/(2 deceleration).
@@ -151,11 +151,11 @@ fn feed_forward_takes_the_lag_away() {
 fn a_step_names_what_limits_it() {
     let model = panda();
     let mut q = vec![0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785];
-    let hand = model.frame_id("panda_hand_tcp").unwrap();
+    let tool = model.frame_id("panda_hand_tcp").unwrap();
     let mut builder = Ik::builder(&model);
-    let frame = builder.push("pose", FrameTask::new(hand));
+    let frame = builder.push("pose", FrameTask::new(tool));
     let mut ik = builder.build().unwrap();
-    let mut target = pose(&model, &q, hand);
+    let mut target = pose(&model, &q, tool);
     target.translation.vector += Vector3::new(0.0, 2.0, 0.0);
     let turn = Vector6::new(0.0, 20.0, 0.0, 0.0, 0.0, 0.0);
     ik.task_mut(frame).unwrap().set_moving_target(target, turn).unwrap();
@@ -255,20 +255,20 @@ mod quadratics {
 #[test]
 fn build_at_holds_what_has_no_target() {
     let model = panda();
-    let hand = model.frame_id("panda_hand_tcp").unwrap();
+    let tool = model.frame_id("panda_hand_tcp").unwrap();
     let mut q = vec![0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785];
-    let start = pose(&model, &q, hand);
+    let start = pose(&model, &q, tool);
     let mut builder = Ik::builder(&model);
-    let mut reach = PositionTask::new(hand);
+    let mut reach = PositionTask::new(tool);
     reach.set_target(start.translation.vector + Vector3::new(0.0, 0.1, 0.0)).unwrap();
     builder.push("reach", reach);
-    builder.push("orientation", OrientationTask::new(hand));
+    builder.push("orientation", OrientationTask::new(tool));
     builder.push("posture", PostureTask::new());
     let mut ik = builder.build_at(&q).unwrap();
     for _ in 0..2000 {
         ik.step(&q, PERIOD).unwrap().integrate(&mut q).unwrap();
     }
-    let end = pose(&model, &q, hand);
+    let end = pose(&model, &q, tool);
     assert!((end.translation.vector - start.translation.vector).y - 0.1 < 1e-6);
     assert!(end.rotation.angle_to(&start.rotation) < 1e-6);
 }

@@ -33,12 +33,12 @@ fn circle(time_of_round: f64) -> Errors {
 }
 
 fn circle_of(model: &Model, time_of_round: f64) -> Errors {
-    let hand = model.frame_id("panda_hand_tcp").unwrap();
+    let tool = model.frame_id("panda_hand_tcp").unwrap();
     let mut q = HOME.to_vec();
-    let start = pose(model, &q, hand);
+    let start = pose(model, &q, tool);
     let mut builder = Ik::builder(model);
-    let position = builder.push("position", PositionTask::new(hand));
-    let orientation = builder.push("orientation", OrientationTask::new(hand));
+    let position = builder.push("position", PositionTask::new(tool));
+    let orientation = builder.push("orientation", OrientationTask::new(tool));
     let posture = builder.push("posture", PostureTask::new());
     let mut ik = builder.build().unwrap();
     ik.task_mut(orientation).unwrap().set_target(start.rotation).unwrap();
@@ -58,7 +58,7 @@ fn circle_of(model: &Model, time_of_round: f64) -> Errors {
             * (smooth(time) - 0.9 * smooth((time - 6.0) / 0.5));
         let (sine, cosine) = angle.sin_cos();
         let target = start.translation.vector + 0.1 * Vector3::new(0.0, sine, cosine - 1.0);
-        let now = pose(model, &q, hand);
+        let now = pose(model, &q, tool);
         let apart = (now.translation.vector - target).norm();
         let turned = now.rotation.angle_to(&start.rotation);
         errors.position = errors.position.max(apart);

@@ -123,7 +123,7 @@ fn joints_outside_come_back_and_rest_there() {
 #[test]
 fn arm_rests_at_an_unreachable_target() {
     let model = panda();
-    let hand = model.frame_id("panda_hand_tcp").unwrap();
+    let tool = model.frame_id("panda_hand_tcp").unwrap();
     for far in [
         Vector3::new(1.5, 0.3, 0.5),
         Vector3::new(0.2, -1.6, 0.9),
@@ -150,7 +150,7 @@ fn arm_rests_at_an_unreachable_target() {
         }
         assert!(fastest < 1e-2 && strongest < 0.1, "{far}: {fastest} rad/s, {strongest} rad/s²");
         // The expected point is as far as the arm reaches in that direction from its shoulder.
-        let reached = pose(&model, &q, hand).translation.vector;
+        let reached = pose(&model, &q, tool).translation.vector;
         let shoulder = Vector3::new(0.0, 0.0, 0.333);
         let (way, wanted) = (reached - shoulder, far - shoulder);
         assert!(way.angle(&wanted) < 0.05 && way.norm() > 0.8, "{reached} for {far}");
@@ -180,11 +180,11 @@ fn periods_may_vary() {
 #[test]
 fn a_frame_keeps_its_cartesian_limits() {
     let model = panda();
-    let hand = model.frame_id("panda_hand_tcp").unwrap();
+    let tool = model.frame_id("panda_hand_tcp").unwrap();
     let mut random = Random(7);
     let mut builder = Ik::builder(&model);
     let (linear, angular) = (Vector3::new(0.1, 0.2, 0.3), Vector3::repeat(0.5));
-    builder.limit("slow hand", FrameVelocityLimit::new(hand, linear, angular));
+    builder.limit("slow tool", FrameVelocityLimit::new(tool, linear, angular));
     let tasks = tasks(&mut builder, &model);
     let mut ik = builder.build().unwrap();
     let mut q = random.configuration(&model, 0.0);
@@ -194,12 +194,12 @@ fn a_frame_keeps_its_cartesian_limits() {
         if tick % 300 == 0 {
             random_targets(&mut ik, &tasks, &model, &mut random);
         }
-        let before = pose(&model, &q, hand);
+        let before = pose(&model, &q, tool);
         let step = ik.step(&q, PERIOD).unwrap();
-        binding += step.active_rows().filter(|row| row.task == "slow hand").count();
+        binding += step.active_rows().filter(|row| row.task == "slow tool").count();
         step.integrate(&mut q).unwrap();
         monitor.check(&q);
-        let twist = crate::support::twist_between(&before, &pose(&model, &q, hand), PERIOD);
+        let twist = crate::support::twist_between(&before, &pose(&model, &q, tool), PERIOD);
         for (axis, limit) in [0.1, 0.2, 0.3, 0.5, 0.5, 0.5].into_iter().enumerate() {
             assert!(twist[axis].abs() <= limit * (1.0 + 1e-9), "{twist} along {axis} at {tick}");
         }
@@ -324,7 +324,7 @@ proptest! {
     }
 }
 
-/// Fast joints cancel each other at the hand. One reaches its limit, or the hand rotates beside them.
+/// Fast joints cancel each other at the tool. One reaches its limit, or the tool rotates beside them.
 #[test]
 fn joints_that_cancel_at_a_frame_stop_together() {
     for (seed, linear, angular) in [
@@ -339,15 +339,15 @@ fn joints_that_cancel_at_a_frame_stop_together() {
     }
 }
 
-/// The largest velocity of a Panda's hand over its limits \[m/s, rad/s\], and its tick. The robot starts at rest, and
+/// The largest velocity of a Panda's tool over its limits \[m/s, rad/s\], and its tick. The robot starts at rest, and
 /// targets jump.
 fn largest_use_of_cartesian_limits(seed: u64, linear: f64, angular: f64) -> (f64, usize) {
     let model = panda();
-    let hand = model.frame_id("panda_hand_tcp").unwrap();
+    let tool = model.frame_id("panda_hand_tcp").unwrap();
     let mut random = Random(seed);
     let mut builder = Ik::builder(&model);
     let limits = [Vector3::repeat(linear), Vector3::repeat(angular)];
-    builder.limit("hand", FrameVelocityLimit::new(hand, limits[0], limits[1]));
+    builder.limit("tool", FrameVelocityLimit::new(tool, limits[0], limits[1]));
     let tasks = tasks(&mut builder, &model);
     let mut q = random.configuration(&model, 0.0);
     let mut ik = builder.build_at(&q).unwrap();
@@ -356,9 +356,9 @@ fn largest_use_of_cartesian_limits(seed: u64, linear: f64, angular: f64) -> (f64
         if tick % 200 == 0 {
             random_targets(&mut ik, &tasks, &model, &mut random);
         }
-        let before = pose(&model, &q, hand);
+        let before = pose(&model, &q, tool);
         ik.step(&q, PERIOD).unwrap().integrate(&mut q).unwrap();
-        let twist = crate::support::twist_between(&before, &pose(&model, &q, hand), PERIOD);
+        let twist = crate::support::twist_between(&before, &pose(&model, &q, tool), PERIOD);
         let used = (twist.fixed_rows::<3>(0).amax() / linear)
             .max(twist.fixed_rows::<3>(3).amax() / angular);
         if used > most.0 {

@@ -34,14 +34,14 @@ const DISTANCES: [f64; 2] = [1.2, 2.0];
 
 struct Arm {
     model: Model,
-    hand: &'static str,
+    tool: &'static str,
     shoulder: Vector3<f64>,
     start: Vec<f64>,
 }
 
 fn panda_arm() -> Arm {
     let start = vec![0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785];
-    Arm { model: panda(), hand: "panda_hand_tcp", shoulder: Vector3::new(0.0, 0.0, 0.333), start }
+    Arm { model: panda(), tool: "panda_hand_tcp", shoulder: Vector3::new(0.0, 0.0, 0.333), start }
 }
 
 /// The left one of two arms on a lift.
@@ -54,7 +54,7 @@ fn left_arm() -> Arm {
         let id = model.joint_id(joint).unwrap();
         start[model.joint(id).unwrap().position_index] = angle;
     }
-    Arm { model, hand: "left_hand", shoulder: Vector3::new(0.0, 0.2, 1.2), start }
+    Arm { model, tool: "left_hand", shoulder: Vector3::new(0.0, 0.2, 1.2), start }
 }
 
 struct Reach {
@@ -64,10 +64,10 @@ struct Reach {
 
 /// A stack with position over orientation over posture.
 fn reach(arm: &Arm) -> Reach {
-    let hand = arm.model.frame_id(arm.hand).unwrap();
+    let tool = arm.model.frame_id(arm.tool).unwrap();
     let mut builder = Ik::builder(&arm.model);
-    let position = builder.push("position", PositionTask::new(hand));
-    builder.push("orientation", OrientationTask::new(hand));
+    let position = builder.push("position", PositionTask::new(tool));
+    builder.push("orientation", OrientationTask::new(tool));
     builder.push("posture", PostureTask::new());
     Reach { ik: builder.build_at(&arm.start).unwrap(), position }
 }
@@ -132,9 +132,9 @@ fn a_target_that_comes_back_is_reached() {
     let arm = panda_arm();
     let Reach { mut ik, position } = reach(&arm);
     let mut q = arm.start.clone();
-    let hand = arm.model.frame_id(arm.hand).unwrap();
-    let near = pose(&arm.model, &q, hand).translation.vector + Vector3::new(0.1, 0.1, 0.1);
-    let apart = |q: &[f64]| (pose(&arm.model, q, hand).translation.vector - near).norm();
+    let tool = arm.model.frame_id(arm.tool).unwrap();
+    let near = pose(&arm.model, &q, tool).translation.vector + Vector3::new(0.1, 0.1, 0.1);
+    let apart = |q: &[f64]| (pose(&arm.model, q, tool).translation.vector - near).norm();
     for (target, ticks) in [(Vector3::new(-2.0, 0.6, 1.9), 6000), (near, 6000)] {
         ik.task_mut(position).unwrap().set_target(Point3::from(target)).unwrap();
         for _ in 0..ticks {
@@ -147,13 +147,13 @@ fn a_target_that_comes_back_is_reached() {
 #[test]
 fn steps_out_of_reach_allocate_nothing() {
     let arm = panda_arm();
-    let hand = arm.model.frame_id(arm.hand).unwrap();
+    let tool = arm.model.frame_id(arm.tool).unwrap();
     let mut builder = Ik::builder(&arm.model);
-    let task = builder.push("pose", FrameTask::new(hand));
+    let task = builder.push("pose", FrameTask::new(tool));
     builder.push("posture", PostureTask::new());
     let mut ik = builder.build_at(&arm.start).unwrap();
     let mut q = arm.start.clone();
-    let mut target = pose(&arm.model, &q, hand);
+    let mut target = pose(&arm.model, &q, tool);
     target.translation.vector.x += 2.0;
     ik.task_mut(task).unwrap().set_target(target).unwrap();
     ik.step(&q, PERIOD).unwrap().integrate(&mut q).unwrap();

@@ -15,7 +15,7 @@ const STEP: f64 = 1e-5;
 const GAIN: f64 = 10.0;
 const FEEDBACK: Feedback = Feedback { gain: GAIN, deceleration: f64::INFINITY };
 
-/// Checks a task whose target is at the robot's state: its right-hand side decreases at the rate gain · A q̇.
+/// Checks a task whose target is at the robot's state: its right-tool side decreases at the rate gain · A q̇.
 fn is_derivative<T: Task + Clone>(model: &Model, task: &T, state: &State, tolerance: f64) {
     let [before, now, later] = [-STEP, 0.0, STEP]
         .map(|time| rows_at(model, task.clone(), &after(model, &state.q, &state.v, time)));
@@ -123,9 +123,9 @@ proptest! {
 fn manipulability_is_the_root_of_the_determinant() {
     let model = panda();
     let q = [0.1, -0.7, 0.2, -2.0, 0.3, 1.5, 0.6];
-    let hand = model.frame_id("panda_hand_tcp").unwrap();
-    let task = ManipulabilityTask::new(hand, 0.5).with_coordinates(PoseAxes::ALL).with_gain(1.0);
-    let jacobian = crate::support::jacobian(&model, &q, hand, Axes::World);
+    let tool = model.frame_id("panda_hand_tcp").unwrap();
+    let task = ManipulabilityTask::new(tool, 0.5).with_coordinates(PoseAxes::ALL).with_gain(1.0);
+    let jacobian = crate::support::jacobian(&model, &q, tool, Axes::World);
     let singular_values = jacobian.svd(false, false).singular_values;
     let expected: f64 = singular_values.iter().product();
     let found = 0.5 - rows_at(&model, task, &q)[0].1;
@@ -136,11 +136,11 @@ fn manipulability_is_the_root_of_the_determinant() {
 #[test]
 fn errors_are_differences_in_the_stated_axes() {
     let model = humanoid();
-    let hand = model.frame_id("left_hand").unwrap();
+    let tool = model.frame_id("left_hand").unwrap();
     let mut q = model.neutral();
     let moves: Vec<f64> = (0..model.velocity_count()).map(|i| 0.1 + 0.01 * i as f64).collect();
     model.integrate(&mut q, &moves).unwrap();
-    let now = pose(&model, &q, hand);
+    let now = pose(&model, &q, tool);
     let turn = Vector3::new(0.3, -0.2, 0.5);
     let shift = Vector3::new(0.1, 0.2, -0.3);
     let target = Isometry3::from_parts(
@@ -148,14 +148,14 @@ fn errors_are_differences_in_the_stated_axes() {
         UnitQuaternion::from_scaled_axis(turn) * now.rotation,
     );
     let twist = Vector6::new(1.0, 2.0, 3.0, 4.0, 5.0, 6.0);
-    let mut task = FrameTask::new(hand).with_feedback(FEEDBACK, FEEDBACK);
+    let mut task = FrameTask::new(tool).with_feedback(FEEDBACK, FEEDBACK);
     task.set_moving_target(target, twist).unwrap();
     let expected: Vec<f64> =
         shift.iter().chain(&turn).zip(&twist).map(|(error, twist)| GAIN * error + twist).collect();
     for (row, expected) in rows_at(&model, task.clone(), &q).iter().zip(&expected) {
         assert!((row.1 - expected).abs() < 1e-9 && row.1 == row.2);
     }
-    // The same pose in the axes of the hand.
+    // The same pose in the axes of the tool.
     let task = task.with_coordinates(PoseAxes::ALL, Axes::Local);
     let rows = rows_at(&model, task, &q);
     for part in [0, 3] {

@@ -1,7 +1,7 @@
 //! A Panda under torque control follows, supports itself, is held and released.
 
 use nalgebra::{Point3, Vector3};
-use whole_body::ik::Leash;
+use whole_body::ik::FollowingErrorLimit;
 use whole_body::simulation::{
     Contact, JointDrive, RandomSource, RigidBodySimulation, SensorSettings, Sensors, Transmission,
 };
@@ -135,11 +135,11 @@ fn torque_control_follows_a_circle() {
     }
 }
 
-/// q* stays within the leash for 3 s at a wall, and the robot jumps by at most 5 mm.
+/// q* stays within the following-error limit for 3 s at a wall, and the robot jumps by at most 5 mm.
 #[test]
 fn arm_released_from_wall_does_not_jump() {
     let settings = TorqueSettings {
-        leash: Leash { revolute: 0.05, ..Leash::default() },
+        following_error: FollowingErrorLimit { revolute: 0.05, ..FollowingErrorLimit::default() },
         ..TorqueSettings::new(Compensation::BARE)
     };
     let mut panda = Loop::new(settings);
@@ -205,8 +205,11 @@ fn what_torque_control_cannot_use() {
     let error =
         new(TorqueSettings { joints: vec!["panda_joint4".into()], ..default() }).unwrap_err();
     assert!(matches!(error, Error::WrongSize { what: "stiffness", expected: 1, got: 7 }));
-    let leash = Leash { revolute: 0.0, ..Leash::default() };
-    assert!(matches!(new(TorqueSettings { leash, ..default() }), Err(Error::Value { .. })));
+    let following_error = FollowingErrorLimit { revolute: 0.0, ..FollowingErrorLimit::default() };
+    assert!(matches!(
+        new(TorqueSettings { following_error, ..default() }),
+        Err(Error::Value { .. })
+    ));
     assert!(TorqueControl::new(&model, default(), &[0.0; 6]).is_err());
     let mut control = new(default()).unwrap();
     let rest = JointState { position: &HOME, velocity: &[0.0; 7] };

@@ -1,4 +1,4 @@
-// A controller in the shape that ros2_control wants: it holds a hand's orientation and takes its position to
+// A controller in the shape that ros2_control wants: it holds a tool's orientation and takes its position to
 // a point, by velocities of the joints. update() throws nothing, and allocates nothing while measurements are sound.
 
 #pragma once
@@ -12,10 +12,10 @@
 
 #include "controller_interface.hpp"
 
-class HandController : public controller_interface::ControllerInterface {
+class ToolController : public controller_interface::ControllerInterface {
  public:
   // What parameters give in ROS 2.
-  HandController(std::string urdf, std::string frame, std::vector<std::string> joints)
+  ToolController(std::string urdf, std::string frame, std::vector<std::string> joints)
       : urdf_(std::move(urdf)), frame_(std::move(frame)), joints_(std::move(joints)) {}
 
   controller_interface::CallbackReturn on_init() override { return controller_interface::CallbackReturn::SUCCESS; }
@@ -71,7 +71,7 @@ class HandController : public controller_interface::ControllerInterface {
     return result;
   }
 
-  // Where the hand is to go, in the world [m].
+  // Where the tool is to go, in the world [m].
   void set_target(const Eigen::Vector3d& target) { target_ = target; }
   const Eigen::Vector3d& target() const { return target_; }
 

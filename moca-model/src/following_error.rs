@@ -13,18 +13,18 @@ use crate::error::Error;
 /// The largest following errors: how far commanded and measured state may be apart.
 ///
 /// A robot that follows late by a time T is behind by T times its speed; an arm under impedance
-/// control gives way by the torque over its stiffness. The leash must leave room for both.
+/// control gives way by the torque over its stiffness. The following-error limit must leave room for both.
 ///
 /// ```
-/// use moca_model::LeashSettings;
+/// use moca_model::FollowingErrorSettings;
 ///
-/// assert!(LeashSettings::default().validate().is_ok());
-/// assert!(LeashSettings { revolute: f64::NAN, ..LeashSettings::default() }.validate().is_err());
+/// assert!(FollowingErrorSettings::default().validate().is_ok());
+/// assert!(FollowingErrorSettings { revolute: f64::NAN, ..FollowingErrorSettings::default() }.validate().is_err());
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
-pub struct LeashSettings {
+pub struct FollowingErrorSettings {
     /// |q* − q| of joints that slide \[m\]. Default 0.2.
     pub prismatic: f64,
     /// |q* − q| of joints that turn \[rad\]. Default 0.1.
@@ -39,7 +39,7 @@ pub struct LeashSettings {
     pub give_way_travel: f64,
 }
 
-impl Default for LeashSettings {
+impl Default for FollowingErrorSettings {
     fn default() -> Self {
         Self {
             prismatic: 0.2,
@@ -52,43 +52,43 @@ impl Default for LeashSettings {
     }
 }
 
-impl LeashSettings {
+impl FollowingErrorSettings {
     /// Checks the ranges.
     ///
     /// # Errors
     /// [`Error::Setting`] names the first that is out of its range.
     pub fn validate(&self) -> Result<(), Error> {
         for (name, value) in [
-            ("leash.prismatic", self.prismatic),
-            ("leash.revolute", self.revolute),
-            ("leash.position", self.position),
-            ("leash.give_way_travel", self.give_way_travel),
+            ("following_error.prismatic", self.prismatic),
+            ("following_error.revolute", self.revolute),
+            ("following_error.position", self.position),
+            ("following_error.give_way_travel", self.give_way_travel),
         ] {
             if !(value > 0.0 && value.is_finite()) {
                 return Err(Error::Setting { name, value, expected: "positive and finite" });
             }
         }
         if !(self.give_way_speed > 0.0 && self.give_way_speed <= 1.0) {
-            let (name, value) = ("leash.give_way_speed", self.give_way_speed);
+            let (name, value) = ("following_error.give_way_speed", self.give_way_speed);
             return Err(Error::Setting { name, value, expected: "above 0 and at most 1" });
         }
         if !(self.rotation > 0.0 && self.rotation < std::f64::consts::PI) {
-            let (name, value) = ("leash.rotation", self.rotation);
+            let (name, value) = ("following_error.rotation", self.rotation);
             return Err(Error::Setting { name, value, expected: "above 0 and below half a turn" });
         }
         Ok(())
     }
 }
 
-/// Share of its leash beyond which a joint counts as pressed against something, once the robot has come to rest after a
-/// following error \[-\].
+/// Share of its following-error limit beyond which a joint counts as pressed against something, once the robot has come
+/// to rest after a following error \[-\].
 const PRESSED: f64 = 0.5;
 
 /// Holds q* to q, and x_d to x_a.
 ///
-/// Within the leash, q* is the integral of q̇*. When the leash is reached, the commanded state starts anew from the
-/// measured one. This is repeated in each tick until the robot is at rest, while the velocities brake within their
-/// limits. So no difference is left that could be released.
+/// Within the following-error limit, q* is the integral of q̇*. When the following-error limit is reached, the
+/// commanded state starts anew from the measured one. This is repeated in each tick until the robot is at rest, while
+/// the velocities brake within their limits. So no difference is left that could be released.
 ///
 /// Only joints that follow positions, if there are any, have to come to rest. The arm has no springs meanwhile and
 /// would sag for as long as the base brakes. Once all joints are at rest, an arm that is pressed against something
@@ -97,20 +97,24 @@ const PRESSED: f64 = 0.5;
 /// A robot that gives way to a force lets q* follow q at a share of its joints' speeds. This ends when the tool has
 /// travelled the allowed distance.
 #[derive(Debug, Clone)]
-pub(crate) struct Leash {
-    settings: LeashSettings,
+pub(crate) struct FollowingErrorLimit {
+    settings: FollowingErrorSettings,
     joints: Resynchronisation,
     /// How far each joint may give way in a period \[m or rad\].
     steps: Vec<f64>,
     gives_way: bool,
-    /// Whether the end of the leash was reached, and the robot has not come to rest since.
+    /// Whether the following-error limit was reached, and the robot has not come to rest since.
     was_reached: bool,
     /// Where the tool was when it began to give way.
     begin: Option<Vector3<f64>>,
 }
 
-impl Leash {
-    pub(crate) fn new(settings: LeashSettings, model: &Model, period: f64) -> Result<Self, Error> {
+impl FollowingErrorLimit {
+    pub(crate) fn new(
+        settings: FollowingErrorSettings,
+        model: &Model,
+        period: f64,
+    ) -> Result<Self, Error> {
         let length = |kind: JointKind| match kind {
             JointKind::Prismatic => settings.prismatic,
             JointKind::Revolute | JointKind::Continuous | JointKind::Floating => settings.revolute,
@@ -128,7 +132,7 @@ impl Leash {
     ///
     /// # Errors
     /// [`Error::Robot`] for a configuration of the wrong size.
-    pub(crate) fn hold(
+    pub(crate) fn clamp(
         &mut self,
         command: &mut Command,
         configuration: &[f64],
@@ -151,12 +155,12 @@ impl Leash {
             // A base that braked longer than the arm may have pressed it against what holds it.
             let apart = command.joint_position.iter().zip(configuration).map(|(q, at)| q - at);
             let mut joints = apart.zip(self.joints.lengths());
-            if joints.any(|(apart, leash)| apart.abs() > PRESSED * leash) {
+            if joints.any(|(apart, following_error)| apart.abs() > PRESSED * following_error) {
                 self.joints.restart();
             }
         }
         let following =
-            self.joints.hold(&mut command.joint_position, configuration, rests || !stops)?;
+            self.joints.clamp(&mut command.joint_position, configuration, rests || !stops)?;
         self.was_reached &= !comes_to_rest;
         self.was_reached |= following == Following::Reached;
         Ok(following)
@@ -168,7 +172,7 @@ impl Leash {
     }
 
     /// Lets q* follow q within speed and travel. A joint that is pushed harder than its spring allows is followed at
-    /// the end of its leash.
+    /// its following-error limit.
     fn yield_to(
         &mut self,
         command: &mut Command,
@@ -202,8 +206,8 @@ impl Leash {
     }
 
     /// Holds the desired pose to the tool's: at it while the joints are resynchronised, else within
-    /// the leash.
-    pub(crate) fn hold_pose(
+    /// the following-error limit.
+    pub(crate) fn clamp_pose(
         &self,
         desired: &mut Isometry3<f64>,
         actual: &Isometry3<f64>,
@@ -215,7 +219,7 @@ impl Leash {
         }
     }
 
-    /// Moves the desired pose to within the leash of the actual one.
+    /// Moves the desired pose to within the following-error limit of the actual one.
     fn pull(&self, desired: &mut Isometry3<f64>, actual: &Isometry3<f64>) {
         let gap = desired.translation.vector - actual.translation.vector;
         let length = gap.norm();

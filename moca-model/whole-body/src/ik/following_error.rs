@@ -11,40 +11,41 @@ use crate::robot::model::Model;
 /// The largest following errors |q* − q| of joints.
 ///
 /// A robot that follows with a delay T is behind by T times its speed. A robot under impedance control yields by the
-/// torque over its stiffness. The leash must leave room for both.
+/// torque over its stiffness. The following-error limit must leave room for both.
 ///
-/// A floating base has the leash along and about the world's axes. Its measured pose is an estimate, which drifts and
-/// jumps. At the end of the leash its command waits, but is never drawn back or taken along. A rotation about several
-/// axes at once may go up to 5 % beyond the leash.
+/// A floating base has the following-error limit along and about the world's axes. Its measured pose is an estimate,
+/// which drifts and jumps. At the following-error limit its command waits, but is never drawn back or taken along. A
+/// rotation about several axes at once may go up to 5 % beyond the following-error limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Leash {
-    /// Leash of revolute joints and of a floating base's rotation \[rad\]. Default 0.1.
+pub struct FollowingErrorLimit {
+    /// Following-error limit of revolute joints and of a floating base's rotation \[rad\]. Default 0.1.
     pub revolute: f64,
-    /// Leash of prismatic joints and of a floating base's position \[m\]. Default 0.1.
+    /// Following-error limit of prismatic joints and of a floating base's position \[m\]. Default 0.1.
     pub prismatic: f64,
     /// Time constant of the estimate of the measured velocity \[s\]. Default 0.02.
     pub filter_time: f64,
 }
 
-impl Default for Leash {
+impl Default for FollowingErrorLimit {
     fn default() -> Self {
         Self { revolute: 0.1, prismatic: 0.1, filter_time: 0.02 }
     }
 }
 
-impl Leash {
+impl FollowingErrorLimit {
     /// The largest possible following error of a joint with these limits, whatever the robot does \[rad or m\].
     ///
-    /// It is the leash and the overrun of a robot that stops suddenly at full speed v. The overrun is v · filter time
-    /// until the stop is known, and v²/(2a) + v a/j until the command is at rest. The bound is infinite where speed or
-    /// acceleration is not limited, and for floating bases, whose commands only wait at the leash.
+    /// It is the following-error limit and the overrun of a robot that stops suddenly at full speed v. The overrun is v
+    /// · filter time until the stop is known, and v²/(2a) + v a/j until the command is at rest. The bound is infinite
+    /// where speed or acceleration is not limited, and for floating bases, whose commands only wait at the
+    /// following-error limit.
     ///
     /// ```
-    /// use whole_body::ik::Leash;
+    /// use whole_body::ik::FollowingErrorLimit;
     /// use whole_body::robot::{JointKind, JointLimits};
     ///
     /// let elbow = JointLimits { velocity: 2.0, acceleration: 10.0, ..JointLimits::UNLIMITED };
-    /// let most = Leash::default().bound(JointKind::Revolute, &elbow);
+    /// let most = FollowingErrorLimit::default().bound(JointKind::Revolute, &elbow);
     /// assert!((most - (0.1 + 2.0 * 0.02 + 0.2)).abs() < 1e-12);
     /// ```
     pub fn bound(&self, kind: JointKind, limits: &JointLimits) -> f64 {
@@ -67,9 +68,9 @@ impl Leash {
     /// [`Error::Value`] names the first that is out of its range.
     pub fn validate(&self) -> Result<(), Error> {
         for (what, value) in [
-            ("the leash of joints that turn", self.revolute),
-            ("the leash of joints that slide", self.prismatic),
-            ("the filter time of the leash", self.filter_time),
+            ("the following-error limit of joints that turn", self.revolute),
+            ("the following-error limit of joints that slide", self.prismatic),
+            ("the filter time of the following-error limit", self.filter_time),
         ] {
             if !(value > 0.0 && value.is_finite()) {
                 return Err(Error::value(what, value, "positive and finite"));
@@ -79,15 +80,15 @@ impl Leash {
     }
 }
 
-/// The velocities that keep each joint within its leash.
+/// The velocities that keep each joint within its following-error limit.
 ///
-/// Relative to the measured joint, the commanded joint moves between the ends of the leash. Its velocity relative to
-/// the measured one must allow it to come to rest before the end. So a robot that follows is never slowed down. The
-/// command of a held robot runs to the end of the leash and waits there.
+/// Relative to the measured joint, the commanded joint moves between the ends of the following-error limit. Its
+/// velocity relative to the measured one must allow it to come to rest before the end. So a robot that follows is never
+/// slowed down. The command of a held robot runs to the following-error limit and waits there.
 #[derive(Debug, Clone)]
-pub(super) struct LeashIntervals {
-    leash: Leash,
-    joints: Vec<LeashedJoint>,
+pub(super) struct FollowingErrorIntervals {
+    following_error: FollowingErrorLimit,
+    joints: Vec<FollowingJoint>,
     /// Estimated measured q̇.
     measured_velocity: Vec<f64>,
     last: Vec<f64>,
@@ -98,9 +99,9 @@ pub(super) struct LeashIntervals {
 }
 
 #[derive(Debug, Clone, Copy)]
-struct LeashedJoint {
+struct FollowingJoint {
     limits: JerkLimits,
-    /// Whether the command returns where the joint is beyond the leash.
+    /// Whether the command returns where the joint is beyond the following-error limit.
     returns: bool,
 }
 
@@ -108,15 +109,23 @@ struct LeashedJoint {
 const FREE_VELOCITY: f64 = 1e9;
 const FREE_ACCELERATION: f64 = 1e14;
 
-impl LeashIntervals {
-    pub(super) fn new(leash: Leash, model: &Model, measured: &[f64]) -> Result<Self, Error> {
-        leash.validate()?;
+impl FollowingErrorIntervals {
+    pub(super) fn new(
+        following_error: FollowingErrorLimit,
+        model: &Model,
+        measured: &[f64],
+    ) -> Result<Self, Error> {
+        following_error.validate()?;
         let mut joints = Vec::with_capacity(model.velocity_count());
         for joint in model.joints() {
             let (lengths, returns) = match joint.kind {
-                JointKind::Floating => (&[leash.prismatic, leash.revolute][..], false),
-                JointKind::Prismatic => (&[leash.prismatic][..], true),
-                JointKind::Revolute | JointKind::Continuous => (&[leash.revolute][..], true),
+                JointKind::Floating => {
+                    (&[following_error.prismatic, following_error.revolute][..], false)
+                }
+                JointKind::Prismatic => (&[following_error.prismatic][..], true),
+                JointKind::Revolute | JointKind::Continuous => {
+                    (&[following_error.revolute][..], true)
+                }
             };
             for entry in 0..joint.kind.velocities() {
                 let length = lengths[entry / 3];
@@ -125,12 +134,12 @@ impl LeashIntervals {
                 let acceleration = limits.acceleration.min(FREE_ACCELERATION);
                 let limits = Limits::new(-length, length, FREE_VELOCITY, acceleration)?
                     .with_jerk(limits.jerk)?;
-                joints.push(LeashedJoint { limits, returns });
+                joints.push(FollowingJoint { limits, returns });
             }
         }
         let free = VelocityInterval { lower: f64::NEG_INFINITY, upper: f64::INFINITY };
         Ok(Self {
-            leash,
+            following_error,
             measured_velocity: vec![0.0; joints.len()],
             last: measured.to_vec(),
             apart: vec![0.0; joints.len()],
@@ -151,7 +160,7 @@ impl LeashIntervals {
     ) -> Result<(), Error> {
         ik.model().difference(measured, commanded, &mut self.apart)?;
         ik.model().difference(&self.last, measured, &mut self.moved)?;
-        let share = period / (period + self.leash.filter_time);
+        let share = period / (period + self.following_error.filter_time);
         let estimates = self.measured_velocity.iter_mut().zip(&mut self.intervals);
         for (entry, (joint, (estimate, interval))) in self.joints.iter().zip(estimates).enumerate()
         {

@@ -51,10 +51,10 @@ pub struct WorkFace {
 /// The object that the robot holds: a box of uniform density.
 ///
 /// ```
-/// use moca_model::{HandSettings, HeldObject};
+/// use moca_model::{HandSettings, GraspedObject};
 /// use vision_models::Tool;
 ///
-/// let object = HeldObject::default();
+/// let object = GraspedObject::default();
 /// let settings = HandSettings::default();
 /// let hand = object.tool_from_hand(&settings, Some(Tool::Drill))?;
 /// // In front of the object by the length of the drill.
@@ -62,7 +62,7 @@ pub struct WorkFace {
 /// # Ok::<(), moca_model::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
-pub struct HeldObject {
+pub struct GraspedObject {
     /// Its edges \[m\]. Default 0.12 × 0.2 × 0.15.
     pub size: Vector3<f64>,
     /// Mass \[kg\]. Default 1.
@@ -74,7 +74,7 @@ pub struct HeldObject {
     pub faces: Vec<WorkFace>,
 }
 
-impl Default for HeldObject {
+impl Default for GraspedObject {
     fn default() -> Self {
         Self {
             size: Vector3::new(0.12, 0.2, 0.15),
@@ -140,7 +140,7 @@ impl HandSettings {
     }
 }
 
-impl HeldObject {
+impl GraspedObject {
     /// Checks the box.
     ///
     /// # Errors

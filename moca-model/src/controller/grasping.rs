@@ -1,4 +1,4 @@
-//! The held object, and the hand of the person who works on it.
+//! The grasped object, and the hand of the person who works on it.
 
 use nalgebra::Vector3;
 
@@ -6,7 +6,7 @@ use super::Controller;
 use super::looking::SeenSurface;
 use super::turning::HandTurn;
 use crate::error::Error;
-use crate::held_object::{BoxSide, HeldObject};
+use crate::grasped_object::{BoxSide, GraspedObject};
 
 impl Controller {
     /// Sets the object that the tool holds. Ergonomics and workspace then refer to the person's hand, which is behind
@@ -14,35 +14,35 @@ impl Controller {
     /// are.
     ///
     /// # Errors
-    /// Those of [`HeldObject::validate`]; the robot then keeps what it held before.
-    pub fn hold(&mut self, object: HeldObject) -> Result<(), Error> {
-        self.robot.hold(&object)?;
+    /// Those of [`GraspedObject::validate`]; the robot then keeps what it held before.
+    pub fn grasp(&mut self, object: GraspedObject) -> Result<(), Error> {
+        self.robot.attach(&object)?;
         let shown = object.faces.first().map_or(BoxSide::Front, |face| face.side);
         self.hand_turn = HandTurn::resting(object.out_of(shown));
         // A robot without bodies keeps nothing apart.
         if !self.robot.bodies().is_empty() {
             let count = self.settings.safety.bodies.len() + 1;
-            self.safety.hold(self.robot.bodies().get(..count).unwrap_or_default());
+            self.safety.attach(self.robot.bodies().get(..count).unwrap_or_default());
         }
         self.object = Some(object);
         self.seen_surface = SeenSurface::default();
         self.turn_to(shown)
     }
 
-    /// Releases the held object and returns it.
+    /// Releases the grasped object and returns it.
     ///
     /// # Errors
     /// Never.
-    pub fn release(&mut self) -> Result<Option<HeldObject>, Error> {
-        self.robot.release()?;
-        self.safety.release();
+    pub fn release(&mut self) -> Result<Option<GraspedObject>, Error> {
+        self.robot.detach()?;
+        self.safety.detach();
         let upright = self.settings.space.tool;
         self.space.moving_mut().reorient(upright, &Vector3::z_axis())?;
         Ok(self.object.take())
     }
 
-    /// The held object.
-    pub fn object(&self) -> Option<&HeldObject> {
+    /// The grasped object.
+    pub fn object(&self) -> Option<&GraspedObject> {
         self.object.as_ref()
     }
 

@@ -1,6 +1,7 @@
-//! A robot that stays behind by the headway stops in time, and is never asked to go back.
+//! A robot that stays behind by the following distance stops in time, and is never asked to go
+//! back.
 
-use hrsw_safety::{BaseBraking, Headway, SeparationSettings};
+use hrsw_safety::{BaseBraking, FollowingDistance, SeparationSettings};
 use proptest::prelude::*;
 
 const PERIOD: f64 = 1e-3;
@@ -34,16 +35,16 @@ fn margin(terms: &SeparationSettings) -> f64 {
 }
 
 proptest! {
-    /// Whenever the person stands still, a robot that kept the headway so far stops in front of
-    /// them.
+    /// Whenever the person stands still, a robot that kept the following distance so far stops in
+    /// front of them.
     #[test]
-    fn a_robot_with_the_headway_stops_in_time((terms, clearance, walk) in walks()) {
-        let mut headway = Headway::new(terms, clearance).unwrap();
+    fn a_robot_at_the_following_distance_stops((terms, clearance, walk) in walks()) {
+        let mut following = FollowingDistance::new(terms, clearance).unwrap();
         for (speed, ticks) in walk {
             for _ in 0..ticks {
-                let before = headway.distance();
-                headway.advance(speed, PERIOD).unwrap();
-                let growth = (headway.distance() - before) / PERIOD;
+                let before = following.distance();
+                following.advance(speed, PERIOD).unwrap();
+                let growth = (following.distance() - before) / PERIOD;
                 let follows = speed.max(0.0) - growth;
                 prop_assert!(follows > -1e-9, "it goes back at {follows} m/s");
                 let rest = clearance + before - stopping(&terms, follows) - margin(&terms);
@@ -55,20 +56,20 @@ proptest! {
         }
     }
 
-    /// The person walks on at one speed and is seen T_r late. The headway becomes what S_p demands
-    /// beyond the clearance.
+    /// The person walks on at one speed and is seen T_r late. The following distance becomes what
+    /// S_p demands beyond the clearance.
     #[test]
     fn it_settles_at_the_protective_distance((terms, clearance, walk) in walks(), period in 1e-3..0.5) {
-        let mut headway = Headway::new(terms, clearance).unwrap();
+        let mut following = FollowingDistance::new(terms, clearance).unwrap();
         for &(speed, _) in &walk {
             for _ in 0..100_000 {
-                headway.advance(speed, period).unwrap();
+                following.advance(speed, period).unwrap();
             }
             let speed = speed.max(0.0);
             let needed = stopping(&terms, speed) + margin(&terms) + speed * terms.reaction_time;
             let expected = (needed - clearance).max(0.0);
-            prop_assert!((headway.distance() - expected).abs() < 1e-6);
-            prop_assert!((headway.at(speed) - expected).abs() < 1e-12);
+            prop_assert!((following.distance() - expected).abs() < 1e-6);
+            prop_assert!((following.at(speed) - expected).abs() < 1e-12);
         }
     }
 }
@@ -76,16 +77,18 @@ proptest! {
 #[test]
 fn invalid_motions_change_nothing() {
     let terms = SeparationSettings::default();
-    let mut headway = Headway::new(terms, 0.2).unwrap();
-    headway.advance(1.0, 0.5).unwrap();
-    let before = headway;
+    let mut following = FollowingDistance::new(terms, 0.2).unwrap();
+    following.advance(1.0, 0.5).unwrap();
+    let before = following;
     for (speed, period) in
         [(f64::NAN, PERIOD), (f64::INFINITY, PERIOD), (1.0, 0.0), (1.0, -1.0), (1.0, f64::NAN)]
     {
-        assert!(headway.advance(speed, period).is_err());
-        assert_eq!(headway, before);
+        assert!(following.advance(speed, period).is_err());
+        assert_eq!(following, before);
     }
-    assert!(Headway::new(terms, -0.1).is_err());
-    assert!(Headway::new(terms, f64::NAN).is_err());
-    assert!(Headway::new(SeparationSettings { deceleration: 0.0, ..terms }, 0.2).is_err());
+    assert!(FollowingDistance::new(terms, -0.1).is_err());
+    assert!(FollowingDistance::new(terms, f64::NAN).is_err());
+    assert!(
+        FollowingDistance::new(SeparationSettings { deceleration: 0.0, ..terms }, 0.2).is_err()
+    );
 }

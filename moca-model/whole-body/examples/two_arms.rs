@@ -1,4 +1,4 @@
-//! A robot with two arms on a differential base. The right hand reaches for a point two metres away, and the left one
+//! A robot with two arms on a differential base. The right tool reaches for a point two metres away, and the left one
 //! keeps its pose beside it. Base, lift and arms share the work.
 use nalgebra::{Isometry3, vector};
 use whole_body::limits::WheelLimit;

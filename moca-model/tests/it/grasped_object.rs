@@ -6,8 +6,8 @@ use std::f64::consts::{PI, TAU};
 use moca_model::whole_body::torque::Compensation;
 use moca_model::whole_body::{Data, Model};
 use moca_model::{
-    BoxSide, Controller, ControllerSettings, Error, HandSettings, HeldObject, MOCA_HOME, MOCA_URDF,
-    Phase, Reason, SimulatedRobot, TorqueController, TorqueLoopSettings, WorkFace,
+    BoxSide, Controller, ControllerSettings, Error, GraspedObject, HandSettings, MOCA_HOME,
+    MOCA_URDF, Phase, Reason, SimulatedRobot, TorqueController, TorqueLoopSettings, WorkFace,
     moca_description, moca_safety,
 };
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
@@ -31,9 +31,9 @@ fn controller_with(on_board_camera: Option<[f64; 3]>) -> Controller {
     let hessian = Matrix3::identity() * 8.0;
     let best = Vector3::new(0.35, -0.1, 1.1);
     let least = 0.5 * best.dot(&(hessian * best));
-    let comfort = ErgonomicsQuadratic::new(hessian, -(hessian * best), least).unwrap();
+    let ergonomics = ErgonomicsQuadratic::new(hessian, -(hessian * best), least).unwrap();
     let settings = ControllerSettings { on_board_camera, ..ControllerSettings::default() };
-    Controller::new(MOCA.clone(), comfort, settings, &MOCA_HOME).unwrap()
+    Controller::new(MOCA.clone(), ergonomics, settings, &MOCA_HOME).unwrap()
 }
 
 proptest! {
@@ -46,7 +46,7 @@ proptest! {
     ) {
         let faces = vec![WorkFace { side, surface: Surface::Smooth }];
         let tool_from_object = Isometry3::new(place, turn);
-        let object = HeldObject { size, tool_from_object, faces, mass: 1.0 };
+        let object = GraspedObject { size, tool_from_object, faces, mass: 1.0 };
         let capsule = object.capsule().unwrap();
         for corner in 0..8_u8 {
             let sign = |bit: u8| if corner & bit == 0 { -0.5 } else { 0.5 };
@@ -71,7 +71,7 @@ proptest! {
 #[test]
 fn hand_follows_walking_person_with_drill() {
     let mut controller = controller();
-    controller.hold(HeldObject::default()).unwrap();
+    controller.grasp(GraspedObject::default()).unwrap();
     let mut robot = SimulatedRobot::new(&MOCA, &MOCA_HOME).unwrap();
     let mut data = Data::new(&MOCA);
     for tick in 0..9000_u32 {
@@ -85,7 +85,7 @@ fn hand_follows_walking_person_with_drill() {
             };
             controller.observe(&doing(action, now, Some(x))).unwrap();
         }
-        controller.feel(0.0);
+        controller.set_external_force(0.0);
         controller.step(now, robot.position()).unwrap();
         let pose = data.pose(&MOCA, robot.position()).unwrap();
         let tool = pose.world_from(controller.robot().tool()).unwrap();
@@ -104,19 +104,19 @@ fn hand_follows_walking_person_with_drill() {
 
 #[test]
 fn without_a_measured_force_nobody_may_be_touched() {
-    for feels in [true, false] {
+    for measures_force in [true, false] {
         let mut controller = controller();
         for tick in 0..2000_u32 {
             let now = f64::from(tick) * PERIOD;
             if tick.is_multiple_of(50) {
                 controller.observe(&doing(Action::Using(Tool::Drill), now, Some(1.6))).unwrap();
             }
-            if feels {
-                controller.feel(0.0);
+            if measures_force {
+                controller.set_external_force(0.0);
             }
             controller.step(now, &MOCA_HOME).unwrap();
         }
-        assert_eq!(controller.safety().contact_speed() > 0.0, feels);
+        assert_eq!(controller.safety().contact_speed() > 0.0, measures_force);
     }
 }
 
@@ -126,8 +126,8 @@ fn the_arm_carries_what_it_holds() {
     let settings = TorqueLoopSettings::new(Compensation::BARE);
     let mut held = TorqueController::new(controller(), settings.clone()).unwrap();
     let mut empty = TorqueController::new(controller(), settings).unwrap();
-    let object = HeldObject { mass: 1.5, ..HeldObject::default() };
-    held.hold(object.clone()).unwrap();
+    let object = GraspedObject { mass: 1.5, ..GraspedObject::default() };
+    held.grasp(object.clone()).unwrap();
     let measured = moca_model::Measured {
         position: &MOCA_HOME,
         velocity: &[0.0; 10],
@@ -160,7 +160,7 @@ fn the_arm_carries_what_it_holds() {
 #[test]
 fn invalid_objects_are_named_and_change_nothing() {
     let mut controller = controller();
-    controller.hold(HeldObject::default()).unwrap();
+    controller.grasp(GraspedObject::default()).unwrap();
     let nan = Isometry3::translation(f64::NAN, 0.0, 0.0);
     let face = |side, surface| WorkFace { side, surface };
     let twice = vec![
@@ -169,16 +169,19 @@ fn invalid_objects_are_named_and_change_nothing() {
         face(BoxSide::Back, Surface::Drilled),
     ];
     for (object, name) in [
-        (HeldObject { mass: 0.0, ..HeldObject::default() }, "object.mass"),
-        (HeldObject { mass: f64::NAN, ..HeldObject::default() }, "object.mass"),
-        (HeldObject { size: Vector3::new(0.1, -0.1, 0.1), ..HeldObject::default() }, "object.size"),
-        (HeldObject { tool_from_object: nan, ..HeldObject::default() }, "tool_from_object"),
-        (HeldObject { faces: Vec::new(), ..HeldObject::default() }, "face"),
-        (HeldObject { faces: twice, ..HeldObject::default() }, "Back"),
+        (GraspedObject { mass: 0.0, ..GraspedObject::default() }, "object.mass"),
+        (GraspedObject { mass: f64::NAN, ..GraspedObject::default() }, "object.mass"),
+        (
+            GraspedObject { size: Vector3::new(0.1, -0.1, 0.1), ..GraspedObject::default() },
+            "object.size",
+        ),
+        (GraspedObject { tool_from_object: nan, ..GraspedObject::default() }, "tool_from_object"),
+        (GraspedObject { faces: Vec::new(), ..GraspedObject::default() }, "face"),
+        (GraspedObject { faces: twice, ..GraspedObject::default() }, "Back"),
     ] {
-        let error = controller.hold(object).unwrap_err();
+        let error = controller.grasp(object).unwrap_err();
         assert!(error.to_string().contains(name), "{error}");
-        assert_eq!(controller.object(), Some(&HeldObject::default()));
+        assert_eq!(controller.object(), Some(&GraspedObject::default()));
     }
     for hand in [
         HandSettings { drill: -0.1, ..HandSettings::default() },
@@ -199,15 +202,15 @@ fn half_turn(turned: f64, room: f64) -> (f64, f64) {
     }
     let model = Model::from_urdf(MOCA_URDF, &description).unwrap();
     let best = Vector3::new(0.4, -0.1, 1.1);
-    let comfort =
+    let ergonomics =
         ErgonomicsQuadratic::new(Matrix3::identity(), -best, 0.5 * best.norm_squared()).unwrap();
     let mut start = MOCA_HOME;
     start[9] -= turned;
     let mut settings =
         ControllerSettings { safety: moca_safety().off(), ..ControllerSettings::default() };
     settings.posture.configuration = start.to_vec();
-    let mut controller = Controller::new(model.clone(), comfort, settings, &start).unwrap();
-    controller.hold(HeldObject::default()).unwrap();
+    let mut controller = Controller::new(model.clone(), ergonomics, settings, &start).unwrap();
+    controller.grasp(GraspedObject::default()).unwrap();
     let mut robot = SimulatedRobot::new(&model, &start).unwrap();
     let mut data = Data::new(&model);
     let mut yaw = |q: &[f64]| {
@@ -223,7 +226,7 @@ fn half_turn(turned: f64, room: f64) -> (f64, f64) {
             let tool = if now < 3.0 { Tool::Drill } else { Tool::Polisher };
             controller.observe(&doing(Action::Using(tool), now, Some(0.8))).unwrap();
         }
-        controller.feel(0.0);
+        controller.set_external_force(0.0);
         controller.step(now, robot.position()).unwrap();
         robot.step(&controller.command().joint_velocity, PERIOD).unwrap();
         let yaw = yaw(robot.position());
@@ -254,7 +257,7 @@ fn half_turn_goes_shorter_way_if_possible() {
 
 /// The cosine of the angle between the normal of the side nearest to the camera and the direction to the camera. It
 /// only depends on the configuration.
-fn facing(q: &[f64], object: &HeldObject, camera: [f64; 3]) -> f64 {
+fn facing(q: &[f64], object: &GraspedObject, camera: [f64; 3]) -> f64 {
     let mut data = Data::new(&MOCA);
     let posed = data.pose(&MOCA, q).unwrap();
     let base = Isometry3::new(Vector3::new(q[0], q[1], 0.0), Vector3::z() * q[2]);
@@ -272,10 +275,10 @@ fn facing(q: &[f64], object: &HeldObject, camera: [f64; 3]) -> f64 {
 #[test]
 fn unseen_object_turns_to_camera_while_idle() {
     let camera = [0.6, 3.0, 1.1];
-    let object = HeldObject::default();
+    let object = GraspedObject::default();
     for eye in [Some(camera), None] {
         let mut controller = controller_with(eye);
-        controller.hold(object.clone()).unwrap();
+        controller.grasp(object.clone()).unwrap();
         let mut robot = SimulatedRobot::new(&MOCA, &MOCA_HOME).unwrap();
         assert!(facing(&MOCA_HOME, &object, camera) < 0.3);
         let (mut best, mut phases) = (0.0_f64, Vec::new());

@@ -13,7 +13,7 @@ const ROOM: usize = 256;
 
 /// Pairs of a tick that may not touch and violate the protective distance of a robot at rest.
 #[derive(Debug, Clone)]
-pub(super) struct Undercut {
+pub(super) struct SeparationViolations {
     pairs: Vec<Pair>,
     /// True if there are more pairs than can be remembered.
     overflows: bool,
@@ -34,7 +34,7 @@ struct Pair {
     sine: f64,
 }
 
-impl Undercut {
+impl SeparationViolations {
     pub(super) fn new() -> Self {
         Self { pairs: Vec::with_capacity(ROOM), overflows: false, too_near: false }
     }
