@@ -23,7 +23,7 @@ use crate::problem::hierarchy::Hierarchy;
 use crate::problem::source::{ConstraintSource, Names};
 use active_set::ActiveSet;
 use activity::Activity;
-use budget::{Allowance, Budget};
+use budget::{Budget, RemainingBudget};
 use data::ProblemData;
 use prediction::Prediction;
 use settings::{Settings, WarmStart};
@@ -43,31 +43,31 @@ use tolerances::ROUNDS;
 pub struct Solver {
     set: ActiveSet,
     prediction: Prediction,
-    /// Result of a search, kept while another way to the optimum is tried.
-    found: Found,
+    /// Result of a search, in reserve while another way to the optimum is tried.
+    incumbent: Incumbent,
     settings: Settings,
     solution: Solution,
-    memory: Memory,
+    warm_start: WarmStartState,
     conflict: List<ConstraintSource>,
 }
 
-/// Knowledge of the last solve.
+/// What the last solve leaves for a warm start.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Memory {
+enum WarmStartState {
     Nothing,
     /// The point that it reached within its budget.
     Part,
     Optimum,
 }
 
-/// An optimum.
+/// The best result so far.
 #[derive(Debug, Clone)]
-struct Found {
+struct Incumbent {
     x: Vec<f64>,
     activity: Vec<Activity>,
 }
 
-impl Found {
+impl Incumbent {
     fn copy_from(&mut self, set: &ActiveSet) {
         self.x.copy_from_slice(&set.x);
         self.activity.copy_from_slice(&set.activity);
@@ -91,8 +91,8 @@ impl Solver {
         Ok(Self {
             solution: Solution { x: vec![0.0; n], status: Status::Solved, iterations: 0 },
             prediction: Prediction::new(count, n),
-            found: Found { x: vec![0.0; n], activity: vec![Activity::Inactive; count] },
-            memory: Memory::Nothing,
+            incumbent: Incumbent { x: vec![0.0; n], activity: vec![Activity::Inactive; count] },
+            warm_start: WarmStartState::Nothing,
             conflict: List::with_capacity(count),
             set: ActiveSet::new(data, settings),
             settings,
@@ -129,7 +129,7 @@ impl Solver {
 
     /// Forgets the previous active set, so that the next solve is a cold start.
     pub fn forget(&mut self) {
-        self.memory = Memory::Nothing;
+        self.warm_start = WarmStartState::Nothing;
     }
 
     /// Returns the rows that cannot hold together after [`Error::Infeasible`], and nothing
@@ -145,12 +145,12 @@ impl Solver {
     /// Returns the solution of the last solve. None before the first solve, after an error, and
     /// after [`forget`](Self::forget).
     pub fn solution(&self) -> Option<&Solution> {
-        (self.memory != Memory::Nothing).then_some(&self.solution)
+        (self.warm_start != WarmStartState::Nothing).then_some(&self.solution)
     }
 
     /// Returns the active set and the point of the last solve, if it ended at the optimum.
     pub(crate) fn at_optimum(&mut self) -> Option<(&mut ActiveSet, &[f64])> {
-        (self.memory == Memory::Optimum).then_some((&mut self.set, &self.solution.x))
+        (self.warm_start == WarmStartState::Optimum).then_some((&mut self.set, &self.solution.x))
     }
 
     /// Solves `hierarchy`, which must have the shape given at construction.
@@ -173,18 +173,18 @@ impl Solver {
         hierarchy: &Hierarchy,
         budget: Budget,
     ) -> Result<&Solution, Error> {
-        self.set.allowance = Allowance::new(budget, self.settings.max_iterations);
+        self.set.remaining = RemainingBudget::new(budget, self.settings.max_iterations);
         self.find_solution(hierarchy).map_err(|error| hierarchy.named(error))?;
         Ok(&self.solution)
     }
 
     /// Loads the data, predicts the active set, searches, and reads out the solution.
     fn find_solution(&mut self, hierarchy: &Hierarchy) -> Result<(), Error> {
-        let memory = std::mem::replace(&mut self.memory, Memory::Nothing);
+        let start = std::mem::replace(&mut self.warm_start, WarmStartState::Nothing);
         self.conflict.clear();
         self.set.iterations = 0;
         self.set.data.load(hierarchy)?;
-        let status = if self.predict(memory) {
+        let status = if self.predict(start) {
             Status::Solved
         } else {
             self.search(hierarchy.levels().len())?
@@ -199,19 +199,19 @@ impl Solver {
 
     /// Predicts the active set from earlier solves and repairs the prediction. Returns true if that
     /// led to the optimum. Otherwise leaves a start for the search.
-    fn predict(&mut self, memory: Memory) -> bool {
-        if self.settings.warm_start == WarmStart::Cold || memory == Memory::Nothing {
+    fn predict(&mut self, start: WarmStartState) -> bool {
+        if self.settings.warm_start == WarmStart::Cold || start == WarmStartState::Nothing {
             self.prediction.forget();
             self.start_from_nothing();
             return false;
         }
-        if memory == Memory::Optimum {
+        if start == WarmStartState::Optimum {
             self.prediction.predict(&mut self.set.activity);
         }
         self.set.fit();
         self.set.predicted.copy_from_slice(&self.set.activity);
-        if memory == Memory::Optimum {
-            let left = self.set.allowance.left(self.set.iterations);
+        if start == WarmStartState::Optimum {
+            let left = self.set.remaining.left(self.set.iterations);
             if self.set.repair(ROUNDS.min(left)) {
                 return true;
             }
@@ -230,10 +230,10 @@ impl Solver {
 
     fn remember(&mut self, status: Status) {
         if status == Status::Solved {
-            self.memory = Memory::Optimum;
+            self.warm_start = WarmStartState::Optimum;
             self.prediction.learn(&self.set.activity);
         } else {
-            self.memory = Memory::Part;
+            self.warm_start = WarmStartState::Part;
         }
     }
 
@@ -259,11 +259,11 @@ impl Solver {
             return Ok(status);
         }
         if !from_nothing && self.set.is_rank_in_doubt() {
-            self.found.copy_from(&self.set);
+            self.incumbent.copy_from(&self.set);
             self.start_from_nothing();
             if self.search_levels(levels) != Ok(Status::Solved) {
                 self.conflict.clear();
-                self.found.copy_to(&mut self.set);
+                self.incumbent.copy_to(&mut self.set);
             }
         }
         self.polish();
@@ -275,11 +275,11 @@ impl Solver {
     /// Repairs errors of rounding where the forces of rows differ much. A new factorisation of all
     /// levels, with the active bounds as columns, has less rounding than an updated one.
     fn polish(&mut self) {
-        if self.set.has_spread() {
-            self.found.copy_from(&self.set);
-            let left = self.set.allowance.left(self.set.iterations);
+        if self.set.has_scale_disparity() {
+            self.incumbent.copy_from(&self.set);
+            let left = self.set.remaining.left(self.set.iterations);
             if !self.set.repair(ROUNDS.min(left)) {
-                self.found.copy_to(&mut self.set);
+                self.incumbent.copy_to(&mut self.set);
             }
         }
     }

@@ -14,7 +14,9 @@ mod span;
 
 use std::iter::once;
 
-use super::tolerances::{DEPENDENT, FEASIBLE, INDEPENDENT, NEAR, NOTHING, PRODUCT, SPREAD};
+use super::tolerances::{
+    DEPENDENT, FEASIBLE, INDEPENDENT, NEAR, NOTHING, PRODUCT, SCALE_DISPARITY,
+};
 use crate::linalg::vector::{norm, norm_max};
 use crate::problem::hierarchy::Hierarchy;
 use crate::problem::level::Objective;
@@ -39,7 +41,7 @@ pub(super) fn is_needed(hierarchy: &Hierarchy, x: &[f64]) -> bool {
                 most = most.max(pull * (nearer(lower, upper) + norm * x_norm));
             }
         }
-        most > SPREAD * least
+        most > SCALE_DISPARITY * least
     })
 }
 

@@ -33,7 +33,7 @@ pub(crate) const NO_MULTIPLIER: f64 = 1e-12;
 
 /// Largest ratio of the forces of a level for which multipliers in doubles suffice. Beyond it the
 /// rounding of the largest force exceeds 1e-10 of the smallest.
-pub(crate) const SPREAD: f64 = 1e6;
+pub(crate) const SCALE_DISPARITY: f64 = 1e6;
 /// Largest distance of a row from its bound at x, relative to the row's terms, for which the bound
 /// is tried.
 pub(crate) const NEAR: f64 = 1e-11;
@@ -55,7 +55,7 @@ pub(crate) const SUM: f64 = 1e-29;
 pub(crate) const NO_STEP: f64 = 1e-26;
 /// Where forces differ much, a step shorter than this is rounding too if it is at least half as
 /// long as the step before.
-pub(crate) const FAINT_STEP: f64 = 1e-20;
+pub(crate) const SHORT_STEP: f64 = 1e-20;
 /// Pivots of a Hessian below this part of their diagonal entry are zero.
 pub(crate) const NO_PIVOT: f64 = 1e-12;
 /// Part of the gradient outside the range of the Hessian that is rounding.

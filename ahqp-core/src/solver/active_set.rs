@@ -15,7 +15,7 @@ mod signs;
 use std::ops::Range;
 
 use super::activity::Activity;
-use super::budget::{Allowance, Budget};
+use super::budget::{Budget, RemainingBudget};
 use super::data::ProblemData;
 use super::factorisation::{Factorisation, Group, Purpose, RankTolerances};
 use super::multipliers::{Multipliers, Residuals};
@@ -42,7 +42,7 @@ pub(crate) struct ActiveSet {
     /// Values aᵢx.
     pub(crate) value: Vec<f64>,
     pub(crate) iterations: usize,
-    pub(crate) allowance: Allowance,
+    pub(crate) remaining: RemainingBudget,
     multipliers: Multipliers,
 
     /// Repair: the order of signs, the violated rows, and aᵢx at the last point.
@@ -55,7 +55,7 @@ pub(crate) struct ActiveSet {
     /// True if the goal had a gradient beyond rounding at the end of its search.
     has_gradient: bool,
     /// Ranges of rows whose inactive rows must stay within their bounds.
-    in_play: List<Range<usize>>,
+    monitored: List<Range<usize>>,
     /// Remaining violation of inactive rows of the objective, which falls to zero during the
     /// search.
     residual: Vec<f64>,
@@ -63,14 +63,14 @@ pub(crate) struct ActiveSet {
     slope: Vec<f64>,
     candidates: List<Candidate>,
     /// Rows that became active again immediately after they were dropped, since the last step of x.
-    kept: List<usize>,
+    tabu: List<usize>,
     /// Rows of the current level that stay because an objective above would move x far without
     /// them.
-    kept_for_objectives: List<usize>,
+    tabu_for_objectives: List<usize>,
     /// Rows of a finished objective that were made inactive, with their former activity.
     released: List<(usize, Activity)>,
     /// Largest ‖x‖ of this solve.
-    pub(crate) farthest: f64,
+    pub(crate) max_norm: f64,
     settings: Settings,
 }
 
@@ -85,22 +85,22 @@ impl ActiveSet {
             x: vec![0.0; n],
             value: vec![0.0; count],
             iterations: 0,
-            allowance: Allowance::new(Budget::default(), settings.max_iterations),
+            remaining: RemainingBudget::new(Budget::default(), settings.max_iterations),
             multipliers: Multipliers::new(&data, settings.optimality_tolerance),
             signs: Signs::new(count),
             violated: List::with_capacity(count),
             reached: vec![0.0; count],
             fixed: vec![false; count],
             has_gradient: false,
-            in_play: List::with_capacity(2 * data.levels.len() + 1),
+            monitored: List::with_capacity(2 * data.levels.len() + 1),
             residual: vec![0.0; count],
             direction: vec![0.0; n],
             slope: vec![0.0; count],
             candidates: List::with_capacity(count),
-            kept: List::with_capacity(count),
-            kept_for_objectives: List::with_capacity(count),
+            tabu: List::with_capacity(count),
+            tabu_for_objectives: List::with_capacity(count),
             released: List::with_capacity(count),
-            farthest: 0.0,
+            max_norm: 0.0,
             data,
             settings,
         }
@@ -125,13 +125,13 @@ impl ActiveSet {
         }
     }
 
-    /// Starts a search near `start`, which is clamped to its bounds. Only the bounds are in play.
+    /// Starts a search near `start`, which is clamped to its bounds. Only the bounds are monitored.
     /// Predicted bounds are active from the start.
     pub(crate) fn begin_search(&mut self, start: &[f64]) {
         self.activity.fill(Activity::Inactive);
         self.fixed.fill(false);
-        self.in_play.clear();
-        self.in_play.push(0..self.data.n);
+        self.monitored.clear();
+        self.monitored.push(0..self.data.n);
         for (i, near) in start.iter().enumerate() {
             let (lower, upper) = (self.data.lower[i], self.data.upper[i]);
             self.activity[i] = match self.predicted[i] {
@@ -146,8 +146,8 @@ impl ActiveSet {
             self.value[i] = self.x[i];
             self.residual[i] = 0.0;
         }
-        self.farthest = norm(&self.x);
-        self.multipliers.has_faint_pulls = false;
+        self.max_norm = norm(&self.x);
+        self.multipliers.has_multipliers_near_threshold = false;
         self.factorisation.begin(&self.data, &self.activity);
     }
 
@@ -161,7 +161,7 @@ impl ActiveSet {
     /// Returns the largest violation of row `id` with which it still holds.
     fn tolerance(&self, id: usize) -> f64 {
         // Steps through larger x leave rounding of that size.
-        let rounding = ROUNDING * self.data.norm(id) * self.farthest;
+        let rounding = ROUNDING * self.data.norm(id) * self.max_norm;
         self.settings.feasibility_tolerance * self.data.size(id, &self.x) + rounding
     }
 
@@ -173,23 +173,23 @@ impl ActiveSet {
     /// Returns true if a gap between row `id` and its bound counts as zero.
     fn is_closed(&self, id: usize, gap: f64) -> bool {
         let tolerance = self.settings.feasibility_tolerance;
-        self.data.is_closed(id, gap, &self.x, self.farthest, tolerance)
+        self.data.is_closed(id, gap, &self.x, self.max_norm, tolerance)
     }
 
     /// Violation divided by the smallest violation that counts. Above 1 row `id` is violated.
-    pub(crate) fn excess(&self, id: usize) -> f64 {
+    pub(crate) fn relative_violation(&self, id: usize) -> f64 {
         match self.violation(id).abs() {
             0.0 => 0.0,
             violation => {
                 let free = self.data.norm_beside_bounds(id, &self.activity);
-                let certain = DOUBTFUL * free * self.farthest;
+                let certain = DOUBTFUL * free * self.max_norm;
                 let tolerance = self.settings.feasibility_tolerance * self.data.size(id, &self.x);
                 violation / tolerance.max(certain)
             }
         }
     }
 
-    /// Brings soft rows into play, in a group of their own: rows of an objective, or hard rows
+    /// Monitors soft rows, in a group of their own: rows of an objective, or hard rows
     /// whose violation is minimised.
     pub(crate) fn place_soft(&mut self, level: usize, rows: Range<usize>) {
         self.data.multiply(rows.clone(), &self.x, &mut self.value);
@@ -214,7 +214,7 @@ impl ActiveSet {
     }
 
     /// Determines which rows of an objective are violated, if no direction is left to change that.
-    pub(crate) fn take_as_they_are(&mut self, rows: Range<usize>) {
+    pub(crate) fn classify_rows(&mut self, rows: Range<usize>) {
         self.data.multiply(rows.clone(), &self.x, &mut self.value);
         for id in rows {
             let violation = self.violation(id);
@@ -238,9 +238,9 @@ impl ActiveSet {
 
     /// Returns true if forces of rows of one objective differ so much that the rounding of one may
     /// hide another.
-    pub(crate) fn has_spread(&self) -> bool {
+    pub(crate) fn has_scale_disparity(&self) -> bool {
         let (data, x_norm) = (&self.data, norm(&self.x));
-        data.levels.iter().any(|level| data.have_spread(level.used_objective(), x_norm))
+        data.levels.iter().any(|level| data.have_scale_disparity(level.used_objective(), x_norm))
     }
 
     /// Computes aᵢx of these rows from the data. The values that a search sums up contain the
@@ -260,7 +260,7 @@ impl ActiveSet {
         self.factorisation.push_group(level, Purpose::Held, None);
     }
 
-    /// Brings hard rows into play that hold at x. Equalities are active from the start. So are
+    /// Monitors hard rows that hold at x. Equalities are active from the start. So are
     /// independent rows at their predicted bounds.
     pub(crate) fn place_hard(&mut self, level: usize, rows: Range<usize>) {
         if rows.is_empty() {
@@ -283,7 +283,7 @@ impl ActiveSet {
                 Activity::Inactive
             };
         }
-        self.in_play.push(rows.clone());
+        self.monitored.push(rows.clone());
         self.open_held(level);
         self.factorisation.push_active(&self.data, &self.activity, rows);
         self.factorisation.eliminate_last();
@@ -299,7 +299,7 @@ impl ActiveSet {
 
     /// Adds rows to the conflict that push against the violated rows, which the last group
     /// contains. Their force, the multiplier times the norm of the row, must exceed `threshold`.
-    pub(crate) fn extend_by_pushing(
+    pub(crate) fn add_conflict_multipliers(
         &mut self,
         threshold: f64,
         conflict: &mut List<ConstraintSource>,
@@ -364,6 +364,7 @@ impl ActiveSet {
     /// Returns true if another active set may be optimal too, since the rank tolerance neglects
     /// small parts of rows.
     pub(crate) fn is_rank_in_doubt(&self) -> bool {
-        self.factorisation.has_faint_rows() || self.multipliers.has_faint_pulls
+        self.factorisation.has_rows_near_threshold()
+            || self.multipliers.has_multipliers_near_threshold
     }
 }

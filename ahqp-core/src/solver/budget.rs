@@ -49,13 +49,13 @@ impl Budget {
 
 /// Remaining part of a budget.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Allowance {
+pub(crate) struct RemainingBudget {
     iterations: usize,
     deadline: Option<Instant>,
     is_late: bool,
 }
 
-impl Allowance {
+impl RemainingBudget {
     /// Starts the budget of a solve that begins now.
     pub(crate) fn new(budget: Budget, max_iterations: usize) -> Self {
         let iterations = budget.iterations.map_or(max_iterations, |most| most.min(max_iterations));

@@ -22,12 +22,12 @@ impl Solver {
         self.set.begin_search(&self.solution.x);
         for level in 0..levels {
             if self.solve_level(level)? == LevelEnd::OutOfBudget {
-                return Ok(self.set.allowance.status(Some(LevelId::new(level))));
+                return Ok(self.set.remaining.status(Some(LevelId::new(level))));
             }
         }
         match self.choose_least_norm(levels) {
             LevelEnd::Solved => Ok(Status::Solved),
-            LevelEnd::OutOfBudget => Ok(self.set.allowance.status(None)),
+            LevelEnd::OutOfBudget => Ok(self.set.remaining.status(None)),
         }
     }
 
@@ -41,7 +41,7 @@ impl Solver {
         }
         self.set.place_hard(level, constraints);
         if self.set.is_decided() {
-            self.set.take_as_they_are(objective);
+            self.set.classify_rows(objective);
             return Ok(LevelEnd::Solved);
         }
         let goal = is_minimised.then(|| Goal::Rows(objective.clone()));
@@ -94,12 +94,12 @@ impl Solver {
     /// Creates the error for hard rows that cannot hold together, with `worst` among them. Lists
     /// the conflict.
     fn infeasible(&mut self, level: usize, rows: Range<usize>, worst: usize) -> Error {
-        let violated = rows.clone().filter(|&id| self.set.excess(id) > 1.0);
+        let violated = rows.clone().filter(|&id| self.set.relative_violation(id) > 1.0);
         self.conflict.extend(violated.map(|id| self.set.data.sources[id]));
         let size = |id: usize| self.set.violation(id).abs() * self.set.data.norm(id);
         let threshold = self.settings.optimality_tolerance * rows.map(size).sum::<f64>();
         let pushing = self.conflict.len();
-        self.set.extend_by_pushing(threshold, &mut self.conflict);
+        self.set.add_conflict_multipliers(threshold, &mut self.conflict);
         self.conflict[pushing..].sort_unstable();
         Error::Infeasible {
             level: LevelId::new(level),

@@ -101,7 +101,7 @@ pub(crate) struct Factorisation {
     objectives_step: f64,
     /// Number of coordinates that are fixed. Rows of later groups have no entries along them.
     closed: usize,
-    has_faint_rows: bool,
+    has_rows_near_threshold: bool,
     /// True if the rank neglects parts of rows that exceed rounding. An update would lose them.
     leaves_parts_out: bool,
     /// Coordinates: first the decided ones, then those of free directions.
@@ -145,7 +145,7 @@ impl Factorisation {
             moving: 0,
             objectives_step: 0.0,
             closed: 0,
-            has_faint_rows: false,
+            has_rows_near_threshold: false,
             leaves_parts_out: false,
             y: vec![0.0; stride],
             turned: vec![0.0; stride],
@@ -187,9 +187,9 @@ impl Factorisation {
         self.stacked.clear();
         self.groups.clear();
         self.pivots.clear();
-        self.expect_change(0);
+        self.invalidate_from(0);
         self.closed = 0;
-        self.has_faint_rows = false;
+        self.has_rows_near_threshold = false;
         self.leaves_parts_out = false;
         self.orthogonal.begin(self.free.len());
     }
@@ -258,7 +258,7 @@ impl Factorisation {
             self.stacked.truncate(group.start);
             self.pivots.truncate(group.first_pivot);
             self.orthogonal.forget_from(group.first_pivot);
-            self.expect_change(self.groups.len());
+            self.invalidate_from(self.groups.len());
         }
     }
 
@@ -307,7 +307,7 @@ impl Factorisation {
         self.order_variables(data, activity);
         self.pivots.clear();
         self.leaves_parts_out = false;
-        self.expect_change(0);
+        self.invalidate_from(0);
         self.closed = 0;
         self.orthogonal.begin(self.free.len());
         for at in 0..self.stacked.len() {
@@ -333,7 +333,7 @@ impl Factorisation {
             }
             let Some(pivot) = self.heaviest_row(at..end, step, tolerance) else {
                 self.leaves_parts_out |= self.exceeds(at..end, self.tolerances.nothing);
-                self.has_faint_rows |= self.leaves_parts_out;
+                self.has_rows_near_threshold |= self.leaves_parts_out;
                 break;
             };
             self.swap(at, pivot);
@@ -348,7 +348,7 @@ impl Factorisation {
         }
         let behind = &mut self.rows[end * n..self.stacked.len() * n];
         self.orthogonal.apply(first_pivot..self.pivots.len(), behind);
-        self.expect_change(group);
+        self.invalidate_from(group);
         let group = &mut self.groups[group];
         (group.first_pivot, group.rank) = (first_pivot, self.pivots.len() - first_pivot);
     }
@@ -395,8 +395,8 @@ impl Factorisation {
 
     /// Returns true if rows of objectives count as dependent only by the rank tolerance, and not by
     /// rounding. Which rows these are depends on the order of rows and bounds.
-    pub(crate) fn has_faint_rows(&self) -> bool {
-        self.has_faint_rows
+    pub(crate) fn has_rows_near_threshold(&self) -> bool {
+        self.has_rows_near_threshold
     }
 
     fn swap(&mut self, i: usize, j: usize) {
@@ -413,7 +413,7 @@ impl Factorisation {
     }
 
     /// Marks the coordinates of this group and of later groups as unknown.
-    fn expect_change(&mut self, group: usize) {
+    fn invalidate_from(&mut self, group: usize) {
         self.decided = self.decided.min(group);
         self.attained = self.attained.min(group);
     }
@@ -472,9 +472,14 @@ impl Factorisation {
 
     /// Returns an upper bound of the norm of row `id`'s coefficients at free variables. If the
     /// forces of rows differ much, it is the norm itself.
-    pub(crate) fn norm_of_entries(&self, data: &ProblemData, id: usize, has_spread: bool) -> f64 {
+    pub(crate) fn norm_of_entries(
+        &self,
+        data: &ProblemData,
+        id: usize,
+        has_scale_disparity: bool,
+    ) -> f64 {
         match data.row(id).coefficients() {
-            Coefficients::Dense(row) if has_spread && !self.bounded.is_empty() => {
+            Coefficients::Dense(row) if has_scale_disparity && !self.bounded.is_empty() => {
                 self.free.iter().map(|&variable| row[variable].powi(2)).sum::<f64>().sqrt()
             }
             _ => data.norm(id),

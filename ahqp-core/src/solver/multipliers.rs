@@ -43,9 +43,9 @@ pub(crate) struct Multipliers {
     rounding: f64,
     /// True if forces of rows of the level differ so much that the rounding of one may hide
     /// another.
-    has_spread: bool,
+    has_scale_disparity: bool,
     /// True if small multipliers come from parts of rows that the rank tolerance may neglect.
-    pub(crate) has_faint_pulls: bool,
+    pub(crate) has_multipliers_near_threshold: bool,
     /// Upper bound of what counts as rounding, relative to the forces.
     pub(crate) tolerance: f64,
 }
@@ -64,8 +64,8 @@ impl Multipliers {
             weights: vec![0.0; data.len()],
             size: 0.0,
             rounding: 0.0,
-            has_spread: false,
-            has_faint_pulls: false,
+            has_scale_disparity: false,
+            has_multipliers_near_threshold: false,
             tolerance,
         }
     }
@@ -112,11 +112,12 @@ impl Multipliers {
         if !any {
             return false;
         }
-        self.has_spread = data.have_spread(&factorisation.stacked[start..end], x_norm);
+        self.has_scale_disparity =
+            data.have_scale_disparity(&factorisation.stacked[start..end], x_norm);
         if residuals == Residuals::Balanced {
             let room = (&mut self.of_pivots[..], &mut self.rounding_of_pivots[..]);
             let residuals = (&mut *residual, &mut *rounding);
-            factorisation.balance_group(data, group, self.has_spread, residuals, room);
+            factorisation.balance_group(data, group, self.has_scale_disparity, residuals, room);
         }
         let rows = factorisation.stacked[start..end].iter().zip(residual.iter());
         self.size = rows.map(|(&id, residual)| data.norm(id) * residual.abs()).sum();
@@ -156,7 +157,7 @@ impl Multipliers {
         (self.group, self.pivots) = (None, factorisation.closed()..factorisation.rank());
         factorisation.coordinates(x, &mut self.of_pivots[..self.pivots.end]);
         self.gradient.copy_from_slice(x);
-        self.has_spread = false;
+        self.has_scale_disparity = false;
         self.size = norm(x);
         self.rounding = self.tolerance * self.size;
         self.balance(data, factorisation);
@@ -190,7 +191,7 @@ impl Multipliers {
     /// Returns the rounding in each coordinate of the gradient.
     fn rounding_of_coordinates(&self, data: &ProblemData, factorisation: &Factorisation) -> f64 {
         let rows = self.residuals(factorisation).map(|(id, residual, rounding)| {
-            factorisation.norm_of_entries(data, id, self.has_spread)
+            factorisation.norm_of_entries(data, id, self.has_scale_disparity)
                 * (rounding + ROUNDING * residual.abs())
         });
         self.rounding + rows.sum::<f64>()
@@ -198,7 +199,7 @@ impl Multipliers {
 
     /// Returns a force that certainly exceeds rounding.
     pub(crate) fn clear_force(&self, factorisation: &Factorisation) -> f64 {
-        CLEARLY_THERE.max(factorisation.tolerances.faint) * self.size
+        CLEARLY_THERE.max(factorisation.tolerances.near_threshold) * self.size
     }
 
     /// Iterates over the rows of the level with their residuals and the rounding of these.
@@ -232,8 +233,8 @@ impl Multipliers {
         let end = self.pivots.end;
         let in_coordinates = self.rounding_of_coordinates(data, factorisation);
         self.rounding_of_pivots[..end].fill(in_coordinates);
-        let has_spread = self.has_spread;
-        let norm = |id| factorisation.norm_of_entries(data, id, has_spread);
+        let has_scale_disparity = self.has_scale_disparity;
+        let norm = |id| factorisation.norm_of_entries(data, id, has_scale_disparity);
         let (multipliers, rounding) = (&self.of_pivots[..end], &mut self.rounding_of_pivots[..end]);
         factorisation.balance_rounding(multipliers, norm, rounding);
         // If rows nearly depend on each other, these bounds far exceed the actual rounding. If all
@@ -246,7 +247,8 @@ impl Multipliers {
         }
         if let Some(group) = self.group {
             let residuals = self.residual.iter().copied();
-            self.has_faint_pulls |= factorisation.has_faint_pulls(data, group, residuals);
+            self.has_multipliers_near_threshold |=
+                factorisation.has_multipliers_near_threshold(data, group, residuals);
         }
         for index in 0..factorisation.bounded.len() {
             let id = factorisation.bounded[index];

@@ -30,7 +30,7 @@ pub(crate) const SHRUNK: f64 = 1e-4;
 
 /// Largest ratio of the forces of one level for which rotated bounds are accurate enough: half of
 /// the digits.
-pub(crate) const SPREAD: f64 = 1e8;
+pub(crate) const SCALE_DISPARITY: f64 = 1e8;
 
 /// Forces below this part of the rounding in a gradient are ignored by a certificate.
 pub(crate) const NEGLIGIBLE: f64 = 1e-3;
@@ -53,7 +53,7 @@ pub(crate) const LINEAR: f64 = 1e-9;
 pub(crate) const NOTHING: f64 = 1e-12;
 /// Part of a row, in units of the rank tolerance, below which the row may count as dependent if
 /// other bounds are active. Its remainder has another size then.
-pub(crate) const FAINT: f64 = 1e2;
+pub(crate) const NEAR_THRESHOLD: f64 = 1e2;
 /// Part of a row, in units of the rank tolerance, above which its independence is beyond doubt. An
 /// updated factorisation needs no pivoting then. Below it, all rows are factored again.
 pub(crate) const CLEAR: f64 = 1e4;

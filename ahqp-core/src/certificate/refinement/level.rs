@@ -9,7 +9,7 @@ use super::double_double::DoubleDouble;
 use super::least_squares;
 use super::row::Row;
 use super::span::{Span, add_scaled, dot, length};
-use crate::certificate::tolerances::{EFFORT, FAINT_STEP, NO_STEP, NOTHING, SUM};
+use crate::certificate::tolerances::{EFFORT, NO_STEP, NOTHING, SHORT_STEP, SUM};
 
 /// The bound at which a working row is held.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -60,8 +60,8 @@ impl Search<'_> {
             let step = least_squares::step(&span, &violated, self.linear);
             let size = length(&step);
             let reach = self.reach + length(&self.p);
-            let is_faint = size <= FAINT_STEP * reach && 2.0 * size >= last;
-            let short = if is_faint { size } else { NO_STEP * reach };
+            let is_short = size <= SHORT_STEP * reach && 2.0 * size >= last;
+            let short = if is_short { size } else { NO_STEP * reach };
             last = size;
             // The least index first cannot cycle (Bland).
             let is_stalled = stalled > n;

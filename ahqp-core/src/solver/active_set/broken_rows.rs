@@ -27,9 +27,9 @@ impl ActiveSet {
 
     /// Returns the most violated of these rows. None if the violation is rounding.
     pub(crate) fn most_violated(&self, rows: impl Iterator<Item = usize>) -> Option<usize> {
-        let excess = rows.map(|id| (id, self.excess(id)));
-        let worst = excess.max_by(|a, b| a.1.total_cmp(&b.1));
-        worst.filter(|&(_, excess)| excess > 1.0).map(|(id, _)| id)
+        let relative_violation = rows.map(|id| (id, self.relative_violation(id)));
+        let worst = relative_violation.max_by(|a, b| a.1.total_cmp(&b.1));
+        worst.filter(|&(_, relative_violation)| relative_violation > 1.0).map(|(id, _)| id)
     }
 
     /// Moves x onto violated hard rows one after the other (Kaczmarz). Stops at a row for which x

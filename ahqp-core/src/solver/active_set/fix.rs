@@ -36,7 +36,7 @@ impl ActiveSet {
             }
             let rows = rows.clone();
             if rows.clone().any(|id| !self.fixed[id]) {
-                self.in_play.push(rows);
+                self.monitored.push(rows);
             }
         }
         let fixed = &self.fixed;

@@ -1,4 +1,4 @@
-//! The primal active-set method within one level, from a point at which all hard rows in play hold.
+//! The primal active-set method within one level, from a point at which all monitored hard rows hold.
 //!
 //! Each iteration goes towards the minimum with the active rows held. It stops at the first
 //! blocking row, which becomes active. If no row blocks, the row with the largest force of the
@@ -42,12 +42,12 @@ struct Dropped {
 impl ActiveSet {
     /// Moves x to the minimum of the goal.
     pub(crate) fn search(&mut self, goal: &Goal) -> End {
-        self.kept.clear();
-        self.kept_for_objectives.clear();
+        self.tabu.clear();
+        self.tabu_for_objectives.clear();
         let mut dropped: Option<Dropped> = None;
         let (mut stalled, begun) = (0, self.iterations);
         loop {
-            if self.allowance.is_spent(self.iterations) {
+            if self.remaining.is_spent(self.iterations) {
                 return End::OutOfBudget;
             }
             self.iterations += 1;
@@ -72,7 +72,7 @@ impl ActiveSet {
             }
             if length * norm(&self.direction) > SHORTEST_STEP * (1.0 + norm(&self.x)) {
                 stalled = 0;
-                self.kept.clear();
+                self.tabu.clear();
             } else {
                 stalled += 1;
             }
@@ -82,7 +82,7 @@ impl ActiveSet {
                         Some(Dropped { is_last_change: false, ..row })
                     }
                     Some(row) if stalled > 0 && row.is_last_change => {
-                        self.kept.push(id);
+                        self.tabu.push(id);
                         None
                     }
                     _ => None,
@@ -128,8 +128,8 @@ impl ActiveSet {
             return;
         }
         add_scaled(&mut self.x, length, &self.direction);
-        self.farthest = self.farthest.max(norm(&self.x)).min(f64::MAX);
-        for rows in &self.in_play {
+        self.max_norm = self.max_norm.max(norm(&self.x)).min(f64::MAX);
+        for rows in &self.monitored {
             add_scaled(&mut self.value[rows.clone()], length, &self.slope[rows.clone()]);
         }
         let Self { data, factorisation, value, direction, .. } = self;
@@ -186,7 +186,7 @@ impl ActiveSet {
         }
         self.activity[row.id] = row.state;
         self.factorisation.add(&self.data, &self.activity, row.id, row.group);
-        self.kept_for_objectives.push(row.id);
+        self.tabu_for_objectives.push(row.id);
     }
 
     /// Returns aᵢx − bound of an active row.
@@ -254,7 +254,7 @@ impl ActiveSet {
     /// Returns true if row `id` is active and may become inactive.
     fn may_drop(&self, id: usize) -> bool {
         let is_inequality = matches!(self.activity[id], Activity::Lower | Activity::Upper);
-        let is_kept = self.kept.contains(&id) || self.kept_for_objectives.contains(&id);
-        is_inequality && !self.fixed[id] && !is_kept
+        let is_tabu = self.tabu.contains(&id) || self.tabu_for_objectives.contains(&id);
+        is_inequality && !self.fixed[id] && !is_tabu
     }
 }

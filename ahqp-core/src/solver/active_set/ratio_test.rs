@@ -67,10 +67,10 @@ impl ActiveSet {
         }
     }
 
-    /// Computes the rates of change of the rows in play along `direction`.
+    /// Computes the rates of change of the monitored rows along `direction`.
     fn set_slopes(&mut self, goal: &Goal) {
         let n = self.data.n;
-        for rows in &self.in_play {
+        for rows in &self.monitored {
             if rows.start < n {
                 self.slope[..n].copy_from_slice(&self.direction);
             } else {
@@ -90,8 +90,8 @@ impl ActiveSet {
     fn find_candidates(&mut self, goal: &Goal, full: f64) {
         let least = self.factorisation.least_part() * norm(&self.direction).min(f64::MAX);
         self.candidates.clear();
-        for block in 0..self.in_play.len() {
-            self.find_candidates_among(self.in_play[block].clone(), full, least);
+        for block in 0..self.monitored.len() {
+            self.find_candidates_among(self.monitored[block].clone(), full, least);
         }
         if let Goal::Rows(rows) = goal {
             self.find_candidates_among(rows.clone(), full, least);

@@ -73,7 +73,7 @@ impl ActiveSet {
             return None;
         }
         self.signs.begin(&self.activity);
-        self.multipliers.has_faint_pulls = false;
+        self.multipliers.has_multipliers_near_threshold = false;
         self.find_violated(x_norm)?;
         let blocked = !first && self.stop_at_first();
         for &(id, bound) in &self.violated {

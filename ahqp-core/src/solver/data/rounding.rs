@@ -4,12 +4,12 @@ use std::borrow::Borrow;
 
 use super::{Coefficients, ProblemData};
 use crate::solver::activity::Activity;
-use crate::solver::tolerances::{NO_TERMS, ROUNDING, SPREAD};
+use crate::solver::tolerances::{NO_TERMS, ROUNDING, SCALE_DISPARITY};
 
 impl ProblemData {
     /// Returns true if forces of these rows, of one objective, differ so much that the rounding of
     /// one may hide another.
-    pub(crate) fn have_spread<Id: Borrow<usize>>(
+    pub(crate) fn have_scale_disparity<Id: Borrow<usize>>(
         &self,
         rows: impl IntoIterator<Item = Id>,
         x_norm: f64,
@@ -22,7 +22,7 @@ impl ProblemData {
                 most = most.max(norm * self.magnitude(id, x_norm));
             }
         }
-        most > SPREAD * least
+        most > SCALE_DISPARITY * least
     }
 
     /// Returns the largest size of numbers in row `id` at x, which rounding is relative to.
@@ -85,19 +85,19 @@ impl ProblemData {
     }
 
     /// Returns true if a `gap` between row `id` and its bound counts as zero. It is within
-    /// `tolerance` of the row's terms at x, or within the rounding of vectors of length `farthest`,
+    /// `tolerance` of the row's terms at x, or within the rounding of vectors of length `max_norm`,
     /// which is ‖x‖ or more.
     pub(crate) fn is_closed(
         &self,
         id: usize,
         gap: f64,
         x: &[f64],
-        farthest: f64,
+        max_norm: f64,
         tolerance: f64,
     ) -> bool {
-        let gap = gap.abs() - ROUNDING * self.norms[id] * farthest;
+        let gap = gap.abs() - ROUNDING * self.norms[id] * max_norm;
         gap <= 0.0
-            || (gap <= tolerance * self.magnitude(id, farthest)
+            || (gap <= tolerance * self.magnitude(id, max_norm)
                 && gap <= tolerance * self.size(id, x))
     }
 }

@@ -6,7 +6,7 @@ use crate::linalg::vector::{add_scaled, dot, norm, reflector};
 use crate::solver::data::ProblemData;
 use crate::solver::tolerances::ROUNDING;
 
-/// Memory of one least-squares problem, allocated once.
+/// WarmStartState of one least-squares problem, allocated once.
 #[derive(Debug, Clone)]
 pub(super) struct LeastSquares {
     /// One pivot row and all dependent rows, with `stride` entries each.

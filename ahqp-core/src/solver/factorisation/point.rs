@@ -280,10 +280,10 @@ impl Factorisation {
         self.turned = left;
     }
 
-    /// Returns true if a dependent row of the group has a faint force, after the pivots are
+    /// Returns true if a dependent row of the group has a force near the rank threshold, after the pivots are
     /// subtracted. The force is along an earlier coordinate or along a variable at a bound. If
     /// other bounds are active, the rank tolerance may neglect it.
-    pub(crate) fn has_faint_pulls(
+    pub(crate) fn has_multipliers_near_threshold(
         &mut self,
         data: &ProblemData,
         group: usize,
@@ -306,10 +306,11 @@ impl Factorisation {
                 add_scaled(&mut left, part, data.coefficients(self.stacked[pivot]));
             }
             let size = data.norm(id);
-            let faint = self.tolerances.nothing * size..self.tolerances.faint * size;
+            let near_threshold =
+                self.tolerances.nothing * size..self.tolerances.near_threshold * size;
             let of_bounds = self.bounded.iter().map(|&i| left[i]);
             let mut parts = remainder[open..first_pivot].iter().copied().chain(of_bounds);
-            residual != 0.0 && parts.any(|part| faint.contains(&part.abs()))
+            residual != 0.0 && parts.any(|part| near_threshold.contains(&part.abs()))
         });
         (self.turned, self.left) = (remainder, left);
         any
@@ -326,7 +327,7 @@ impl Factorisation {
         &self,
         data: &ProblemData,
         group: usize,
-        has_spread: bool,
+        has_scale_disparity: bool,
         (residual, rounding): (&mut [f64], &mut [f64]),
         (sums, sums_rounding): (&mut [f64], &mut [f64]),
     ) {
@@ -362,7 +363,7 @@ impl Factorisation {
                 *sum += entry * residual;
                 *of_sum += entry.abs() * rounding;
             }
-            let norm = self.norm_of_entries(data, id, has_spread);
+            let norm = self.norm_of_entries(data, id, has_scale_disparity);
             of_entries += data.relative_rounding(id) * norm * residual.abs();
         }
     }

@@ -1,6 +1,6 @@
 //! Thresholds of the dependence of rows.
 
-use crate::solver::tolerances::{CLEAR, FAINT, NOTHING};
+use crate::solver::tolerances::{CLEAR, NEAR_THRESHOLD, NOTHING};
 
 /// Parts of a row, relative to the row, that count as independent of earlier rows.
 #[derive(Debug, Clone, Copy)]
@@ -11,7 +11,7 @@ pub(crate) struct RankTolerances {
     /// rounding.
     pub(super) nothing: f64,
     /// A row may count as dependent if other bounds are active and they leave less than this.
-    pub(crate) faint: f64,
+    pub(crate) near_threshold: f64,
     /// A row is independent beyond doubt if they leave more than this.
     pub(super) clear: f64,
 }
@@ -21,7 +21,7 @@ impl RankTolerances {
         Self {
             dependent: rank_tolerance,
             nothing: NOTHING.min(rank_tolerance),
-            faint: FAINT * rank_tolerance,
+            near_threshold: NEAR_THRESHOLD * rank_tolerance,
             clear: CLEAR * rank_tolerance,
         }
     }

@@ -94,7 +94,7 @@ impl Factorisation {
         self.orthogonal.multiply_out();
         let (n, k) = (self.stride, self.free.len());
         self.rotations.clear();
-        self.expect_change(group);
+        self.invalidate_from(group);
         let mut row = std::mem::take(&mut self.turned);
         let target = active_bound(data, activity, id) - self.turn_row(data, id, &mut row);
         let at = self.make_room(data, group, &mut row[..k], data.norm(id));
@@ -258,7 +258,7 @@ impl Factorisation {
     fn unstack(&mut self, data: &ProblemData, at: usize) -> Result<(), RankInDoubt> {
         let group =
             self.groups.iter().position(|g| (g.start..g.end).contains(&at)).ok_or(RankInDoubt)?;
-        self.expect_change(group);
+        self.invalidate_from(group);
         let Group { start, rank, first_pivot, .. } = self.groups[group];
         let (is_pivot, coordinate) = (at < start + rank, first_pivot + at - start);
         self.close(at, group);
@@ -336,7 +336,7 @@ impl Factorisation {
         self.free.push(variable);
         self.moved.push((carried, variable));
         self.orthogonal.grow();
-        self.expect_change(0);
+        self.invalidate_from(0);
         for (known, id) in self.known.iter_mut().zip(0..data.len()).skip(self.n) {
             *known -= data.coefficients(id)[variable] * self.x[variable];
         }
