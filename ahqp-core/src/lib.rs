@@ -74,7 +74,7 @@ pub use problem::source::{ConstraintSource, Names};
 pub use reference::solve_reference;
 pub use solver::Solver;
 pub use solver::budget::Budget;
-pub use solver::settings::{Settings, WarmStart};
+pub use solver::settings::{Settings, Stacking, WarmStart};
 pub use solver::solution::Solution;
 pub use solver::status::Status;
 pub use stack::{CertifiedPart, ContinuousStack, Part, Place};

@@ -21,11 +21,15 @@ use crate::linalg::list::List;
 use crate::linalg::vector::norm;
 use crate::problem::hierarchy::Hierarchy;
 use crate::problem::source::{ConstraintSource, Names};
+#[cfg(feature = "reference")]
+use crate::reference::solve_reference;
 use active_set::ActiveSet;
 use activity::Activity;
 use budget::{Budget, RemainingBudget};
 use data::ProblemData;
 use prediction::Prediction;
+#[cfg(feature = "reference")]
+use settings::Stacking;
 use settings::{Settings, WarmStart};
 use solution::Solution;
 use status::Status;
@@ -104,7 +108,7 @@ impl Solver {
         &self.settings
     }
 
-    /// Changes the settings. If tolerances change, the next solve is a cold start.
+    /// Changes the settings. If tolerances or method change, the next solve is a cold start.
     ///
     /// # Errors
     /// [`Error::Value`] if a setting is out of range. The settings are then unchanged.
@@ -184,6 +188,10 @@ impl Solver {
         self.conflict.clear();
         self.set.iterations = 0;
         self.set.data.load(hierarchy)?;
+        #[cfg(feature = "reference")]
+        if self.settings.stacking == Stacking::Equalities {
+            return self.stack_equalities(hierarchy);
+        }
         let status = if self.predict(start) {
             Status::Solved
         } else {
@@ -194,6 +202,17 @@ impl Solver {
         }
         self.remember(status);
         self.read_out(status);
+        Ok(())
+    }
+
+    /// Solves by [`Stacking::Equalities`]. The active set stays unknown.
+    #[cfg(feature = "reference")]
+    fn stack_equalities(&mut self, hierarchy: &Hierarchy) -> Result<(), Error> {
+        let optimum = solve_reference(hierarchy)?;
+        self.set.x.copy_from_slice(optimum.as_slice());
+        self.set.iterations = hierarchy.levels().len();
+        self.warm_start = WarmStartState::Part;
+        self.read_out(Status::Solved);
         Ok(())
     }
 

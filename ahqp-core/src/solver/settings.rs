@@ -36,6 +36,8 @@ pub struct Settings {
     pub optimality_tolerance: f64,
     /// Start of a solve. Default: the active set of the solve before.
     pub warm_start: WarmStart,
+    /// Method by which a level keeps what the levels above decided. Default: elimination.
+    pub stacking: Stacking,
 }
 
 /// Start of a solve.
@@ -49,6 +51,24 @@ pub enum WarmStart {
     Cold,
 }
 
+/// Method by which later levels keep the optimum of a level.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
+#[non_exhaustive]
+pub enum Stacking {
+    /// Directions that a level decided are eliminated. Nothing is allocated.
+    #[default]
+    Elimination,
+    /// Equalities A_k χ = A_k χ*_k are stacked, as in the paper (Sec. III-A), and each level is
+    /// solved by Clarabel in their nullspace ([`solve_reference`](crate::solve_reference)).
+    ///
+    /// It allocates, ignores [`Budget`](crate::Budget)s and starts, and leaves no certificate. A
+    /// solve takes as many iterations as there are levels.
+    #[cfg(feature = "reference")]
+    Equalities,
+}
+
 impl Default for Settings {
     fn default() -> Self {
         Self {
@@ -57,6 +77,7 @@ impl Default for Settings {
             rank_tolerance: 1e-10,
             optimality_tolerance: 1e-10,
             warm_start: WarmStart::default(),
+            stacking: Stacking::default(),
         }
     }
 }
@@ -65,7 +86,7 @@ impl Default for Settings {
 const LARGEST_TOLERANCE: f64 = 1e-4;
 
 impl Settings {
-    /// Returns true if the tolerances are the same.
+    /// Returns true if tolerances and method are the same.
     pub(crate) fn has_tolerances_of(&self, other: &Self) -> bool {
         let Self { max_iterations, warm_start, .. } = *other;
         Self { max_iterations, warm_start, ..*self } == *other

@@ -22,5 +22,6 @@ mod scales;
 mod settings;
 mod small_terms;
 mod stack_changes;
+mod stacking;
 mod support;
 mod weights;

@@ -72,6 +72,7 @@ pub unsafe extern "C" fn ahqp_solver_new(
             } else {
                 WarmStart::Cold
             },
+            ..Settings::default()
         };
         let make =
             || Ok(AhqpSolver { solver: Solver::new(&hierarchy.0, settings)?, iterations: 0 });

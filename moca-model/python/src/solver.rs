@@ -69,6 +69,7 @@ impl Solver {
             rank_tolerance,
             optimality_tolerance,
             warm_start,
+            ..Settings::default()
         };
         let problem = hierarchy.0.lock()?;
         Ok(Self::of(ahqp_core::Solver::new(&problem.hierarchy, settings)?))
