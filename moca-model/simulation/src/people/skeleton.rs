@@ -21,6 +21,10 @@ const HIP: f64 = 0.055;
 const FACE: f64 = 0.05;
 /// Half the distance between the feet, which stand a little wider than the hips.
 const FOOT: f64 = 0.07;
+/// Distance from a shoulder, aside or up, within which a hand is moved forwards.
+const NEAR_SHOULDER: f64 = 0.13;
+/// Distance that it then has before the shoulder. An elbow that is bent by 148° has the wrist there.
+const BEFORE_SHOULDER: f64 = 0.1;
 /// Length of a straight leg, which is not locked.
 const LEG: f64 = 0.99 * (THIGH + SHANK);
 
@@ -70,7 +74,8 @@ pub(super) fn joints(stature: f64, motion: &Motion) -> Joints {
 
         let shoulder = neck + bent * (lateral * SHOULDER);
         // The hand goes no further than the arm reaches.
-        let hand = shoulder + (hand - shoulder).cap_magnitude(STRETCHED * (UPPER_ARM + FOREARM));
+        let hand = past_shoulder(hand - shoulder).cap_magnitude(STRETCHED * (UPPER_ARM + FOREARM));
+        let hand = shoulder + hand;
         set(joints.shoulder, shoulder);
         set(joints.elbow, bend(shoulder, hand, UPPER_ARM, FOREARM, motion.elbow(side > 0.0)));
         set(joints.wrist, hand);
@@ -80,6 +85,13 @@ pub(super) fn joints(stature: f64, motion: &Motion) -> Joints {
 
     let world_from_person = world_from_person(stature, motion);
     joints.map(|joint| world_from_person * (joint * stature))
+}
+
+/// The hand's place relative to the shoulder, moved forwards near it: an elbow cannot fold the forearm onto the upper
+/// arm.
+fn past_shoulder(hand: Vector3<f64>) -> Vector3<f64> {
+    let near = (1.0 - hand.yz().norm_squared() / (NEAR_SHOULDER * NEAR_SHOULDER)).max(0.0);
+    hand + Vector3::x() * (near * near * (BEFORE_SHOULDER - hand.x).max(0.0))
 }
 
 /// The pose of the person's frame, in the world.
