@@ -110,6 +110,14 @@ try {
   const lags = (await page.evaluate(() => live.lags)).sort((a, b) => a - b);
   assert.ok(lags.length > 20, `${lags.length} drags were answered`);
 
+  // The same robot with the other choice of ergonomics, beside it.
+  await click("Both runs");
+  await until(() => live.picture.beside && document.getElementById("reading-the-other-run").textContent.includes("ergonomics off"));
+  await drag(side(-0.4));
+  await page.waitForFunction(() => Math.hypot(...live.other.place("tool").map((x, k) => x - live.run.place("tool")[k])) > 0.02);
+  await click("Both runs");
+  await until(() => !live.picture.beside);
+
   // Keys walk as well.
   const stood = (await picture()).floor;
   // Away from the robot, where nothing stands in the way.

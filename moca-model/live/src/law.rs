@@ -1,19 +1,15 @@
 //! The workcell in real time.
 
 use std::borrow::Cow;
-use std::collections::VecDeque;
 use std::convert::Infallible;
 use std::sync::Arc;
 use std::sync::mpsc::Receiver;
 use std::time::Instant;
 
 use moca_drivers::FaultLog;
-use moca_replay::recorded::{Sampler, Tone};
+use moca_replay::recorded::Tone;
 use moca_simulation::Error;
-use moca_simulation::moca_model::Goal;
-use moca_simulation::people::{Lead, Way};
-use moca_simulation::workcell::{Who, Workcell};
-use nalgebra::Vector3;
+use moca_simulation::workcell::Workcell;
 use whole_body::control_loop::{
     ControlLaw, JointCommand, JointMeasurement, Received, RobotSide, TimeHistogram,
 };
@@ -21,13 +17,10 @@ use whole_body::control_loop::{
 use crate::desk::{Desk, Order};
 use crate::error as live;
 use crate::head::{Head, SettingsText, sampler};
-use crate::picture::{Moment, Pace, Picture, began};
+use crate::picture::{INTERVAL, Moment, Pace, Picture, began};
 use crate::request::Request;
+use crate::run::Run;
 
-/// Between two pictures \[s\].
-const INTERVAL: f64 = 0.03;
-/// Speeds of the tool are averaged over so many pictures.
-const CALM_PICTURES: usize = 33;
 /// So many periods are made up for at most; a loop that is later goes on as if the time had stood still meanwhile.
 const ASLEEP: u64 = 50;
 /// Slower than this the robot is at rest \[m/s, rad/s\].
@@ -37,8 +30,9 @@ const REST: f64 = 5e-3;
 /// of robot, controller and people. Ticks that the loop misses are made up for in the next one.
 #[derive(Debug)]
 pub struct Law {
-    cell: Workcell,
-    sampler: Sampler,
+    run: Run,
+    /// The same robot with the other choice of ergonomics, if a page asks for it.
+    beside: Option<Box<Run>>,
     desk: Arc<Desk>,
     orders: Receiver<Order>,
     /// When the first period of this workcell began \[s\].
@@ -49,8 +43,6 @@ pub struct Law {
     heard: u64,
     stops: bool,
     since: (Cow<'static, str>, Tone),
-    /// Where the tool was at the last pictures \[m\].
-    tool: VecDeque<Vector3<f64>>,
     durations: TimeHistogram,
     /// Ticks that came late, and those that never came.
     late: u64,
@@ -71,8 +63,8 @@ impl Law {
         let (desk, orders) = Desk::new(head);
         let law = Self {
             head: number,
-            cell,
-            sampler,
+            run: Run::new(cell, sampler),
+            beside: None,
             desk: Arc::clone(&desk),
             orders,
             begun: None,
@@ -81,7 +73,6 @@ impl Law {
             heard: 0,
             stops: false,
             since: ("from the beginning".into(), Tone::Quiet),
-            tool: VecDeque::with_capacity(CALM_PICTURES + 1),
             durations: TimeHistogram::default(),
             late: 0,
             lost: 0,
@@ -92,7 +83,7 @@ impl Law {
 
     /// The workcell.
     pub fn cell(&self) -> &Workcell {
-        &self.cell
+        &self.run.cell
     }
 
     /// What went wrong so far.
@@ -108,62 +99,39 @@ impl Law {
                     self.obey(&request)?;
                 }
                 Order::Replace(both, head) => {
-                    (self.cell, self.sampler) = *both;
+                    let (cell, sampler) = *both;
+                    self.run = Run::new(cell, sampler);
+                    self.beside = None;
                     self.head = head;
                     self.begun = None;
                     self.next_picture = 0.0;
-                    self.tool.clear();
                     self.since = ("from the beginning".into(), Tone::Quiet);
                 }
                 // Somebody who does not wait for it any more has left.
-                Order::Remember(to) => drop(to.try_send(self.cell.memory().clone())),
-                Order::Abandon => self.stand()?,
+                Order::Remember(to) => drop(to.try_send(self.cell().memory().clone())),
+                Order::Abandon => self.runs().try_for_each(Run::stand)?,
             }
         }
         Ok(())
     }
 
     fn obey(&mut self, request: &Request) -> Result<(), Error> {
-        let cell = &mut self.cell;
-        match *request {
-            // The second person may have left since.
-            Request::Lead(Who::Bystander, _) | Request::Move(Who::Bystander, _)
-                if cell.person(Who::Bystander).is_none() => {}
-            Request::Lead(who, lead) => cell.lead(who, lead)?,
-            Request::Move(who, movement) => cell.begin(who, movement)?,
-            Request::Faults(faults) => cell.set_faults(faults)?,
-            Request::Ergonomics(on) => {
-                cell.set_goal(if on { Goal::Ergonomics } else { Goal::LeastMotion });
-            }
-            Request::Bystander(on) => cell.set_bystander(on)?,
-            Request::Acknowledge => cell.acknowledge(),
-            Request::Stop => cell.request_stop(),
-            // The server has done it.
-            Request::Restart(_) | Request::Drawn(_) => {}
+        self.run.obey(request)?;
+        match (request, &mut self.beside) {
+            (Request::Beside(on), beside) => *beside = on.then(|| Box::new(self.run.other())),
+            // The one beside makes the other choice.
+            (Request::Ergonomics(on), Some(beside)) => beside.obey(&Request::Ergonomics(!on))?,
+            (_, Some(beside)) => beside.obey(request)?,
+            (_, None) => {}
         }
         Ok(())
     }
 
-    /// Nobody leads the people: they stand where they are.
-    fn stand(&mut self) -> Result<(), Error> {
-        for who in [Who::Worker, Who::Bystander] {
-            if let Some(person) = self.cell.person(who) {
-                let lead = Lead { way: Way::Stand, ..*person.told() };
-                self.cell.lead(who, lead)?;
-            }
-        }
-        Ok(())
+    fn runs(&mut self) -> impl Iterator<Item = &mut Run> {
+        std::iter::once(&mut self.run).chain(self.beside.as_deref_mut())
     }
 
     fn show(&mut self) -> Result<(), Error> {
-        let tool = Vector3::from(self.cell.row().actual);
-        self.tool.push_back(tool);
-        if self.tool.len() > CALM_PICTURES {
-            self.tool.pop_front();
-        }
-        let way: f64 =
-            self.tool.iter().zip(self.tool.iter().skip(1)).map(|(a, b)| (b - a).norm()).sum();
-        let time = INTERVAL * (self.tool.len().max(2) - 1) as f64;
         self.pictures += 1;
         let pace = Pace {
             ticks: self.durations.count(),
@@ -177,10 +145,9 @@ impl Law {
             head: self.head,
             heard: self.heard,
             since: self.since.clone(),
-            calm: way / time,
             pace,
         };
-        self.desk.show(Picture::of(&self.cell, &mut self.sampler, moment)?);
+        self.desk.show(Picture::of(&mut self.run, self.beside.as_deref_mut(), moment)?);
         Ok(())
     }
 
@@ -188,15 +155,15 @@ impl Law {
     fn go_on(&mut self, now: f64) -> Result<(), Error> {
         self.listen()?;
         if self.stops {
-            self.cell.request_stop();
+            self.runs().for_each(|run| run.cell.request_stop());
         }
-        let period = self.cell.period();
+        let period = self.cell().period();
         let begun = *self.begun.get_or_insert(now);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "not negative")]
         let due = ((now - begun) / period).round().max(0.0) as u64;
-        let late = due.saturating_sub(self.cell.tick());
+        let late = due.saturating_sub(self.cell().tick());
         if late > ASLEEP {
-            self.begun = Some(now - self.cell.time());
+            self.begun = Some(now - self.cell().time());
             self.lost += late - ASLEEP;
         }
         self.late += late;
@@ -209,15 +176,14 @@ impl Law {
     /// A period, and a picture when it is time for one.
     fn tick(&mut self) -> Result<(), Error> {
         let started = Instant::now();
-        self.cell.advance()?;
+        self.runs().try_for_each(Run::advance)?;
         self.durations.push(started.elapsed().as_secs_f64());
-        let plant = self.cell.plant();
-        self.sampler.watch(plant.controller(), plant.configuration());
-        if let Some(since) = began(plant.command()) {
+        if let Some(since) = began(self.cell().plant().command()) {
             self.since = since;
         }
-        if self.cell.time() >= self.next_picture {
-            self.next_picture = self.cell.time() + INTERVAL - 0.5 * self.cell.period();
+        let (time, period) = (self.cell().time(), self.cell().period());
+        if time >= self.next_picture {
+            self.next_picture = time + INTERVAL - 0.5 * period;
             self.show()?;
         }
         Ok(())
@@ -238,7 +204,7 @@ impl ControlLaw for Law {
         _command: &mut JointCommand,
     ) -> Result<(), Error> {
         self.go_on(now)?;
-        self.faults.push(now, self.cell.plant().command().fault);
+        self.faults.push(now, self.cell().plant().command().fault);
         Ok(())
     }
 
@@ -260,7 +226,7 @@ impl ControlLaw for Law {
     }
 
     fn is_at_rest(&self, _measured: &JointMeasurement) -> Option<bool> {
-        let velocity = &self.cell.plant().command().joint_velocity;
+        let velocity = &self.cell().plant().command().joint_velocity;
         Some(velocity.iter().all(|velocity| velocity.abs() < REST))
     }
 }

@@ -8,6 +8,7 @@ mod law;
 mod page;
 mod picture;
 mod request;
+mod run;
 mod server;
 mod socket;
 

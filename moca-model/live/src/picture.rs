@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use hrsw_safety::{PersonBody, SafetyState};
-use moca_model::{Command, Goal};
+use moca_model::Command;
 use moca_replay::recorded::{
     Sampler, Tone, base_label, intention_label, others_row, person_row, phase_label, safety_label,
     solver_label,
@@ -12,6 +12,11 @@ use moca_simulation::Error;
 use moca_simulation::workcell::{Counts, Who, Workcell};
 use serde::Serialize;
 use vision_models::{Body, Body25};
+
+use crate::run::{Run, asks_for_ergonomics};
+
+/// Time between two pictures \[s\].
+pub(crate) const INTERVAL: f64 = 0.03;
 
 /// A state, and how it is to be seen.
 #[derive(Clone, Debug, Serialize)]
@@ -81,7 +86,19 @@ pub struct Picture {
     too_near: u64,
     by_the_person: u64,
     unsolved: u64,
+    /// The same robot with the other choice of ergonomics, if a page asks for it.
+    beside: Option<Beside>,
     pace: Pace,
+}
+
+/// What is seen of the robot that goes on beside.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Beside {
+    row: Vec<f32>,
+    /// REBA of the true posture there.
+    reba: Option<u8>,
+    /// Mean speed of the tool in the last second \[m/s\].
+    calm: f64,
 }
 
 /// What the loop knows of a moment besides the workcell.
@@ -91,7 +108,6 @@ pub(crate) struct Moment {
     pub(crate) head: u64,
     pub(crate) heard: u64,
     pub(crate) since: (Cow<'static, str>, Tone),
-    pub(crate) calm: f64,
     pub(crate) pace: Pace,
 }
 
@@ -101,18 +117,17 @@ impl Picture {
     /// # Errors
     /// None of a workcell that goes on.
     pub(crate) fn of(
-        cell: &Workcell,
-        sampler: &mut Sampler,
+        run: &mut Run,
+        beside: Option<&mut Run>,
         moment: Moment,
     ) -> Result<Self, Error> {
+        let beside = beside.map(Beside::of).transpose()?;
+        let calm = run.calm();
+        let Run { cell, sampler, .. } = run;
         let (plant, controller) = (cell.plant(), cell.plant().controller());
-        let mut tick = cell.row().clone();
-        if let Some(hand) = cell.score() {
-            (tick.score, tick.reba) = (hand.score, hand.reba);
-        }
         let posture = cell.true_posture(Who::Worker)?;
-        tick.reba_measured = posture.map(|posture| posture.reba.reba);
-        let mut row = sampler.sample(controller, plant.configuration(), &tick)?;
+        let reba = posture.map(|posture| posture.reba.reba);
+        let mut row = sample(cell, sampler, reba)?;
         let body = cell.body(Who::Worker).unwrap_or_default();
         row.extend(sampler.nearest(&row, &body));
         let stature = cell.setup().map.stature();
@@ -149,21 +164,42 @@ impl Picture {
             solver: State::of(solver_label(command.outcome)),
             stopped: command.safety == SafetyState::ProtectiveStop,
             waits: supervisor.waits_for_acknowledgement(),
-            ergonomics: cell.setup().robot.controller.goal == Goal::Ergonomics,
+            ergonomics: asks_for_ergonomics(cell),
             grasps: controller.object().is_some(),
             rests: controller.space().is_at_rest(),
-            reba: tick.reba_measured,
+            reba,
             pair,
             floor: place(Who::Worker).unwrap_or_default(),
             bystander: place(Who::Bystander),
-            calm: moment.calm,
+            calm,
             limits,
             too_near,
             by_the_person,
             unsolved,
+            beside,
             pace: moment.pace,
         })
     }
+}
+
+impl Beside {
+    fn of(run: &mut Run) -> Result<Self, Error> {
+        let posture = run.cell.true_posture(Who::Worker)?;
+        let reba = posture.map(|posture| posture.reba.reba);
+        let row = sample(&run.cell, &mut run.sampler, reba)?;
+        Ok(Self { row, reba, calm: run.calm() })
+    }
+}
+
+/// The numbers of a workcell's last tick, in the order of the head's columns but for those of the nearest part.
+fn sample(cell: &Workcell, sampler: &mut Sampler, reba: Option<u8>) -> Result<Vec<f32>, Error> {
+    let mut tick = cell.row().clone();
+    if let Some(hand) = cell.score() {
+        (tick.score, tick.reba) = (hand.score, hand.reba);
+    }
+    tick.reba_measured = reba;
+    let plant = cell.plant();
+    Ok(sampler.sample(plant.controller(), plant.configuration(), &tick)?)
 }
 
 /// Why the phase of a command began, if it began in this tick.

@@ -19,6 +19,8 @@ pub enum Request {
     Faults(Faults),
     /// Whether the controller asks for ergonomics.
     Ergonomics(bool),
+    /// Whether the same robot goes on beside, with the other choice of ergonomics.
+    Beside(bool),
     /// Whether a second person is there.
     Bystander(bool),
     /// Somebody has seen to the robot.
@@ -50,6 +52,7 @@ enum Message {
     Move(MoveMessage),
     Faults(FaultsMessage),
     Ergonomics(Switch),
+    Beside(Switch),
     Bystander(Switch),
     Acknowledge(Nothing),
     Stop(Nothing),
@@ -89,6 +92,7 @@ struct FaultsMessage {
     payload: f64,
     push_tool: [f64; 3],
     push_elbow: [f64; 3],
+    slip: f64,
     cable: bool,
     measurements: bool,
 }
@@ -193,6 +197,7 @@ impl Default for FaultsMessage {
             payload: none.payload,
             push_tool: none.push_tool.into(),
             push_elbow: none.push_elbow.into(),
+            slip: none.slip,
             cable: none.cable,
             measurements: none.measurements,
         }
@@ -276,6 +281,7 @@ impl Request {
                     payload: message.payload,
                     push_tool: Vector3::from(message.push_tool),
                     push_elbow: Vector3::from(message.push_elbow),
+                    slip: message.slip,
                     cable: message.cable,
                     measurements: message.measurements,
                 };
@@ -283,6 +289,7 @@ impl Request {
                 Self::Faults(faults)
             }
             Message::Ergonomics(Switch { on }) => Self::Ergonomics(on),
+            Message::Beside(Switch { on }) => Self::Beside(on),
             Message::Bystander(Switch { on }) => Self::Bystander(on),
             Message::Acknowledge(Nothing {}) => Self::Acknowledge,
             Message::Stop(Nothing {}) => Self::Stop,

@@ -1,7 +1,7 @@
 // What the person at the page does: leads people, switches faults, begins anew.
 
 const UPRIGHT = { way: "stand", speed: 0.5, facing: "robot", activity: "walk", tool: "drill", lean: 0, squat: 0, reach: "work" };
-const SOUND = { noise: 1, lost: 0.02, latency: 0, occluded: false, payload: 0, cable: false, measurements: false };
+const SOUND = { noise: 1, lost: 0.02, latency: 0, occluded: false, payload: 0, cable: false, measurements: false, slip: 0 };
 const TASKS = [
   ["empty hands", { activity: "walk" }],
   ["carry", { activity: "carry" }],
@@ -115,6 +115,8 @@ class Controls {
     const row = this.row(parent);
     const on = () => this.picture?.ergonomics ?? true;
     this.button(row, "Ergonomics", () => this.link.ask("ergonomics", { on: !on() }), on);
+    const beside = () => Boolean(this.picture?.beside);
+    this.button(row, "Both runs", () => this.link.ask("beside", { on: !beside() }), beside);
     this.button(row, "Stop", () => this.link.ask("stop"));
     this.acknowledge = this.button(row, "Acknowledge, and go on", () => this.link.ask("acknowledge"));
   }
@@ -129,6 +131,7 @@ class Controls {
     this.slider(parent, "joints lost", [0, 1, 0.01], "", 0.02, (lost) => this.fail({ lost }));
     this.slider(parent, "latency", [0, 1, 0.05], "s", 0, (latency) => this.fail({ latency }));
     this.slider(parent, "payload", [0, 5, 0.1], "kg", 0, (payload) => this.fail({ payload }));
+    this.slider(parent, "wheels slip", [0, 0.5, 0.01], "", 0, (slip) => this.fail({ slip }));
   }
 
   addAgain(parent) {
@@ -160,14 +163,14 @@ class Controls {
     this.picture = picture;
     this.bystander = Boolean(picture.bystander);
     this.acknowledge.disabled = !picture.waits && !picture.stopped;
-    if (before?.ergonomics !== picture.ergonomics) this.mark();
+    if (before?.ergonomics !== picture.ergonomics || Boolean(before?.beside) !== Boolean(picture.beside)) this.mark();
   }
 
   mark() {
     for (const { button, pressed } of this.choices) button.setAttribute("aria-pressed", String(Boolean(pressed())));
     const { speed, lean, squat } = this.leads[this.who];
-    const { noise, lost, latency, payload } = this.faults;
-    const shown = { "walking speed": speed, lean, squat, "camera noise": noise, "joints lost": lost, latency, payload };
+    const { noise, lost, latency, payload, slip } = this.faults;
+    const shown = { "walking speed": speed, lean, squat, "camera noise": noise, "joints lost": lost, latency, payload, "wheels slip": slip };
     for (const [name, value] of Object.entries(shown)) this.sliders[name](value);
   }
 

@@ -2,6 +2,8 @@
 
 /** About how far apart pictures are (ms): somewhat more than the loop sends them. */
 const PICTURES = 36;
+/** The robot of the other run. */
+const SHADOW = [0.55, 0.6, 0.75, 1];
 /** Where the robot can be pushed: its frames. */
 const HANDLES = { push_tool: "tool", push_elbow: "panda_link4" };
 /** How near the pointer has to be to one of them (pixels), and aside of a person. */
@@ -74,6 +76,7 @@ class Live {
     this.head = hello.number;
     this.page = hello.page;
     this.run = new LiveRun(hello.page.runs[0]);
+    this.other = new LiveRun(hello.page.runs[0]);
     this.scene = new Scene(this.page);
     try {
       this.renderer ??= new Renderer(this.byId("view"), this.page.map);
@@ -95,6 +98,7 @@ class Live {
       if (picture.head !== this.head) continue;
       this.picture = picture;
       this.run.push(picture);
+      if (picture.beside) this.other.samples.push(picture.time, picture.beside.row);
       this.readings.note(this.run);
     }
     if (!this.picture) return;
@@ -104,7 +108,7 @@ class Live {
     if (now - (this.read ?? 0) > 120) {
       this.read = now;
       this.controls.see(this.picture);
-      this.readings.show(this.picture, this.run, this);
+      this.readings.show(this.picture, this.run, this.other, this);
       this.guide.look(this.picture);
     }
     this.moved = false;
@@ -119,6 +123,7 @@ class Live {
     this.target ??= this.scene.target(run, picture.time);
     this.view = camera.view(this.target, canvas.clientWidth / Math.max(canvas.clientHeight, 1));
     this.scene.build(run, picture.time, this.shown, this.theme);
+    if (picture.beside) this.scene.addSolids(this.other, this.other.samples.locate(picture.time), SHADOW);
     this.renderer.draw(this.scene, this.view, this.theme);
     showLabels(this.byId("labels"), this.scene.labels, this.view);
   }

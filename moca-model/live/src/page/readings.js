@@ -14,7 +14,7 @@ class Readings {
       return html("td", { id: `reading-${name.replace(/\W+/g, "-")}` }, row);
     };
     const names = ["phase", "intention", "safety", "base", "solver", "e_s, hand at the tool", "REBA, true posture"];
-    const more = ["distance", "levels", "calmness", "tool in the workspace", "judged by the truth", "loop", "page"];
+    const more = ["the other run", "distance", "levels", "calmness", "tool in the workspace", "judged by the truth", "loop", "page"];
     this.cells = Object.fromEntries([...names, ...more].map((name) => [name, line(name)]));
     html("h2", { text: "Limits in use" }, parent);
     this.gauges = Array.from({ length: SHOWN_LIMITS }, () => {
@@ -33,7 +33,7 @@ class Readings {
     });
   }
 
-  show(picture, run, page) {
+  show(picture, run, other, page) {
     const text = (name, words) => {
       const cell = this.cells[name];
       if (cell.textContent !== words) cell.textContent = words;
@@ -57,6 +57,10 @@ class Readings {
     const { parts } = run.person.groups;
     const scores = PARTS.map((name, k) => `${name} ${written(parts.get(run.person.count - 1, k), 0)}`);
     this.chip("REBA, true posture", picture.reba ?? "–", picture.reba ? rebaColour(picture.reba) : UNSCORED, scores.join(", "));
+    const { beside } = picture;
+    const choice = `ergonomics ${picture.ergonomics ? "off" : "on"}`;
+    const there = beside && `e_s ${written(other.now("e_s"), 2)}, REBA ${beside.reba ?? "–"}, ${written(1e3 * beside.calm, 1)} mm/s, ${choice}`;
+    text("the other run", there ?? "–");
     const pair = picture.pair ? `, ${picture.pair[0]} and ${picture.pair[1]}` : "";
     text("distance", `${number("monitored distance")} m of ${number("protective distance")} m protective${pair}`);
     text("levels", `pose ${written(1e3 * run.now("tracking error"), 1)} mm, workspace ${written(1e3 * run.now("slack of position"), 1)} mm, e_s ${number("e_s")}`);

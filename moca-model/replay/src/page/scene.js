@@ -41,7 +41,8 @@ class Scene {
     return { position, rotation };
   }
 
-  addSolids(run, at) {
+  /** The robot and what it holds, in their colours or all in one. */
+  addSolids(run, at, paint) {
     const known = new Map();
     for (const solid of run.solids) {
       const place = 7 * solid.frame;
@@ -51,7 +52,7 @@ class Scene {
       const position = add(frame.position, rotate(frame.rotation, solid.position));
       const rotation = product(frame.rotation, solid.rotation);
       const { shape } = solid;
-      const colour = [...solid.colour.map((value) => 0.1 + 0.86 * value), 1];
+      const colour = paint ?? [...solid.colour.map((value) => 0.1 + 0.86 * value), 1];
       if (shape.kind === "box") {
         this.boxes.push(...position, ...rotation, ...shape.size, ...colour);
       } else if (shape.kind === "cylinder") {
@@ -62,7 +63,7 @@ class Scene {
         const [begin, end] = [subtract(position, half), add(position, half)];
         this.rods.push(...begin, shape.radius, ...end, shape.radius, ...colour);
       }
-      if (solid.role === "object" || solid.role === "tool") {
+      if (!paint && (solid.role === "object" || solid.role === "tool")) {
         this.labels.push({ place: position, text: solid.name });
       }
     }

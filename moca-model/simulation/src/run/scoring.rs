@@ -21,7 +21,7 @@ pub struct HandScore {
 }
 
 /// Scores hand positions by the person's true map, not by the quadratic that the controller minimises.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub struct Scorer<M> {
     map: M,
     /// Where the posture is best, in the person's frame \[m\].

@@ -58,8 +58,8 @@ struct Guided {
     witness: Witness,
 }
 
-/// A robot, its controller and people, period by period.
-#[derive(Debug)]
+/// A robot, its controller and people, period by period. A clone goes on beside it.
+#[derive(Clone, Debug)]
 pub struct Workcell {
     setup: Setup,
     scorer: Scorer<ErgonomicsMap>,
@@ -77,6 +77,8 @@ pub struct Workcell {
     faults: Faults,
     /// How long nothing has been measured \[s\].
     blind: f64,
+    /// Way that odometry has measured and the base has not gone \[m, world\].
+    slipped: Vector2<f64>,
     /// Whether the tool has arrived in the shared workspace since they work together.
     engaged: bool,
     period: f64,
@@ -143,6 +145,7 @@ impl Workcell {
             movements: random::generator(seed, MOVEMENTS),
             faults: Faults::default(),
             blind: 0.0,
+            slipped: Vector2::zeros(),
             engaged: false,
             period,
             tick: 0,
@@ -269,7 +272,10 @@ impl Workcell {
             Vector3::new(hand.x - person.floor.x, hand.y - person.floor.y, 0.0)
         });
         let force = self.work.advance(towards.filter(|_| self.engaged), self.period);
+        let before = floor(&self.plant);
         self.plant.act(&force)?;
+        let slip = self.faults.slip;
+        self.slipped += (floor(&self.plant) - before) * (slip / (1.0 - slip));
         if self.plant.command().phase == Phase::Grasping
             && self.plant.controller().object().is_none()
         {
@@ -344,7 +350,10 @@ impl Workcell {
         let loss = if is_cut { 1.0 } else { DynamicRobotSettings::default().loss };
         self.plant.lose_commands(loss)?;
         let heard = if self.faults.measurements { Heard::Nothing } else { Heard::Measurement };
-        let tick_us = self.plant.step_measuring(now, heard, |_| {})?;
+        let slipped = self.slipped;
+        let tick_us = self.plant.step_measuring(now, heard, |measured| {
+            measured.iter_mut().zip(&slipped).for_each(|(place, slipped)| *place += slipped);
+        })?;
         self.row = tick_row(&self.plant, now, tick_us);
         let (command, space) = (self.plant.command(), self.plant.controller().space());
         let inside = space.workspace().violation(&command.desired).amax() <= INSIDE;
@@ -423,6 +432,14 @@ impl Workcell {
     /// What the robot saw, and where the person was.
     pub fn memory(&self) -> &Memory {
         &self.memory
+    }
+}
+
+/// The true place of the base \[m, world\].
+fn floor(plant: &Plant) -> Vector2<f64> {
+    match plant.configuration() {
+        [x, y, ..] => Vector2::new(*x, *y),
+        _ => Vector2::zeros(),
     }
 }
 

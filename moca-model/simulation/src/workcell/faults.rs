@@ -33,6 +33,8 @@ pub struct Faults {
     pub push_tool: Vector3<f64>,
     /// Force on the elbow likewise.
     pub push_elbow: Vector3<f64>,
+    /// Share of the wheels' way that they slip, 0 to 0.5: odometry measures that way as well. Default 0.
+    pub slip: f64,
     /// The cable is pulled: commands do not arrive. Default false.
     pub cable: bool,
     /// The robot measures nothing. Default false.
@@ -49,6 +51,7 @@ impl Default for Faults {
             payload: 0.0,
             push_tool: Vector3::zeros(),
             push_elbow: Vector3::zeros(),
+            slip: 0.0,
             cable: false,
             measurements: false,
         }
@@ -72,6 +75,7 @@ impl Faults {
         in_range("lost", self.lost, (0.0, 1.0), "a probability of 0 to 1")?;
         in_range("latency", self.latency, (0.0, 2.0), "0 to 2 s")?;
         in_range("payload", self.payload, (0.0, 5.0), "0 to 5 kg")?;
+        in_range("slip", self.slip, (0.0, 0.5), "a share of 0 to 0.5")?;
         for (name, force) in [("push_tool", self.push_tool), ("push_elbow", self.push_elbow)] {
             for value in &force {
                 in_range(name, *value, (-200.0, 200.0), "forces of -200 to 200 N")?;

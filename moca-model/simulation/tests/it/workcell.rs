@@ -110,6 +110,40 @@ fn cut_measurements_stop_it_until_acknowledged() {
 }
 
 #[test]
+fn slipping_wheels_leave_the_robot_behind() {
+    let way = |slip: f64| {
+        let mut cell = working();
+        cell.set_faults(Faults { slip, ..Faults::default() }).unwrap();
+        let base = |cell: &Workcell| Vector2::from_column_slice(&cell.plant().configuration()[..2]);
+        let begin = base(&cell);
+        let to = Way::To(Point2::new(2.6, 0.5));
+        cell.lead(Who::Worker, Lead { way: to, speed: 0.4, ..WORKS }).unwrap();
+        go_on(&mut cell, 8.0);
+        let told = Vector2::from_column_slice(&cell.plant().command().joint_position[..2]);
+        ((base(&cell) - begin).norm(), (told - begin).norm())
+    };
+    let (went, told) = way(0.0);
+    assert!((went - told).abs() < 0.02 && went > 0.5, "{went} m, told {told} m");
+    let (went, told) = way(0.4);
+    assert!((went - 0.6 * told).abs() < 0.03, "{went} m, told {told} m");
+}
+
+#[test]
+fn a_clone_goes_on_beside() {
+    let mut cell = working();
+    let mut same = cell.clone();
+    let mut other = cell.clone();
+    other.set_goal(Goal::LeastMotion);
+    for each in [&mut cell, &mut same, &mut other] {
+        let to = Way::To(Point2::new(2.0, 0.6));
+        each.lead(Who::Worker, Lead { way: to, ..WORKS }).unwrap();
+        go_on(each, 4.0);
+    }
+    assert_eq!(hand(&cell), hand(&same), "the same choice moves the same way");
+    assert!((hand(&cell) - hand(&other)).norm() > 0.02, "the other one moves another way");
+}
+
+#[test]
 fn what_was_done_plays_again() {
     let cell = working();
     let frames = cell.memory().frames();
