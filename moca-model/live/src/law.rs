@@ -95,7 +95,7 @@ impl Law {
         &self.cell
     }
 
-    /// What went wrong so far.
+    /// Faults so far.
     pub fn faults(&self) -> &FaultLog {
         &self.faults
     }
