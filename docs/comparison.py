@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """Measures what the book's page `comparison.md` shows, by the scripts that compare with peers, and writes it there.
+The part `follow` is the table of the page `quick-start.md`.
 
     python3 docs/comparison.py                       # all parts; hours, 8 GB and a quiet machine
     python3 docs/comparison.py solver robots         # these parts; the others stay as they are
@@ -20,6 +21,7 @@ import venv
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs/src/comparison.md"
+QUICK_START = ROOT / "docs/src/quick-start.md"
 IK = "moca-model/whole-body/benches/peers/ik.py"
 
 
@@ -47,7 +49,14 @@ def scores(_folder, _more):
     return ["cargo", "test", "--package", "ergo-map", "--test", "it", "--", "reba::", "rula::"]
 
 
-PARTS = {"solver": solver, "robots": robots, "inverse-kinematics": inverse_kinematics, "vision": vision, "scores": scores}
+def follow(_folder, _more):
+    return ["cargo", "run", "--quiet", "--release", "-p", "examples", "--bin", "follow", "--", "--no-report", "--quiet"]
+
+
+PARTS = {
+    "solver": solver, "robots": robots, "inverse-kinematics": inverse_kinematics, "vision": vision, "scores": scores,
+    "follow": follow,
+}
 
 
 def environment(folder, packages):
@@ -73,6 +82,10 @@ def measure(name, folder, more):
     command = [str(word) for word in PARTS[name](folder, more)]
     before = os.getloadavg()[0]
     output = subprocess.run(command, cwd=ROOT, check=True, text=True, stdout=subprocess.PIPE).stdout
+    if name == "follow":
+        # Only the rows that are the same in every run.
+        rows, times, _ = output.partition("\ntick, ")
+        return f"```text\n{rows if times else output}\n…\n```\n"
     load = f"load {before:.1f} before and {os.getloadavg()[0]:.1f} after"
     # Of the compiler's words and of folders that are gone nothing.
     printed = " ".join(command).replace(f"{folder}/", "FOLDER/")
@@ -92,11 +105,12 @@ def main():
         folder.mkdir(parents=True, exist_ok=True)
         for name in arguments.parts or PARTS:
             text = measure(name, folder, arguments.options.split())
-            page = PAGE.read_text()
+            place = QUICK_START if name == "follow" else PAGE
+            page = place.read_text()
             begin, end = f"<!-- {name}: begin -->\n", f"<!-- {name}: end -->"
             head, rest = page.split(begin)
             _, tail = rest.split(end)
-            PAGE.write_text(f"{head}{begin}\n{text}\n{end}{tail}")
+            place.write_text(f"{head}{begin}\n{text}\n{end}{tail}")
             print(f"{name}: done")
 
 

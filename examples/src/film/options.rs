@@ -78,7 +78,7 @@ fn size(text: &str) -> Result<[usize; 2], String> {
 }
 
 impl FilmOptions {
-    /// What is filmed, for titles and messages.
+    /// Name of what is filmed, for titles and messages.
     pub fn title(&self) -> String {
         let name = |path: &PathBuf| path.file_name().unwrap_or_default().display().to_string();
         self.video.iter().chain(&self.joints).map(name).collect::<Vec<_>>().join(", ")

@@ -14,7 +14,7 @@ use vision_models::Percept;
 use super::options::FilmOptions;
 use crate::program::{Ending, OutputFile, Session};
 
-/// What is written beside what is printed.
+/// Files that are written beside what is printed.
 #[derive(Args, Debug)]
 pub struct Outputs {
     /// Write a picture of a film's scores along time (SVG).

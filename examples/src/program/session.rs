@@ -51,7 +51,7 @@ impl Session {
         StandardInput::new(self.interrupt.clone())
     }
 
-    /// Whether the program should stop.
+    /// Flag that says whether the program should stop.
     pub fn interrupt(&self) -> &Interrupt {
         &self.interrupt
     }

@@ -15,7 +15,7 @@ use crate::request::Request;
 /// So many orders wait for the next tick at most.
 const WAITING: usize = 64;
 
-/// What the loop is to do.
+/// Order of a page to the loop.
 #[derive(Debug)]
 pub enum Order {
     /// What the page that steers asks for, with the number of its message.
@@ -68,7 +68,7 @@ impl Desk {
         self.newest.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// What a page is told first.
+    /// First message to a page.
     pub fn head(&self) -> Arc<Head> {
         Arc::clone(&self.head.lock().unwrap_or_else(PoisonError::into_inner))
     }
@@ -110,7 +110,7 @@ impl Desk {
         self.ends.store(true, Ordering::Release);
     }
 
-    /// Whether the loop has ended.
+    /// Returns true if the loop has ended.
     pub fn has_ended(&self) -> bool {
         self.ends.load(Ordering::Acquire)
     }

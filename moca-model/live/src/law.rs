@@ -86,7 +86,7 @@ impl Law {
         &self.run.cell
     }
 
-    /// What went wrong so far.
+    /// Faults so far.
     pub fn faults(&self) -> &FaultLog {
         &self.faults
     }

@@ -8,7 +8,7 @@ use vision_models::Tool;
 
 use crate::error::Error;
 
-/// What a page asks for, checked.
+/// Request of a page, checked.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Request {
     /// Somebody does this.
@@ -33,7 +33,7 @@ pub enum Request {
     Drawn(u64),
 }
 
-/// How everything begins anew.
+/// Settings with which everything begins anew.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Restart {

@@ -45,7 +45,7 @@ impl Server {
         Ok(Self { listener, address, desk })
     }
 
-    /// Where the page is.
+    /// Address of the page.
     pub fn address(&self) -> String {
         format!("http://{}/", self.address)
     }

@@ -339,7 +339,7 @@ impl Plant {
         self.place_tool()
     }
 
-    /// These forces \[N, world\] push a robot under torques at the origins of frames, until others do.
+    /// Pushes a robot under torques by these forces \[N, world\] at the origins of frames, until others do.
     pub fn push(&mut self, forces: &[(FrameId, Vector3<f64>)]) {
         let wrench = |force: &Vector3<f64>| force.push(0.0).push(0.0).push(0.0);
         let pushes = forces.iter();

@@ -139,7 +139,7 @@ impl Sampler {
         })
     }
 
-    /// What is there, and in which frames.
+    /// The things that are there, and their frames.
     pub fn stage(&self) -> &Stage {
         &self.stage
     }
@@ -176,7 +176,7 @@ impl Sampler {
         }
     }
 
-    /// Whether the robot has wheels.
+    /// Returns true if the robot has wheels.
     pub fn is_on_wheels(&self) -> bool {
         self.limits.is_of_wheels()
     }
@@ -249,7 +249,7 @@ impl Sampler {
         Ok(values)
     }
 
-    /// Where robot and person are nearest in a row, with the body's joints as they were seen.
+    /// Nearest points of robot and person in a row, with the body's joints as they were seen.
     pub fn nearest(&self, row: &[f32], body: &Body) -> Vec<f32> {
         self.nearest_to(row, &body::seen(body, self.map.stature()))
     }

@@ -9,7 +9,7 @@ use super::walk::Walk;
 use crate::Error;
 use crate::people::Truth;
 
-/// What a recording must contain besides joints and tools.
+/// Contents that a recording must have besides joints and tools.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Needs {
     /// Nothing more.

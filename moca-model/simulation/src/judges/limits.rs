@@ -42,7 +42,7 @@ impl Breaches {
     }
 }
 
-/// Whether a joint that started outside its range is free to return.
+/// Freedom of a joint that started outside its range to return.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Return {
     /// Nothing keeps it from returning.

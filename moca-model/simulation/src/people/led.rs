@@ -18,7 +18,7 @@ const AHEAD: f64 = 1.0;
 /// Nearer than this no direction to face is told (m).
 const TOO_NEAR: f64 = 0.1;
 
-/// Where to go.
+/// Goal of a walk.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Way {
     /// Stops, and stays there.
@@ -29,7 +29,7 @@ pub enum Way {
     Along(Vector2<f64>),
 }
 
-/// Which way to face.
+/// Direction to face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Facing {
     /// Towards what the robot holds.
@@ -42,7 +42,7 @@ pub enum Facing {
     Turning(f64),
 }
 
-/// What the right hand does.
+/// Task of the right hand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reach {
     /// What the activity asks for: who uses a tool has it at the object.
@@ -53,7 +53,7 @@ pub enum Reach {
     Between,
 }
 
-/// What a led person is to do.
+/// Orders to a led person.
 ///
 /// ```
 /// use moca_simulation::people::{Lead, LedPerson};
@@ -136,7 +136,7 @@ impl Lead {
 /// People are led no farther than this from the origin (m).
 const FARTHEST: f64 = 20.0;
 
-/// What a led person has to know of the robot, in the world.
+/// Facts about the robot that a led person has to know, in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Workplace {
     /// Where somebody who works has the hand (m).
@@ -201,7 +201,7 @@ impl LedPerson {
         Ok(())
     }
 
-    /// What they are told to do.
+    /// The orders that they follow.
     pub fn told(&self) -> &Lead {
         &self.lead
     }

@@ -45,13 +45,13 @@ pub struct Scenario {
     pub drive: Drive,
     /// The object that the robot holds for the person to work on.
     pub object: GraspedObject,
-    /// How the robot gets the object.
+    /// Way in which the robot gets the object.
     pub delivery: Delivery,
     /// Settings of the person's posture besides their joints.
     pub posture: PostureSettings,
 }
 
-/// How the robot gets the object.
+/// Ways in which the robot gets the object.
 #[derive(Debug, Clone, Default)]
 pub enum Delivery {
     /// The robot holds the object from the beginning and knows it. Surfaces are as recorded.

@@ -369,12 +369,12 @@ fn stamped(percept: &Percept, time: f64) -> Percept {
     Percept { time, ..percept.clone() }
 }
 
-/// How often each disturbance ended in each state.
+/// Counts of how often each disturbance ended in each state.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct Endings(BTreeMap<Disturbance, StateCounts>);
 
-/// How often something ended in each state.
+/// Counts of how often something ended in each state.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StateCounts {
@@ -395,7 +395,7 @@ impl Default for Endings {
 }
 
 impl Endings {
-    /// One has ended in this state.
+    /// Counts one that has ended in this state.
     pub fn count(&mut self, disturbance: Disturbance, state: SafetyState) {
         let counts = self.0.entry(disturbance).or_default();
         match state {

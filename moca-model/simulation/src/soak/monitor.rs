@@ -72,7 +72,7 @@ impl std::ops::AddAssign for Counts {
     }
 }
 
-/// What happens in a tick.
+/// Events of a tick.
 #[derive(Clone, Copy, Debug)]
 pub struct Tick<'a> {
     /// The controller's answer.

@@ -28,7 +28,7 @@ pub struct Soak {
     robot: PlantSettings,
 }
 
-/// What an episode came to.
+/// Result of an episode.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EpisodeResult {

@@ -10,7 +10,7 @@ use super::monitor::Counts;
 use super::run::EpisodeResult;
 use super::tick_times::TickTimes;
 
-/// What a soak found.
+/// Result of a soak.
 #[derive(Clone, Debug)]
 pub struct Summary {
     /// Ticks run.

@@ -212,7 +212,7 @@ impl Workcell {
         Ok(())
     }
 
-    /// This goes wrong from now on.
+    /// Sets what goes wrong from now on.
     ///
     /// # Errors
     /// Faults out of range; nothing changes then.
@@ -228,7 +228,7 @@ impl Workcell {
         Ok(())
     }
 
-    /// What goes wrong.
+    /// Things that go wrong.
     pub fn faults(&self) -> &Faults {
         &self.faults
     }
@@ -290,7 +290,7 @@ impl Workcell {
         self.tick as f64 * self.period
     }
 
-    /// How many periods have passed.
+    /// Number of periods that have passed.
     pub fn tick(&self) -> u64 {
         self.tick
     }
@@ -414,7 +414,7 @@ impl Workcell {
         &self.plant
     }
 
-    /// What the robot holds, or will.
+    /// Object that the robot holds, or will.
     pub fn object(&self) -> &GraspedObject {
         &self.object
     }
@@ -424,12 +424,12 @@ impl Workcell {
         &self.setup
     }
 
-    /// What the judges have counted.
+    /// Counts of the judges.
     pub fn counts(&self) -> &Counts {
         &self.judge.counts
     }
 
-    /// What the robot saw, and where the person was.
+    /// Memory of what the robot saw, and where the person was.
     pub fn memory(&self) -> &Memory {
         &self.memory
     }

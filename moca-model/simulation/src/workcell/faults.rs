@@ -9,7 +9,7 @@ use crate::people::CameraSettings;
 /// protective distance allows for.
 const LARGEST_ERROR: f64 = 0.02;
 
-/// What goes wrong.
+/// Things that go wrong.
 ///
 /// ```
 /// use moca_simulation::workcell::Faults;

@@ -12,7 +12,7 @@ use crate::plant::Plant;
 /// Ticks after a disturbance of the robot in which its joints may be outside their ranges.
 const SETTLING: u32 = 1000;
 
-/// What the judges have counted since the beginning.
+/// Counts of the judges since the beginning.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Ticks of the controller.

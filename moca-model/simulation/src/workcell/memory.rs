@@ -54,7 +54,7 @@ impl Memory {
         }
     }
 
-    /// How many frames there are.
+    /// Number of frames.
     pub fn frames(&self) -> usize {
         self.frames.len()
     }
