@@ -4,7 +4,6 @@ use nalgebra::{Matrix3, Vector3};
 use vision_models::{Body, Body25};
 
 use crate::measured_velocity::MeasuredVelocity;
-use crate::settings::PersonBodySettings;
 
 /// Correlation time of the errors of joints with known covariances \[s\].
 const CORRELATION_TIME: f64 = 0.05;
@@ -21,6 +20,29 @@ const LEG: f64 = 2.0;
 
 /// Time constant with which an acceleration fades \[s\].
 const LASTS: f64 = 0.3;
+
+/// Largest motion of a joint relative to the trunk from frame to frame \[m\]. A joint that moved
+/// farther counts as missing unless the next frame shows it there again.
+pub(crate) const LIMB_GATE: f64 = 0.3;
+/// Largest speed from frame to frame \[m/s\]: that of a person who walks (ISO 13855). A person who
+/// moves faster has jumped, and velocities are measured again.
+pub(crate) const JUMP_SPEED: f64 = 1.6;
+/// Longest time without seeing a joint after which its velocity is still continued, and for which
+/// the last one is believed with growing uncertainty \[s\].
+const GAP: f64 = 0.5;
+/// Time for which a joint must have been seen before its velocity counts \[s\].
+const SETTLING: f64 = 0.3;
+/// Standard deviation of the acceleration of a person who stands and may begin to lean or walk
+/// \[m/s²\].
+const ACCELERATION: f64 = 1.6;
+/// Standard deviation of the acceleration of the trunk of a person who works with the robot
+/// \[m/s²\]. A part moves like the trunk until its own joints show otherwise, where contacts are
+/// concerned.
+const WORKING_ACCELERATION: f64 = 0.4;
+/// Number of standard deviations by which a part may be faster than measured.
+const DEVIATIONS: f64 = 3.0;
+/// Growth of a velocity's uncertainty with the time since it was seen \[m/s²\].
+const ONSET: f64 = 1.0;
 
 /// Largest acceleration of a joint \[m/s²\].
 const MOST: f64 = 25.0;
@@ -96,7 +118,7 @@ const GROUPS: [&[Body25]; 15] = {
 ///
 /// The state is place, velocity and acceleration, which fades within [`LASTS`] (Singer, 1970). The
 /// standard deviation of the acceleration is √((f a₀)² + (6 v / s)² + (2 a)²), at most [`MOST`].
-/// Here a₀ is from the settings and f is the factor of the limb. v and a are the filtered values
+/// Here a₀ is 1.6 m/s² and f is the factor of the limb. v and a are the filtered values
 /// less what noise explains. A person who stands may begin to move, and a person who moves may stop
 /// or turn back. A single joint has its own innovation. The innovation of a group is the mean over
 /// its joints that are seen.
@@ -119,31 +141,26 @@ impl JointVelocities {
         self.groups.iter_mut().chain([&mut self.trunk]).for_each(|group| group.seen = None);
     }
 
-    /// Takes a frame. `place` gives the position of a joint that is seen and believed \[m\].
+    /// Takes a frame. `place` gives the position of a joint that is seen and believed \[m\]. `sigma`
+    /// is its standard deviation for each axis if the frame contains no covariance \[m\].
     pub(super) fn observe(
         &mut self,
         time: f64,
         body: &Body,
         place: impl Fn(Body25) -> Option<Vector3<f64>>,
-        settings: &PersonBodySettings,
+        sigma: f64,
     ) {
         for group in self.groups.iter_mut().chain([&mut self.trunk]) {
-            group.observe(time, body, &place, settings);
+            group.observe(time, body, &place, sigma);
         }
     }
 
     /// Returns the velocity of a joint at the time `now`, if it is measured. The joint must have
     /// been followed for long enough and seen recently. The uncertainty must be below the `assumed`
     /// speed of an unknown joint \[m/s\].
-    pub(super) fn of(
-        &self,
-        joint: Body25,
-        now: f64,
-        assumed: f64,
-        settings: &PersonBodySettings,
-    ) -> Option<MeasuredVelocity> {
+    pub(super) fn of(&self, joint: Body25, now: f64, assumed: f64) -> Option<MeasuredVelocity> {
         let group = self.groups.iter().find(|group| group.joints.first() == Some(&joint))?;
-        group.velocity(now, settings).filter(|velocity| velocity.uncertainty < assumed)
+        group.velocity(now).filter(|velocity| velocity.uncertainty < assumed)
     }
 
     /// Returns the velocity of a part that counts for contacts \[m/s\]. It is the velocity of the
@@ -153,10 +170,9 @@ impl JointVelocities {
         &self,
         own: Option<MeasuredVelocity>,
         now: f64,
-        settings: &PersonBodySettings,
     ) -> Option<MeasuredVelocity> {
-        let mut trunk = self.trunk.velocity(now, settings)?;
-        trunk.uncertainty = settings.speed_deviations * self.trunk.deviation();
+        let mut trunk = self.trunk.velocity(now)?;
+        trunk.uncertainty = DEVIATIONS * self.trunk.deviation();
         let Some(own) = own else { return Some(trunk) };
         let away = (trunk.mean - own.mean).cap_magnitude(own.uncertainty);
         Some(MeasuredVelocity { mean: own.mean + away, ..trunk })
@@ -189,13 +205,13 @@ impl Group {
         time: f64,
         body: &Body,
         place: &impl Fn(Body25) -> Option<Vector3<f64>>,
-        settings: &PersonBodySettings,
+        sigma: f64,
     ) {
         let elapsed = self.seen.map(|seen| time - seen.last);
-        if elapsed.is_none_or(|elapsed| elapsed > settings.gap) {
-            self.begin(settings);
+        if elapsed.is_none_or(|elapsed| elapsed > GAP) {
+            self.begin(sigma);
         } else if let Some(elapsed) = elapsed.filter(|elapsed| *elapsed > 0.0) {
-            self.predict(elapsed, settings);
+            self.predict(elapsed);
         }
         let interval = elapsed.unwrap_or(f64::INFINITY);
         let (mut innovation, mut variance, mut count) = (Vector3::zeros(), 0.0, 0.0);
@@ -205,7 +221,7 @@ impl Group {
             sees = true;
             if let Some(expected) = expected {
                 innovation += seen - *expected;
-                variance += noise(body, joint, interval, settings);
+                variance += noise(body, joint, interval, sigma);
                 count += 1.0;
             } else {
                 *expected = Some(seen);
@@ -220,9 +236,9 @@ impl Group {
             return;
         }
         let (innovation, variance) = (innovation / count, variance / (count * count));
-        if innovation.norm() > settings.limb_gate {
+        if innovation.norm() > LIMB_GATE {
             // Such a jump is no motion.
-            self.begin(settings);
+            self.begin(sigma);
             for (&joint, expected) in self.joints.iter().zip(&mut self.places) {
                 *expected = place(joint);
             }
@@ -243,20 +259,17 @@ impl Group {
     }
 
     /// Resets the filter to joints of which only the places are known.
-    fn begin(&mut self, settings: &PersonBodySettings) {
+    fn begin(&mut self, sigma: f64) {
         self.places = [None; LARGEST];
         self.velocity = Vector3::zeros();
         self.acceleration = Vector3::zeros();
-        let (place, speed) = (settings.position_sigma, settings.jump_speed);
-        let acceleration = settings.acceleration;
-        self.covariance = Matrix3::from_diagonal(
-            &Vector3::new(place, speed, acceleration).map(|sigma| sigma * sigma),
-        );
+        let sigmas = Vector3::new(sigma, JUMP_SPEED, ACCELERATION);
+        self.covariance = Matrix3::from_diagonal(&sigmas.map(|sigma| sigma * sigma));
         self.seen = None;
     }
 
     /// Predicts the state after a time \[s\].
-    fn predict(&mut self, elapsed: f64, settings: &PersonBodySettings) {
+    fn predict(&mut self, elapsed: f64) {
         let Transition { state, noise } = Transition::over(elapsed);
         let moved = self.velocity * elapsed + self.acceleration * state[(0, 2)];
         for place in self.places.iter_mut().flatten() {
@@ -266,12 +279,12 @@ impl Group {
             (value.norm() - SURE * variance.max(0.0).sqrt()).max(0.0)
         };
         let spread = match self.kind {
-            Kind::Even => settings.working_acceleration.powi(2),
+            Kind::Even => WORKING_ACCELERATION.powi(2),
             Kind::Any(share) => {
                 let moves = SPEED_CHANGE * sure(&self.velocity, self.covariance[(1, 1)]);
                 let changes =
                     ACCELERATION_CHANGE * sure(&self.acceleration, self.covariance[(2, 2)]);
-                (share * settings.acceleration).powi(2) + moves.powi(2) + changes.powi(2)
+                (share * ACCELERATION).powi(2) + moves.powi(2) + changes.powi(2)
             }
         };
         self.velocity += self.acceleration * state[(1, 2)];
@@ -280,12 +293,11 @@ impl Group {
             state * self.covariance * state.transpose() + noise * spread.min(MOST * MOST);
     }
 
-    fn velocity(&self, now: f64, settings: &PersonBodySettings) -> Option<MeasuredVelocity> {
+    fn velocity(&self, now: f64) -> Option<MeasuredVelocity> {
         let seen = self.seen?;
         let age = (now - seen.last).max(0.0);
-        let is_measured =
-            age <= settings.believed_for && seen.last - seen.since >= settings.settling;
-        let uncertainty = settings.speed_deviations * self.deviation() + settings.onset * age;
+        let is_measured = age <= GAP && seen.last - seen.since >= SETTLING;
+        let uncertainty = DEVIATIONS * self.deviation() + ONSET * age;
         is_measured.then_some(MeasuredVelocity { mean: self.velocity, uncertainty })
     }
 
@@ -296,8 +308,8 @@ impl Group {
 }
 
 /// Returns the variance of the measured place of a joint for each axis \[m²\].
-fn noise(body: &Body, joint: Body25, interval: f64, settings: &PersonBodySettings) -> f64 {
-    let assumed = settings.position_sigma.powi(2);
+fn noise(body: &Body, joint: Body25, interval: f64, sigma: f64) -> f64 {
+    let assumed = sigma * sigma;
     let Some(covariance) = body.covariance(joint) else { return assumed };
     let correlation = (-interval / CORRELATION_TIME).exp();
     let largest = covariance.symmetric_eigenvalues().max();
@@ -391,7 +403,6 @@ mod tests {
     /// Returns the share of frames in which the uncertainty of the head holds, and the mean
     /// uncertainty \[m/s\].
     fn holds(most: f64, sigma: f64) -> (f64, f64) {
-        let settings = PersonBodySettings::default();
         let mut draw = ChaCha8Rng::seed_from_u64(7);
         let (mut kept, mut frames, mut sum) = (0.0, 0.0, 0.0);
         for _ in 0..20 {
@@ -404,9 +415,9 @@ mod tests {
                     time,
                     &Body::default(),
                     |joint| (joint == Body25::Nose).then_some(place),
-                    &settings,
+                    0.02,
                 );
-                let Some(known) = velocities.of(Body25::Nose, time, 9.0, &settings) else {
+                let Some(known) = velocities.of(Body25::Nose, time, 9.0) else {
                     continue;
                 };
                 frames += 1.0;
@@ -435,22 +446,21 @@ mod tests {
 
     #[test]
     fn only_recently_followed_joints_have_a_measured_velocity() {
-        let settings = PersonBodySettings::default();
         let mut velocities = JointVelocities::new();
         for frame in 0..20_u32 {
             let time = FRAME * f64::from(frame);
             let place = Vector3::new(0.5 * time, 0.0, 1.6);
             let seen = |joint| (joint == Body25::Nose).then_some(place);
-            velocities.observe(time, &Body::default(), seen, &settings);
-            let known = velocities.of(Body25::Nose, time, 9.0, &settings);
-            assert_eq!(known.is_some(), time >= settings.settling - 1e-9, "{time} s");
+            velocities.observe(time, &Body::default(), seen, 0.02);
+            let known = velocities.of(Body25::Nose, time, 9.0);
+            assert_eq!(known.is_some(), time >= SETTLING - 1e-9, "{time} s");
         }
-        let of = |now| velocities.of(Body25::Nose, now, 9.0, &settings);
+        let of = |now| velocities.of(Body25::Nose, now, 9.0);
         let (fresh, old) = (of(0.95).unwrap(), of(1.4).unwrap());
         assert!((fresh.mean.x - 0.5).abs() < 0.02 && old.mean == fresh.mean);
-        assert!(old.uncertainty >= fresh.uncertainty + 0.44 * settings.onset);
+        assert!(old.uncertainty >= fresh.uncertainty + 0.44 * ONSET);
         assert_eq!(of(1.5), None);
-        assert_eq!(velocities.of(Body25::Nose, 0.95, 0.1, &settings), None);
-        assert_eq!(velocities.of(Body25::Neck, 0.95, 9.0, &settings), None);
+        assert_eq!(velocities.of(Body25::Nose, 0.95, 0.1), None);
+        assert_eq!(velocities.of(Body25::Neck, 0.95, 9.0), None);
     }
 }

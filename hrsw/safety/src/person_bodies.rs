@@ -9,7 +9,7 @@ use crate::approach::PersonBody;
 use crate::body_parts::{Limb, PARTS, Part};
 use crate::body_region::ContactLimits;
 use crate::contact::{Contact, ContactLimit};
-use crate::joint_velocity::JointVelocities;
+use crate::joint_velocity::{JUMP_SPEED, JointVelocities, LIMB_GATE};
 use crate::separation::SeparationSettings;
 use crate::settings::PersonBodySettings;
 
@@ -19,6 +19,8 @@ const NOISE: f64 = 0.03;
 /// deviations that count.
 const MOST_SPREAD: f64 = 0.15;
 const DEVIATIONS: f64 = 3.0;
+/// Largest distance between two observations of the same person \[m\].
+const AGREEMENT: f64 = 0.25;
 /// Speed that nobody reaches \[m/s\]: 12.4 m/s over 20 m of the world record of 100 m, Berlin 2009
 /// (IAAF's analysis).
 const FASTEST: f64 = 12.5;
@@ -152,17 +154,12 @@ impl PersonBodies {
         // Uses the trunk, or else all joints.
         let by = |joints: &[Body25]| Displacement::of(joints, body, &places, least);
         let moved = by(&ROOT).or_else(|| by(&Body25::ALL))?;
-        moved.is_within(self.reach(time - self.newest)).then(|| moved.median.norm())
+        moved.is_within(JUMP_SPEED * (time - self.newest)).then(|| moved.median.norm())
     }
 
     /// Returns true if a body of a frame of this time is at the person's last place.
     pub(super) fn is_where(&self, time: f64, body: &Body) -> bool {
-        self.way_to(time, body).is_some_and(|way| way <= self.settings.agreement)
-    }
-
-    /// Returns how far a person may go in a time \[s\] \[m\].
-    fn reach(&self, elapsed: f64) -> f64 {
-        self.settings.jump_speed * elapsed
+        self.way_to(time, body).is_some_and(|way| way <= AGREEMENT)
     }
 
     /// Takes the body of a frame. Joints that are missing move along with the trunk. If nobody is
@@ -175,10 +172,10 @@ impl PersonBodies {
             |from: &Places| Displacement::of(&ROOT, body, from, least).unwrap_or_default();
         let (displaced, elapsed) = (displacement(&self.places()), time - self.newest);
         let moved = displaced.median;
-        let jumped = !displaced.is_within(self.reach(elapsed));
+        let jumped = !displaced.is_within(JUMP_SPEED * elapsed);
         if jumped {
             let is_again = doubtful.is_some_and(|seen| {
-                displacement(&seen.joints).is_within(self.reach(time - seen.time))
+                displacement(&seen.joints).is_within(JUMP_SPEED * (time - seen.time))
             });
             if !is_again {
                 let joints = Body25::ALL.map(|joint| place(body, joint, least));
@@ -194,7 +191,7 @@ impl PersonBodies {
             let place = place(body, joint, self.settings.least_confidence);
             let spread = spread(body, joint);
             match seen {
-                Some(seen) => seen.update(place, (time, spread), &moved, self.settings.limb_gate),
+                Some(seen) => seen.update(place, (time, spread), &moved, LIMB_GATE),
                 None => *seen = place.map(|place| Seen::first(place, time, spread)),
             }
             if seen.is_some_and(|seen| seen.time == time) {
@@ -206,7 +203,7 @@ impl PersonBodies {
             let seen = joints[joint as usize]?;
             (seen.time == time).then_some(seen.place)
         };
-        self.velocities.observe(time, body, believed, &self.settings);
+        self.velocities.observe(time, body, believed, self.settings.position_sigma);
         None
     }
 
@@ -234,10 +231,10 @@ impl PersonBodies {
             let ends = (self.joints[part.from as usize], self.joints[part.to as usize]);
             let (Some(from), Some(to)) = ends else { continue };
             let assumed = assumed_speed(part, separation);
-            let of = |joint| self.velocities.of(joint, now, assumed, &self.settings);
+            let of = |joint| self.velocities.of(joint, now, assumed);
             let velocity = of(part.from).zip(of(part.to));
             let velocity = velocity.map(|ends| part.velocity(&from.place, &to.place, ends));
-            let touched = self.velocities.for_contact(velocity, now, &self.settings);
+            let touched = self.velocities.for_contact(velocity, now);
             let fastest = velocity.map_or(assumed, |v| v.mean.norm() + v.uncertainty);
             // Z_d covers what frames without covariances do not show.
             let growth = |seen: &Seen| {
@@ -314,8 +311,7 @@ impl PersonBodies {
 
     /// Returns the velocity of the pelvis along the floor \[m/s\], zero if it is not measured.
     pub(super) fn velocity(&self, now: f64, separation: &SeparationSettings) -> Vector3<f64> {
-        let pelvis =
-            self.velocities.of(Body25::MidHip, now, separation.human_speed, &self.settings);
+        let pelvis = self.velocities.of(Body25::MidHip, now, separation.human_speed);
         pelvis.map_or(Vector3::zeros(), |velocity| velocity.mean.xy().push(0.0))
     }
 

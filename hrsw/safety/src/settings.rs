@@ -14,36 +14,9 @@ use crate::supervisor::SupervisorSettings;
 pub struct PersonBodySettings {
     /// Smallest confidence of a keypoint that counts as seen \[-\]. Default 0.5.
     pub least_confidence: f64,
-    /// Largest motion of a joint relative to the trunk from frame to frame \[m\]. A joint that
-    /// moved farther counts as missing unless the next frame shows it there again. Default 0.3.
-    pub limb_gate: f64,
-    /// Largest speed from frame to frame \[m/s\]. A person who moves faster has jumped, and
-    /// velocities are measured again. Default 1.6.
-    pub jump_speed: f64,
-    /// Longest time without seeing a joint after which its velocity is still continued \[s\].
-    /// Default 0.5.
-    pub gap: f64,
-    /// Largest distance between two observations of the same person \[m\]. Default 0.25.
-    pub agreement: f64,
-    /// Time for which a joint must have been seen before its velocity counts \[s\]. Default 0.3.
-    pub settling: f64,
-    /// Time for which the last measured velocity is believed, with growing uncertainty \[s\].
-    /// Default 0.5.
-    pub believed_for: f64,
     /// Standard deviation of the place of a joint for each axis, if no covariance is known \[m\].
     /// Default 0.02.
     pub position_sigma: f64,
-    /// Standard deviation of the acceleration of a person who stands and may begin to lean or walk
-    /// \[m/s²\]. Default 1.6.
-    pub acceleration: f64,
-    /// Standard deviation of the acceleration of the trunk of a person who works with the robot
-    /// \[m/s²\]. A part moves like the trunk until its own joints show otherwise, where contacts
-    /// are concerned. Default 0.4.
-    pub working_acceleration: f64,
-    /// Number of standard deviations by which a part may be faster than measured \[-\]. Default 3.
-    pub speed_deviations: f64,
-    /// Growth of a velocity's uncertainty with the time since it was seen \[m/s²\]. Default 1.
-    pub onset: f64,
     /// Time without being seen after which a person is assumed to have left \[s\]. Until then
     /// unseen parts grow at the speed at which a person may approach. Default 10.
     pub forget_after: f64,
@@ -51,21 +24,7 @@ pub struct PersonBodySettings {
 
 impl Default for PersonBodySettings {
     fn default() -> Self {
-        Self {
-            least_confidence: 0.5,
-            limb_gate: 0.3,
-            jump_speed: 1.6,
-            gap: 0.5,
-            agreement: 0.25,
-            settling: 0.3,
-            believed_for: 0.5,
-            position_sigma: 0.02,
-            acceleration: 1.6,
-            working_acceleration: 0.4,
-            speed_deviations: 3.0,
-            onset: 1.0,
-            forget_after: 10.0,
-        }
+        Self { least_confidence: 0.5, position_sigma: 0.02, forget_after: 10.0 }
     }
 }
 
@@ -188,25 +147,14 @@ impl SafetySettings {
         for (name, value) in [
             ("safety.contact_acceleration", self.contact_acceleration),
             ("safety.own_deceleration", self.own_deceleration),
-            ("safety.person.settling", self.person.settling),
-            ("safety.person.believed_for", self.person.believed_for),
             ("safety.person.forget_after", self.person.forget_after),
             ("safety.person.position_sigma", self.person.position_sigma),
-            ("safety.person.acceleration", self.person.acceleration),
-            ("safety.person.working_acceleration", self.person.working_acceleration),
         ] {
             positive(name, value)?;
         }
-        for (name, value) in [
-            ("safety.contact_speed", self.contact_speed),
-            ("safety.own_margin", self.own_margin),
-            ("safety.person.limb_gate", self.person.limb_gate),
-            ("safety.person.jump_speed", self.person.jump_speed),
-            ("safety.person.gap", self.person.gap),
-            ("safety.person.agreement", self.person.agreement),
-            ("safety.person.speed_deviations", self.person.speed_deviations),
-            ("safety.person.onset", self.person.onset),
-        ] {
+        for (name, value) in
+            [("safety.contact_speed", self.contact_speed), ("safety.own_margin", self.own_margin)]
+        {
             not_negative(name, value)?;
         }
         if !(0.0..=1.0).contains(&self.person.least_confidence) {

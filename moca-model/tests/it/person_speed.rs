@@ -192,7 +192,7 @@ impl Noise {
 /// camera reports them.
 fn is_as_certain_as_it_says(is_known: bool, noise: impl Fn(&mut ChaCha8Rng) -> Noise) {
     let settings = ControllerSettings::default();
-    let deviations = settings.safety.person.speed_deviations;
+    let deviations = 3.0;
     let (mut beyond, mut frames, mut most) = (0, 0, 0.0_f64);
     for seed in 0..40 {
         let mut draw = ChaCha8Rng::seed_from_u64(seed);

@@ -7,7 +7,7 @@ use super::{
     keypoints::{Body, Body25, Keypoint},
     seen::Seen,
     segment::{BodySegment, ENDS},
-    settings::TrackerSettings,
+    settings::{ACQUIRE_FRAMES, TrackerSettings, outlier_distance},
 };
 use crate::confidence::Confidence;
 
@@ -101,7 +101,7 @@ impl JointFilter {
                 let before = followed.take().filter(|before| time - before.time <= COAST);
                 *followed = Some(match before {
                     None => Followed::starting_at(&measured, keypoint, time, &motion).with(walking),
-                    Some(before) => before.corrected(&measured, keypoint, time, &motion, settings),
+                    Some(before) => before.corrected(&measured, keypoint, time, &motion),
                 });
             }
             let followed =
@@ -171,15 +171,14 @@ impl Followed {
         keypoint: Keypoint,
         time: f64,
         motion: &Motion,
-        settings: &TrackerSettings,
     ) -> Self {
         let over = motion.moving(time - self.time);
-        if self.filter.advanced(&over).distance_squared(measured) <= settings.outlier_distance() {
+        if self.filter.advanced(&over).distance_squared(measured) <= outlier_distance() {
             let filter = self.filter.corrected(measured, &over).0.no_faster_than(motion.max_speed);
             return Self { filter, time, confidence: keypoint.confidence, outliers: 0 };
         }
         self.outliers += 1;
-        if self.outliers >= settings.acquire_frames {
+        if self.outliers >= ACQUIRE_FRAMES {
             return Self::starting_at(measured, keypoint, time, motion);
         }
         self

@@ -2,7 +2,15 @@
 
 use nalgebra::Vector2;
 
-use super::{filter::Measurement, seen::Heading, settings::TrackerSettings, two_models::TwoModels};
+use super::{
+    filter::Measurement,
+    seen::Heading,
+    settings::{
+        ACQUIRE_FRAMES, ACQUIRE_RADIUS, MAX_SPEED, TrackerSettings, jump_distance,
+        outlier_distance, turning,
+    },
+    two_models::TwoModels,
+};
 
 /// The person at the last measurements.
 #[derive(Clone, Copy, Debug)]
@@ -37,7 +45,7 @@ impl Track {
         Self {
             floor: TwoModels::starting_at(floor, &settings.walking()),
             floor_time: time,
-            heading: TwoModels::starting_at(heading, &settings.turning()),
+            heading: TwoModels::starting_at(heading, &turning()),
             heading_time: time,
             turned: None,
         }
@@ -57,7 +65,7 @@ impl Track {
         for floor in floors {
             let distance = expected.distance_squared(&floor);
             nearest = nearest.min(distance);
-            if distance <= settings.outlier_distance() {
+            if distance <= outlier_distance() {
                 taken = taken.map_or(Some(floor), |before| before.with(&floor));
             }
         }
@@ -75,7 +83,7 @@ impl Track {
         time: f64,
         settings: &TrackerSettings,
     ) -> bool {
-        let motion = settings.turning();
+        let motion = turning();
         let since = time - self.heading_time;
         let elapsed = since.min(settings.coast_limit);
         let expected = self.heading.advanced(elapsed, &motion);
@@ -83,13 +91,13 @@ impl Track {
         let measured = settings.heading(angle, heading.variance);
         let distance = expected.distance_squared(&measured);
         let mut jumped = false;
-        if distance <= settings.outlier_distance() {
+        if distance <= outlier_distance() {
             self.heading = self.heading.corrected(&measured, elapsed, &motion);
         } else {
             let (frames, nearest) = self.turned.unwrap_or((0, f64::INFINITY));
             let (frames, nearest) = (frames.saturating_add(1), nearest.min(distance));
-            jumped = nearest > settings.jump_distance();
-            let lasting = frames >= settings.acquire_frames;
+            jumped = nearest > jump_distance();
+            let lasting = frames >= ACQUIRE_FRAMES;
             if !(lasting && (jumped || since > settings.coast_limit)) {
                 self.turned = Some((frames, nearest));
                 return false;
@@ -127,20 +135,20 @@ impl Candidate {
 
     fn agrees_with(&self, floor: &Vector2<f64>, time: f64, settings: &TrackerSettings) -> bool {
         let elapsed = time - self.time;
-        let reach = settings.acquire_radius + settings.max_speed * elapsed;
+        let reach = ACQUIRE_RADIUS + MAX_SPEED * elapsed;
         elapsed <= settings.coast_limit && (floor - self.floor.position).norm() <= reach
     }
 
     /// Returns the person's position and heading, if they were seen there for enough frames.
-    pub(super) fn accepted(&self, settings: &TrackerSettings) -> Option<(Measurement<2>, Heading)> {
-        let lasting = self.frames >= settings.acquire_frames;
+    pub(super) fn accepted(&self) -> Option<(Measurement<2>, Heading)> {
+        let lasting = self.frames >= ACQUIRE_FRAMES;
         self.heading.filter(|_| lasting).map(|heading| (self.floor, heading))
     }
 
     /// Returns true if the position jumped: noise alone cannot explain the distance in each of the
     /// frames. Otherwise the track has drifted away from the person.
-    pub(super) fn is_jump(&self, settings: &TrackerSettings) -> bool {
-        self.distance.is_finite() && self.distance > settings.jump_distance()
+    pub(super) fn is_jump(&self) -> bool {
+        self.distance.is_finite() && self.distance > jump_distance()
     }
 }
 

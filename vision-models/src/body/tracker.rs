@@ -10,7 +10,7 @@ use super::{
     pose::{TrackStatus, TrackedPerson},
     seen::{Facing, Heading, Seen},
     segment::BodySegment,
-    settings::TrackerSettings,
+    settings::{TRACKED_AGE, TURN_LIMIT, TrackerSettings, turning},
     track::{Candidate, Track, nearest_branch},
     two_models::TwoModels,
 };
@@ -141,9 +141,9 @@ impl BodyTracker {
     pub fn predict(&self, now: f64) -> Option<TrackedPerson> {
         let settings = &self.settings;
         let track = self.track.as_ref()?;
-        let age = age_at(now, track.floor_time, settings.tracked_age);
-        let heading_age = age_at(now, track.heading_time, settings.tracked_age);
-        let status = if age <= settings.tracked_age {
+        let age = age_at(now, track.floor_time, TRACKED_AGE);
+        let heading_age = age_at(now, track.heading_time, TRACKED_AGE);
+        let status = if age <= TRACKED_AGE {
             TrackStatus::Tracked
         } else if age <= settings.coast_limit {
             TrackStatus::Coasting
@@ -153,7 +153,7 @@ impl BodyTracker {
         let coasted = extrapolated(now, track.floor_time, settings.coast_limit);
         let advanced = track.floor.advanced(coasted, &settings.walking());
         let moving = if status == TrackStatus::Lost { 0.0 } else { 1.0 };
-        let turning = if heading_age > settings.turn_limit { 0.0 } else { 1.0 };
+        let turning = if heading_age > TURN_LIMIT { 0.0 } else { 1.0 };
         let heading = self.heading(track, now);
         Some(TrackedPerson {
             floor: Point2::from(advanced.position()),
@@ -176,7 +176,7 @@ impl BodyTracker {
 
     fn heading(&self, track: &Track, now: f64) -> TwoModels<1> {
         let age = extrapolated(now, track.heading_time, self.settings.coast_limit);
-        track.heading.advanced(age, &self.settings.turning())
+        track.heading.advanced(age, &turning())
     }
 
     /// Returns the person's stature, if enough segments were measured.
@@ -206,13 +206,13 @@ impl BodyTracker {
         let settings = &self.settings;
         let candidate = Candidate::seen(self.candidate, floor, heading, time, distance, settings);
         self.candidate = Some(candidate);
-        if let Some((floor, heading)) = candidate.accepted(settings) {
+        if let Some((floor, heading)) = candidate.accepted() {
             // The heading stays near the previous one, so that it never jumps by a whole turn.
             let angle = self
                 .predict(time)
                 .map_or(heading.angle, |old| nearest_branch(heading.angle, old.heading));
             let heading = settings.heading(angle, heading.variance);
-            let (jumped, lost) = (candidate.is_jump(&self.settings), distance.is_infinite());
+            let (jumped, lost) = (candidate.is_jump(), distance.is_infinite());
             if self.track.is_some() && (jumped || lost) {
                 self.identity.doubt();
                 self.lean = Lean::default();
