@@ -79,7 +79,7 @@ CASES = [
     (lambda: ik().step([0.0], 1e-3), ValueError, "q has 1 entries; it must have 7"),
     (lambda: ik().step([NAN] * 7, 1e-3), ahqp.Error, "NaN"),
     (lambda: ik().step([0.0] * 7, -1.0), ahqp.Error, "positive"),
-    (lambda: ik().set_target("foot", [0.0] * 3), ValueError, "tool, posture"),
+    (lambda: ik().set_target("foot", [0.0] * 3), ValueError, "posture, tool"),
     (lambda: ik().set_target("tool", [NAN] * 3), ahqp.Error, "NaN"),
     (lambda: ik().set_target("tool", np.eye(4)), ValueError, "one dimension"),
     (lambda: whole_body.Ik(whole_body.Model.from_file(PANDA), {"task": 3}), TypeError, "task"),
