@@ -24,5 +24,9 @@ for camera in "$folder"/frames/*/; do
                 "$folder/frames/$camera"/*.png 2> /dev/null
         fi
     done
+    if [ -f "$folder/mediapipe/whole" ]; then
+        "$folder/mediapipe/bin/python" "$here/blaze_pose_mediapipe.py" 25 "$folder/changed_$camera.json" --changed \
+            "$folder/frames/$camera"/*.png 2> /dev/null
+    fi
 done
 "$folder/litert/bin/python" "$here/blaze_pose.py" compare "$folder" "$target/infer" 2> /dev/null

@@ -1,8 +1,10 @@
 """Landmarks by MediaPipe's graph for processors, without smoothing, for blaze_pose.sh.
 
 python blaze_pose_mediapipe.py RATE OUTPUT IMAGE...
+python blaze_pose_mediapipe.py RATE OUTPUT --changed IMAGE...
 
-With rate 0 the detector looks at every image. `mediapipe.solutions` is not used: in static mode its landmarks are up to
+With rate 0 the detector looks at every image. With --changed one pixel in the middle of the first image is a level off:
+what that changes in the images after it is how far MediaPipe agrees with itself. `mediapipe.solutions` is not used: in static mode its landmarks are up to
 three pixels from what the graph that it names makes of the same region.
 """
 
@@ -42,6 +44,8 @@ node {
 
 def main():
     rate, output, files = float(sys.argv[1]), sys.argv[2], sys.argv[3:]
+    changed = files[0] == "--changed"
+    files = files[changed:]
     resource_util.set_resource_dir(os.path.dirname(os.path.dirname(mp.__file__)))
     graph = mp.CalculatorGraph(graph_config=GRAPH % ("true" if rate else "false"))
     seen = []
@@ -51,6 +55,8 @@ def main():
     for number, file in enumerate(files):
         image = cv2.cvtColor(cv2.imread(file), cv2.COLOR_BGR2RGB)
         rows, columns, _ = image.shape
+        if changed and number == 0:
+            image[rows // 2, columns // 2] ^= 1
         packet = packet_creator.create_image_frame(image_format=mp.ImageFormat.SRGB, data=image)
         # Time stamps do not begin with zero, which the graph treats as missing.
         graph.add_packet_to_input_stream("image", packet.at(int((number + 1) * 1e6 / (rate or 25))))

@@ -29,4 +29,6 @@ for camera in "$folder"/frames/*/; do
     "$target/reba" --video "$folder/frames/$camera" --pose "${networks[1]}" --camera-height "$height" --camera-tilt "$tilt" \
         --field-of-view "$view" $(outputs "$camera")
 done
+"$python" "$here/film_pictures.py" "$folder" cam01 "$folder/film-people.jpg"
+echo "pictures of the film with the skeleton: $folder/film-people.jpg"
 "$python" -W ignore "$here/film.py" compare "$folder"

@@ -1,4 +1,7 @@
 //! Qualisys' `.qca.txt`.
+//!
+//! Focal lengths and centres are in 64ths of a pixel. Factors of distortion belong to positions in
+//! focal lengths, as OpenCV's do. They have no unit, so that nothing scales them.
 
 use nalgebra::{Matrix3, Vector3};
 use quick_xml::{
