@@ -12,6 +12,7 @@ mod guarantees;
 mod headway;
 mod held_object;
 mod hidden_legs;
+mod hierarchy;
 mod intention;
 mod late_ticks;
 mod left_out;

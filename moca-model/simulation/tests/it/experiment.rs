@@ -23,7 +23,8 @@ fn player() -> Player<'static> {
     Player::new(&|| ControlFlow::Continue(()))
 }
 
-const KINEMATIC: Conditions = Conditions { drive: Drive::Kinematic, sight: Sight::Modelled };
+const KINEMATIC: Conditions =
+    Conditions { drive: Drive::Kinematic, sight: Sight::Modelled, paper: false };
 
 #[test]
 fn cases_do_not_depend_on_their_number() {
