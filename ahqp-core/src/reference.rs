@@ -28,7 +28,7 @@ use crate::solver::Solver;
 use always_active::always_active;
 use level::{LevelOptimum, LevelProgram};
 use polish::polish;
-use row_space::{DEPENDENT, RowSpace, row_norms};
+use row_space::{RowSpace, row_norms};
 use task::Task;
 
 /// Largest violation of a hard row's bounds, relative to their size \[-\].
@@ -37,6 +37,11 @@ const FEASIBLE: f64 = 1e-7;
 const ROUNDS: usize = 3;
 /// Rows within this distance of their bound, relative to their size, are at the bound \[-\].
 const AT_BOUND: f64 = 1e-8;
+
+/// A row is determined by the equalities if they leave less than this fraction of it \[-\].
+/// Where their smallest singular value is σ, the basis Z is accurate to about 1e-16/σ. So Z gives
+/// determined rows a random rest, which must not pass for a row.
+const DETERMINED: f64 = 1e-8;
 
 /// Solves `hierarchy` level by level with Clarabel's interior-point method.
 ///
@@ -194,7 +199,7 @@ impl Cascade {
         let space = RowSpace::new(&stacked, &row_norms(&stacked));
         self.nullspace = space.ok_or_else(|| no_convergence(self.level))?.nullspace;
         let nullspace = self.nullspace.transpose();
-        self.inequalities.retain(|i| (&nullspace * &i.a).norm() > DEPENDENT * i.a.norm());
+        self.inequalities.retain(|i| (&nullspace * &i.a).norm() > DETERMINED * i.a.norm());
         Ok(())
     }
 

@@ -12,5 +12,6 @@ pub mod settings;
 pub mod shards;
 pub mod shipped;
 pub mod soak;
+pub mod stacking;
 pub mod surface;
 pub mod vision;

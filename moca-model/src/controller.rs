@@ -30,7 +30,7 @@ use crate::robot::moca::{MOCA_AXIS_SPEED, MOCA_BASE_JOINTS};
 use crate::settings::{ControllerSettings, DesiredMotion, Goal};
 use crate::shared_space::SharedSpace;
 use crate::singularity::{SINGULAR, manipulability};
-use crate::stack::{CollaborationStack, GoalTerms, StackInput, StackSettings};
+use crate::stack::{CollaborationStack, GoalTerms, Levels, StackInput, StackSettings};
 use base_drive::BaseDrive;
 use goal_share::{GoalConditions, GoalShare};
 use looking::SeenSurface;
@@ -152,16 +152,18 @@ impl Controller {
             softening,
             base: settings.base,
             posture: settings.posture.clone(),
+            levels: settings.levels,
+            stacking: settings.stacking,
             budget: settings.budget,
         };
         let resting = JointMotion { braking: Some(&rest), ..robot.motion(&rest) };
         let stack = CollaborationStack::new(&robot, &stack, safety.bound(&resting)?)?;
         robot.update(&settings.posture.configuration)?;
         let base_drive = match settings.base {
-            Some(_) => {
+            Some(_) if settings.levels == Levels::Extended => {
                 Some(BaseDrive::new(MOCA_BASE_JOINTS, &robot, &settings.posture.configuration)?)
             }
-            None => None,
+            _ => None,
         };
         let usual = manipulability(robot.jacobian());
         let usual_manipulability = Some(usual).filter(|usual| *usual > SINGULAR);
@@ -445,6 +447,11 @@ impl Controller {
     /// The robot at the last measured configuration: tool, Jacobian, bodies.
     pub fn robot(&self) -> &Kinematics {
         &self.robot
+    }
+
+    /// The stack of tasks, with the problem and the solution of the last tick.
+    pub fn stack(&self) -> &CollaborationStack {
+        &self.stack
     }
 
     /// The shared workspace and the tracked person.

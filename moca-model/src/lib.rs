@@ -92,7 +92,9 @@ pub use settings::{ControllerSettings, DesiredMotion, Goal, SpaceSettings, Stale
 pub use shared_space::SharedSpace;
 pub use simulation::SimulatedRobot;
 pub use singularity::{SingularitySettings, manipulability};
-pub use stack::{CollaborationStack, GoalTerms, PostureSettings, StackInput, StackSettings};
+pub use stack::{
+    CollaborationStack, GoalTerms, Levels, PostureSettings, StackInput, StackSettings,
+};
 pub use torque::{AnswerDelay, Measured, TorqueController, TorqueLoopSettings};
 pub use vision_models::Intention;
 pub use whole_body;

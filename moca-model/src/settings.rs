@@ -1,6 +1,6 @@
 //! All thresholds and gains of the controller, with their defaults.
 
-use ahqp_core::Budget;
+use ahqp_core::{Budget, Stacking};
 use ergo_map::{Person, Region, Side};
 use hrsw::{Bounds, FollowerSettings, HoldSettings};
 use hrsw_safety::{ClockSettings, SafetySettings};
@@ -15,7 +15,7 @@ use crate::motion_limits::MecanumBase;
 use crate::robot::moca::{MOCA_BASE_JOINTS, MOCA_HOME, MOCA_TOOL};
 use crate::robot::moca_safety::moca_safety;
 use crate::singularity::SingularitySettings;
-use crate::stack::PostureSettings;
+use crate::stack::{Levels, PostureSettings};
 
 /// Largest gain \[1/s\]. Above it a tracking error would overshoot within a period, at any usual period.
 const HIGHEST_GAIN: f64 = 1e3;
@@ -219,8 +219,12 @@ pub struct ControllerSettings {
     /// Slowdown of joints near singular configurations; `None` for no slowdown. It excludes the joints of a
     /// [`base`](Self::base). Default that of [`SingularitySettings`].
     pub singularity: Option<SingularitySettings>,
-    /// Posture of the fourth level.
+    /// Posture of the last level.
     pub posture: PostureSettings,
+    /// Levels of the stack besides those of safety. Default all.
+    pub levels: Levels,
+    /// Method by which later levels keep the optimum of a level. Default elimination.
+    pub stacking: Stacking,
     /// Budget of the stack's solution in a tick. If it runs out,
     /// [`Fault::IterationLimit`](hrsw_safety::Fault::IterationLimit) reports it, limits hold, and the next tick
     /// continues. The default limits the solver's iterations but not its time.
@@ -267,6 +271,8 @@ impl Default for ControllerSettings {
                 gain: base(0.0, 1.0),
                 weight: base(0.5, 1.0),
             },
+            levels: Levels::default(),
+            stacking: Stacking::default(),
             budget: Budget::default(),
             intention: IntentionSettings::default(),
             tracker: TrackerSettings { position_sigma: 0.02, ..TrackerSettings::default() },
@@ -281,6 +287,34 @@ impl Default for ControllerSettings {
 }
 
 impl ControllerSettings {
+    /// Returns the settings with the paper's own controller: three levels, the period as the horizon, and ergonomics
+    /// that begin at once.
+    ///
+    /// There is no posture, margin, lead, following distance, separation from people or the robot itself, and no
+    /// slowdown near singular configurations. The person's hand is at the side of the object that they work on, whatever
+    /// tool they hold. Limits of joints and wheels remain, as does the limit of the following error.
+    ///
+    /// ```
+    /// use moca_model::{ControllerSettings, Levels};
+    ///
+    /// let settings = ControllerSettings::default().as_in_paper();
+    /// assert_eq!((settings.levels, settings.horizon), (Levels::Paper, settings.period));
+    /// assert!(settings.validate().is_ok());
+    /// ```
+    #[must_use]
+    pub fn as_in_paper(self) -> Self {
+        Self {
+            levels: Levels::Paper,
+            horizon: self.period,
+            activation_time: self.period,
+            space: SpaceSettings { lead: 0.0, margin: 0.0, ..self.space },
+            hand: HandSettings { bare: 0.0, drill: 0.0, polisher: 0.0, ..self.hand },
+            singularity: None,
+            safety: self.safety.off(),
+            ..self
+        }
+    }
+
     /// Checks the ranges that no other part checks at construction.
     ///
     /// # Errors

@@ -4,7 +4,7 @@
 mod goal;
 mod settings;
 
-use ahqp_core::{AugmentedState, Budget, Rows, Settings, Solution, VelocityInterval};
+use ahqp_core::{AugmentedState, Budget, Hierarchy, Rows, Settings, Solution, VelocityInterval};
 use hrsw::{SoftWorkspace, Workspace};
 use hrsw_safety::SafetyRows;
 use nalgebra::{Isometry3, Translation3};
@@ -17,7 +17,7 @@ use crate::robot::kinematics::Kinematics;
 use crate::robot::moca::MOCA_BASE_JOINTS;
 use goal::GoalTask;
 pub use goal::GoalTerms;
-pub use settings::{PostureSettings, StackSettings};
+pub use settings::{Levels, PostureSettings, StackSettings};
 
 /// Weights of a change of velocity against the posture in the last level, for the joints of the base and the others.
 /// Motions that no other level decides then change over some tens of ticks.
@@ -47,12 +47,12 @@ struct Tasks {
     separation: Option<TaskId<VelocityTask>>,
     wheels: Option<TaskId<VelocityTask>>,
     own_bodies: Option<TaskId<VelocityTask>>,
-    returns: TaskId<VelocityTask>,
+    returns: Option<TaskId<VelocityTask>>,
     gentle: Option<TaskId<VelocityTask>>,
     kinematics: TaskId<AugmentedFrameTask>,
     workspace: TaskId<VelocityTask>,
     goal: TaskId<GoalTask>,
-    smoothness: TaskId<VelocityTask>,
+    smoothness: Option<TaskId<VelocityTask>>,
 }
 
 /// The inputs of a tick.
@@ -86,7 +86,8 @@ impl CollaborationStack {
         settings: &StackSettings,
         safety: SafetyRows<'_>,
     ) -> Result<Self, Error> {
-        let StackSettings { gain, period, horizon, softening, base, posture, budget } = settings;
+        let StackSettings { gain, period, horizon, softening, base, posture, .. } = settings;
+        let extended = settings.levels == Levels::Extended;
         let (model, joints) = (robot.model(), robot.jacobian().ncols());
         posture.check(joints)?;
         let state = Self::layout(joints);
@@ -117,10 +118,14 @@ impl CollaborationStack {
             separation: task(safety.separation).map(|task| separation.push("people", task)),
             wheels: wheels.map(|task| separation.constrain("wheels", task)),
             own_bodies: task(safety.own).map(|task| own_bodies.push("own bodies", task)),
-            returns: returns.push("return", entries(0..joints)?),
+            returns: if extended {
+                Some(returns.push("return", entries(0..joints)?))
+            } else {
+                None
+            },
             gentle: match &base {
-                Some(_) => Some(gentle.push("base", entries(0..on_base)?)),
-                None => None,
+                Some(_) if extended => Some(gentle.push("base", entries(0..on_base)?)),
+                _ => None,
             },
             kinematics: kinematics.push("tool", augmented),
             workspace: {
@@ -132,29 +137,33 @@ impl CollaborationStack {
                 workspace.constrain("workspace", bounds)
             },
             goal: goal.push_quadratic("goal", GoalTask::new(desired, *horizon)),
-            smoothness: {
+            smoothness: if extended {
                 let mut task = entries(0..joints)?;
                 for row in 0..joints {
                     let weight = if row < on_base { SMOOTH_BASE } else { SMOOTH_ARM };
                     task.set_weight(row, weight)?;
                 }
-                rest.push("smoothness", task)
+                let smoothness = rest.push("smoothness", task);
+                rest.push("posture", posture.task()?);
+                Some(smoothness)
+            } else {
+                None
             },
         };
-        rest.push("posture", posture.task()?);
+        let solver = Settings { stacking: settings.stacking, ..Settings::default() };
         let mut levels = vec![
             speed_cap, separation, own_bodies, returns, gentle, kinematics, workspace, goal, rest,
         ];
         levels.retain(|level| !level.is_empty());
         Ok(Self {
-            stack: TaskStack::new(model, &variables, levels, Settings::default())?,
+            stack: TaskStack::new(model, &variables, levels, solver)?,
             workspace_rows,
             state,
             tasks,
             soft,
             base,
             period: *period,
-            budget: *budget,
+            budget: settings.budget,
         })
     }
 
@@ -166,6 +175,16 @@ impl CollaborationStack {
     /// The layout of χ.
     pub fn state(&self) -> AugmentedState {
         self.state
+    }
+
+    /// The problem of the last tick. Levels without tasks are left out.
+    pub fn hierarchy(&self) -> &Hierarchy {
+        self.stack.hierarchy()
+    }
+
+    /// The solution of the last tick, χ*; `None` before the first and after an error.
+    pub fn solution(&self) -> Option<&Solution> {
+        self.stack.solution()
     }
 
     /// Updates the tasks for the tick and solves, with the robot at its configuration.
@@ -192,9 +211,11 @@ impl CollaborationStack {
                 gentle.set_range(row, interval.lower, interval.upper)?;
             }
         }
-        let smoothness = stack.task_mut(tasks.smoothness)?;
-        for (row, velocity) in input.velocity.iter().enumerate() {
-            smoothness.set_range(row, *velocity, *velocity)?;
+        if let Some(smoothness) = tasks.smoothness {
+            let smoothness = stack.task_mut(smoothness)?;
+            for (row, velocity) in input.velocity.iter().enumerate() {
+                smoothness.set_range(row, *velocity, *velocity)?;
+            }
         }
         stack.write(&mut robot.posed()?, input.velocity, self.period)?;
         Ok(stack.solve(self.budget)?)
@@ -218,9 +239,11 @@ impl CollaborationStack {
             base.write(yaw, input.intervals, rows)?;
             copy(stack, tasks.wheels, rows)?;
         }
-        let returns = stack.task_mut(tasks.returns)?;
-        for (row, interval) in input.returns.iter().enumerate() {
-            returns.set_range(row, interval.lower, interval.upper)?;
+        if let Some(returns) = tasks.returns {
+            let returns = stack.task_mut(returns)?;
+            for (row, interval) in input.returns.iter().enumerate() {
+                returns.set_range(row, interval.lower, interval.upper)?;
+            }
         }
         Ok(())
     }

@@ -52,11 +52,17 @@ impl Outcome {
 /// Times of the solves of a set.
 #[derive(Debug, Default)]
 pub struct Runs {
+    settings: Settings,
     times: Vec<Duration>,
     iterations: usize,
 }
 
 impl Runs {
+    /// Creates runs of a solver with these settings.
+    pub fn with_settings(settings: Settings) -> Self {
+        Self { settings, ..Self::default() }
+    }
+
     /// Solves one problem. Reuses the solver of the problem before if their shapes agree.
     pub fn solve(&mut self, problem: &Problem, solver: &mut Option<Solver>, warm: bool) -> Outcome {
         let hierarchy = &problem.hierarchy;
@@ -64,7 +70,7 @@ impl Runs {
         loop {
             let ready = match solver {
                 Some(ready) => ready,
-                None => match Solver::new(hierarchy, Settings::default()) {
+                None => match Solver::new(hierarchy, self.settings) {
                     Ok(new) => solver.insert(new),
                     Err(error) => return Outcome::refused(problem, &error, x),
                 },
@@ -95,19 +101,7 @@ impl Runs {
 
     /// Returns percentiles of the times.
     pub fn times(&self) -> Times {
-        let mut times: Vec<f64> = self.times.iter().map(|t| t.as_secs_f64() * 1e6).collect();
-        times.sort_by(f64::total_cmp);
-        let at = |percent: usize| {
-            let rank = (times.len() * percent).div_ceil(100).max(1) - 1;
-            times.get(rank).copied().unwrap_or(0.0)
-        };
-        Times {
-            median_us: at(50),
-            p90_us: at(90),
-            p99_us: at(99),
-            max_us: at(100),
-            mean_iterations: self.iterations as f64 / times.len().max(1) as f64,
-        }
+        Times::new(&self.times, self.iterations)
     }
 }
 
@@ -124,6 +118,25 @@ pub struct Times {
     pub max_us: f64,
     /// Mean number of iterations.
     pub mean_iterations: f64,
+}
+
+impl Times {
+    /// Returns percentiles of these times of solves, which took so many iterations together.
+    pub(crate) fn new(times: &[Duration], iterations: usize) -> Self {
+        let mut times: Vec<f64> = times.iter().map(|t| t.as_secs_f64() * 1e6).collect();
+        times.sort_by(f64::total_cmp);
+        let at = |percent: usize| {
+            let rank = (times.len() * percent).div_ceil(100).max(1) - 1;
+            times.get(rank).copied().unwrap_or(0.0)
+        };
+        Self {
+            median_us: at(50),
+            p90_us: at(90),
+            p99_us: at(99),
+            max_us: at(100),
+            mean_iterations: iterations as f64 / times.len().max(1) as f64,
+        }
+    }
 }
 
 impl fmt::Display for Times {

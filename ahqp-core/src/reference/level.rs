@@ -3,9 +3,9 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::program::Program;
-use super::row_space::{DEPENDENT, row_norms};
+use super::row_space::row_norms;
 use super::task::Task;
-use super::{AT_BOUND, Cascade};
+use super::{AT_BOUND, Cascade, DETERMINED};
 use crate::error::Error;
 
 /// A multiplier counts if it exceeds this fraction of the level's forces \[-\].
@@ -45,7 +45,7 @@ impl<'a> LevelProgram<'a> {
         let matrix = &task.matrix;
         let mut b = matrix * nullspace;
         for (i, size) in row_norms(matrix).into_iter().enumerate() {
-            if b.row(i).norm() <= DEPENDENT * size {
+            if b.row(i).norm() <= DETERMINED * size {
                 b.row_mut(i).fill(0.0);
             }
         }

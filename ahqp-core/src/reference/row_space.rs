@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::singular::RightSingular;
 
 /// A row depends on others if they leave less than this fraction of it \[-\].
-pub(super) const DEPENDENT: f64 = 1e-10;
+const DEPENDENT: f64 = 1e-10;
 
 /// A matrix B with orthonormal bases of its row space and of its nullspace, as columns.
 pub(super) struct RowSpace<'a> {

@@ -21,6 +21,8 @@ use examples::program::{
 };
 use examples::settings::{RobotSettings, SettingsFile, with_settings};
 use examples::shipped;
+use examples::stacking::{StackingOption, StackingWatch};
+use hqp_problems::comparison::Compared;
 use moca_model::{Goal, MOCA_URDF};
 #[cfg(feature = "mcap")]
 use moca_replay::mcap::RobotLog;
@@ -30,8 +32,10 @@ use moca_replay::recorded::Replay;
 use moca_replay::report::{MOCA_COLUMNS, RunLog, TickRow, TickTable, figure};
 use moca_simulation::experiment::{Sight, Walk};
 use moca_simulation::people::WalkerSettings;
+use moca_simulation::plant::Plant;
 use moca_simulation::run::{Comparison, Run, Scenario, Summary, TrueMotion};
 use percept_recording::{self, Completeness, Header, IfPartial, Recording, RecordingError};
+use serde::Serialize;
 
 /// Stature of a person if neither the recording nor the command line gives one \[m\].
 const DEFAULT_STATURE: f64 = 1.75;
@@ -87,6 +91,16 @@ struct Options {
     /// Only the paper's stack: keep no protective distances, and do not slow down near people.
     #[arg(long)]
     no_separation: bool,
+    /// Play the paper's own controller: its three levels, the period as the horizon, and no posture, margin, lead,
+    /// following distance or separation.
+    #[arg(long)]
+    paper: bool,
+    #[command(flatten)]
+    stacking: StackingOption,
+    /// Solve the problem of every so many ticks by both stacking methods, and report the largest difference of a
+    /// variable and the times of both.
+    #[arg(long, value_name = "TICKS", value_parser = clap::value_parser!(u64).range(1..), conflicts_with = "stacking")]
+    compare_stacking: Option<u64>,
     /// A robot that follows velocities exactly and at once, in place of one under torques.
     #[arg(long)]
     kinematic: bool,
@@ -106,7 +120,16 @@ struct Options {
 }
 
 /// A callback for every tick of a run.
-type Watch<'a> = &'a mut dyn FnMut(&TickRow) -> Result<()>;
+type Watch<'a> = &'a mut dyn FnMut(&TickRow, &Plant) -> Result<()>;
+
+/// The comparison of the runs, with that of the stacking methods.
+#[derive(Serialize)]
+struct Line<'a> {
+    #[serde(flatten)]
+    comparison: &'a Comparison,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    stacking: Option<Compared>,
+}
 
 /// A finished run, with the data of figure and page.
 struct Played {
@@ -147,20 +170,27 @@ impl Program for Options {
         };
         let title = |ergonomics: &str| {
             let separation = if scenario.has_separation() { "" } else { ", NO SEPARATION" };
-            format!("Ergonomics {ergonomics}{separation}")
+            let paper = if self.paper { ", as in the paper" } else { "" };
+            format!("Ergonomics {ergonomics}{paper}{separation}")
         };
-        #[cfg(feature = "mcap")]
-        let mut watch = |row: &TickRow| -> Result<()> {
+        let mut stacking = StackingWatch::new(self.compare_stacking);
+        let mut watch = |row: &TickRow, plant: &Plant| -> Result<()> {
+            stacking.see(plant.controller().stack());
+            #[cfg(feature = "mcap")]
             if let Some((log, _)) = &mut log {
                 log.push(row)?;
             }
+            #[cfg(not(feature = "mcap"))]
+            let _ = row;
             Ok(())
         };
-        #[cfg(not(feature = "mcap"))]
-        let mut watch = |_: &TickRow| -> Result<()> { Ok(()) };
         let on = play(Goal::Ergonomics, &title("on"), "on", &mut watch)?;
         let off = if on.summary.is_complete {
-            Some(play(Goal::LeastMotion, &title("off"), "off", &mut |_| Ok(()))?)
+            let mut watch = |_: &TickRow, plant: &Plant| -> Result<()> {
+                stacking.see(plant.controller().stack());
+                Ok(())
+            };
+            Some(play(Goal::LeastMotion, &title("off"), "off", &mut watch)?)
         } else {
             None
         };
@@ -182,16 +212,7 @@ impl Program for Options {
         if let Some(folder) = folder
             && comparison.on.duration > 0.0
         {
-            for (name, text) in [
-                ("follow.svg", figure(&logs)?),
-                ("follow.html", page(TITLE, &replays, &comparison.results("")?)?),
-                ("scene.svg", still(&replays)?),
-                ("scene-moving.svg", animation(&replays)?),
-            ] {
-                let mut file = OutputFile::create(folder.join(name))?;
-                file.push(text.as_bytes())?;
-                keep(file, [ending, recorded])?;
-            }
+            write_report(folder, (&logs, &replays), &comparison, [ending, recorded])?;
         }
         #[cfg(feature = "mcap")]
         if let Some((log, mut file)) = log {
@@ -207,12 +228,16 @@ impl Program for Options {
             );
         }
         writeln!(session.output(), "{comparison}")?;
+        let stacking = stacking.result();
+        if let Some(stacking) = &stacking {
+            writeln!(session.output(), "{stacking}")?;
+        }
         if let Some(folder) = folder {
             writeln!(session.output(), "report: {}", folder.display())?;
         }
         let whole = [ending, recorded].iter().all(|part| *part != Ending::Partial);
         let marked = if whole { Ending::Complete } else { Ending::Partial };
-        session.print_json(self.json, &comparison, marked)?;
+        session.print_json(self.json, &Line { comparison: &comparison, stacking }, marked)?;
         // A partial recording that was asked for is played in full.
         Ok(ending)
     }
@@ -255,6 +280,8 @@ impl Options {
             Some((path, file)) => with_settings(scenario, &file).context(path)?,
             None => scenario,
         };
+        let mut scenario = if self.paper { scenario.as_in_paper() } else { scenario };
+        scenario.settings.stacking = self.stacking.method();
         let scenario = if self.no_separation { scenario.without_separation() } else { scenario };
         let scenario = if self.kinematic { scenario.kinematic() } else { scenario };
         Ok((scenario, recorded))
@@ -335,6 +362,26 @@ impl Options {
     }
 }
 
+/// Writes figure, page and pictures of runs.
+fn write_report(
+    folder: &Path,
+    (logs, replays): (&[&RunLog], &[&Replay]),
+    comparison: &Comparison,
+    of: [Ending; 2],
+) -> Result<()> {
+    for (name, text) in [
+        ("follow.svg", figure(logs)?),
+        ("follow.html", page(TITLE, replays, &comparison.results("")?)?),
+        ("scene.svg", still(replays)?),
+        ("scene-moving.svg", animation(replays)?),
+    ] {
+        let mut file = OutputFile::create(folder.join(name))?;
+        file.push(text.as_bytes())?;
+        keep(file, of)?;
+    }
+    Ok(())
+}
+
 /// Keeps a file as partial unless all its runs are complete.
 fn keep(file: OutputFile, of: [Ending; 2]) -> Result<()> {
     if of.contains(&Ending::Partial) {
@@ -371,8 +418,8 @@ fn play(
         let (sender, receiver) = sync_channel::<Vec<TickRow>>(64);
         let writer = scope.spawn(move || write_ticks(file, title, &receiver));
         let mut batch = Vec::with_capacity(BATCH);
-        let played = play_until(run, interrupt, &progress, |row| {
-            watch(row)?;
+        let played = play_until(run, interrupt, &progress, |row, plant| {
+            watch(row, plant)?;
             batch.push(row.clone());
             if batch.len() == BATCH {
                 let full = std::mem::replace(&mut batch, Vec::with_capacity(BATCH));
@@ -400,15 +447,15 @@ fn play_until(
     run: Run<'_>,
     interrupt: &Interrupt,
     progress: &Progress,
-    mut each: impl FnMut(&TickRow) -> Result<()>,
+    mut each: impl FnMut(&TickRow, &Plant) -> Result<()>,
 ) -> Result<Summary> {
     let (mut ticks, mut failure) = (0_u64, None);
-    let summary = run.play(|row, _| {
+    let summary = run.play(|row, plant| {
         ticks += 1;
         if ticks.is_multiple_of(1000) {
             progress.set(ticks);
         }
-        match each(row) {
+        match each(row, plant) {
             Ok(()) => interrupt.flow(),
             Err(error) => {
                 failure = Some(error);

@@ -7,9 +7,12 @@ use std::{
     process::ExitCode,
 };
 
-use anyhow::{Context, Result};
+use ahqp_core::{Settings, Stacking};
+use anyhow::{Context, Result, ensure};
 use clap::Parser;
 use examples::program::{self, Ending, Json, Program, Quiet, ResultFile, Session};
+use examples::stacking::StackingOption;
+use hqp_problems::comparison::{Compared, Comparison};
 use hqp_problems::file::{HqpReader, Problem};
 use hqp_problems::solving::{Code, Outcome, Proofs, Runs, Times};
 use serde::Serialize;
@@ -36,6 +39,11 @@ struct Options {
     #[arg(long)]
     certificate: bool,
     #[command(flatten)]
+    stacking: StackingOption,
+    /// Solve every problem by both methods, and report the largest difference of a variable and the times of both.
+    #[arg(long, conflicts_with_all = ["stacking", "certificate"])]
+    compare: bool,
+    #[command(flatten)]
     result: ResultFile,
     #[command(flatten)]
     json: Json,
@@ -56,6 +64,8 @@ struct SetSummary {
     times: Times,
     #[serde(flatten)]
     proofs: Option<Proofs>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    stacking: Option<Compared>,
 }
 
 impl Program for Options {
@@ -64,6 +74,11 @@ impl Program for Options {
     }
 
     fn run(self, session: &mut Session) -> Result<Ending> {
+        let stacking = self.stacking.method();
+        ensure!(
+            stacking == Stacking::Elimination || !self.certificate,
+            "--certificate: only elimination has one; leave --stacking out"
+        );
         let mut file = self.result.create()?;
         let problems = read(&self.file)?;
         let interrupt = session.interrupt().clone();
@@ -72,7 +87,8 @@ impl Program for Options {
             Some(file) => Box::new(file),
             None => Box::new(BufWriter::new(session.output())),
         };
-        let mut runs = Runs::default();
+        let mut runs = Runs::with_settings(Settings { stacking, ..Settings::default() });
+        let mut comparison = self.compare.then(Comparison::default);
         let mut proofs = self.certificate.then(Proofs::default);
         let mut counts = [0; 5];
         let mut done = 0;
@@ -98,6 +114,15 @@ impl Program for Options {
                 {
                     progress.note(format_args!("{}: {failure}", self.file.display()));
                 }
+                if let (Some(comparison), Code::Solved) = (&mut comparison, outcome.code)
+                    && let Err(error) = comparison.add(&problem.hierarchy, &outcome.x)
+                {
+                    progress.note(format_args!(
+                        "{}: not compared: {}",
+                        self.file.display(),
+                        problem.reason(&error)
+                    ));
+                }
                 done += 1;
                 progress.set(done);
             }
@@ -118,6 +143,10 @@ impl Program for Options {
         }
         let times = runs.times();
         session.note(times);
+        let compared = comparison.as_ref().map(Comparison::result);
+        if let Some(compared) = &compared {
+            session.warn(compared);
+        }
         let [solved, iteration_limit, infeasible, unbounded, refused] = counts;
         let result = SetSummary {
             problems: counts.iter().sum(),
@@ -128,6 +157,7 @@ impl Program for Options {
             refused,
             times,
             proofs,
+            stacking: compared,
         };
         session.conclude(self.json, &result, ending)
     }

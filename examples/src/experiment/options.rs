@@ -13,6 +13,7 @@ use crate::shards::ShardOptions;
 
 /// Options of every experiment.
 #[derive(Args, Clone, Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a switch of the command line")]
 pub(super) struct Common {
     /// Number of random cases.
     #[arg(long, value_name = "COUNT", default_value_t = 100, value_parser = clap::value_parser!(u64).range(1..=100_000))]
@@ -20,6 +21,10 @@ pub(super) struct Common {
     /// A robot that follows velocities exactly and at once, in place of one under torques.
     #[arg(long)]
     kinematic: bool,
+    /// Play the paper's own controller: its three levels, the period as the horizon, and no posture, margin, lead,
+    /// following distance or separation.
+    #[arg(long)]
+    paper: bool,
     /// Find the person's joints in rendered frames with depth, as `perceive` does, in place of a camera model. A case
     /// takes some seconds more.
     #[arg(long)]
@@ -56,6 +61,7 @@ impl Common {
         let conditions = Conditions {
             drive: if self.kinematic { Drive::Kinematic } else { Drive::Torque },
             sight: if self.pixels { Sight::Pixels } else { Sight::Modelled },
+            paper: self.paper,
         };
         Job { seed: self.seed.seed, cases: self.cases, duration, conditions, recordings }
     }

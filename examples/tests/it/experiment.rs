@@ -13,7 +13,8 @@ use moca_simulation::plant::Drive;
 
 use crate::support::{Runs, coarse_map};
 
-const KINEMATIC: Conditions = Conditions { drive: Drive::Kinematic, sight: Sight::Modelled };
+const KINEMATIC: Conditions =
+    Conditions { drive: Drive::Kinematic, sight: Sight::Modelled, paper: false };
 
 /// Two machines have played a trial each. `merge` prints and draws the same as one machine.
 #[test]

@@ -1,4 +1,4 @@
-//! Maps of the program `follow`.
+//! Maps and modes of the program `follow`.
 
 use std::fs;
 
@@ -61,4 +61,26 @@ fn a_map_of_another_person_is_refused() {
     let no_map = short.to_str().unwrap();
     let ran = Runs::new("follow").with(&["--no-report", "--map", no_map]).run();
     ran.failed(1, &format!("{no_map}: "));
+}
+
+/// Plays two seconds of a person who works with the robot by its kinematics, and returns the JSON object.
+fn working(options: &[&str]) -> serde_json::Value {
+    let folder = tempfile::tempdir().unwrap();
+    let person = folder.path().join("person.jsonl").to_str().unwrap().to_owned();
+    Runs::new("record").with(&["--duration=8", "--output", &person]).run().done();
+    let follow = Runs::follow().with(&["--kinematic", "--no-report", "--json", "--recording"]);
+    follow.with(&[&person]).with(options).run().done().json()
+}
+
+#[test]
+fn the_papers_controller_is_a_mode() {
+    let json = working(&["--paper", "--compare-stacking=50"]);
+    assert_eq!((&json["separation"], &json["solver_failures"]), (&false.into(), &0.into()));
+    let stacking = &json["stacking"];
+    assert!(stacking["compared"].as_u64().unwrap() > 250, "{stacking}");
+    assert!(stacking["largest_difference"].as_f64().unwrap() < 1e-6, "{stacking}");
+    // The same person and robot with the default stack.
+    let extended = working(&[]);
+    assert_eq!(extended["separation"], true);
+    assert_ne!(extended["tracking_error_rms_mm"], json["tracking_error_rms_mm"]);
 }

@@ -307,3 +307,34 @@ fn missing_file_or_folder_is_refused() {
     assert!(String::from_utf8(output.stderr).unwrap().contains("line 4"));
     assert!(!hqp(TWO, &["--repeat", "0"]).status.success());
 }
+
+#[test]
+fn stacked_equalities_solve_the_same_set() {
+    let numbers = |output: &Output| -> Vec<f64> {
+        assert!(output.status.success(), "{output:?}");
+        lines(output).iter().flat_map(|line| line[3..].iter().map(|x| x.parse().unwrap())).collect()
+    };
+    let (one, other) = (hqp(TWO, &[]), hqp(TWO, &["--stacking", "equalities"]));
+    for (one, other) in numbers(&one).into_iter().zip(numbers(&other)) {
+        assert!((one - other).abs() < 1e-9, "{one} and {other}");
+    }
+    let refused = hqp(TWO, &["--stacking=equalities", "--certificate"]);
+    let errors = String::from_utf8(refused.stderr).unwrap();
+    assert!(!refused.status.success() && errors.contains("only elimination has one"), "{errors}");
+}
+
+#[test]
+fn both_methods_are_compared_and_timed() {
+    let text = "hqpset x 2\nproblem 0 p 2 1\nlevel G 0 1\n1 1 2 2\nproblem 1 none 1 1\nlevel G 1 2\n1 0 0\n1 1 1\n";
+    let output = hqp(text, &["--compare", "--json", "--quiet"]);
+    assert!(output.status.success(), "{output:?}");
+    let text = String::from_utf8(output.stdout).unwrap();
+    let json: serde_json::Value = serde_json::from_str(text.lines().last().unwrap()).unwrap();
+    let stacking = &json["stacking"];
+    // What has no optimum is not compared.
+    assert_eq!((&stacking["compared"], &stacking["failed"]), (&1.into(), &0.into()), "{json}");
+    assert!(stacking["largest_difference"].as_f64().unwrap() < 1e-9);
+    for method in ["elimination", "equalities"] {
+        assert!(stacking[method]["median_us"].as_f64().unwrap() > 0.0, "{json}");
+    }
+}

@@ -1,6 +1,6 @@
 //! Settings of the stack.
 
-use ahqp_core::Budget;
+use ahqp_core::{Budget, Stacking};
 use hrsw::Softening;
 use nalgebra::Vector6;
 use whole_body::tasks::{Feedback, PostureTask};
@@ -21,6 +21,19 @@ pub struct PostureSettings {
     pub weight: Vec<f64>,
 }
 
+/// The levels of the stack besides those of safety.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
+pub enum Levels {
+    /// Return of joints into their limits, gentle motion of the base, inverse kinematics, workspace, goal and posture.
+    #[default]
+    Extended,
+    /// The paper's three (Sec. III-E): inverse kinematics, workspace and goal. The solver takes the least norm of what
+    /// they leave.
+    Paper,
+}
+
 /// Settings that do not change from tick to tick.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StackSettings {
@@ -36,6 +49,10 @@ pub struct StackSettings {
     pub base: Option<MecanumBase>,
     /// The last level.
     pub posture: PostureSettings,
+    /// The levels.
+    pub levels: Levels,
+    /// Method by which later levels keep the optimum of a level.
+    pub stacking: Stacking,
     /// Budget of the solve of a tick.
     pub budget: Budget,
 }

@@ -12,6 +12,7 @@ mod golden;
 mod grasped_object;
 mod guarantees;
 mod hidden_legs;
+mod hierarchy;
 mod intention;
 mod late_ticks;
 mod left_out;

@@ -86,7 +86,7 @@ impl Case {
         let mut draw = generator(self.person.seed(), self.number);
         let map = average.for_stature(self.person.stature())?;
         let walk = self.person.walk(conditions.sight)?;
-        let scenario = walk.scenario(&map, conditions.drive, &mut draw)?;
+        let scenario = walk.scenario(&map, conditions, &mut draw)?;
         let mut play = |title, goal| player.play(title, &scenario, goal, |_, _| {});
         Ok([play("Ergonomics on", Goal::Ergonomics)?, play("Ergonomics off", Goal::LeastMotion)?])
     }

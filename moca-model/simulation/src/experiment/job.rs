@@ -12,14 +12,25 @@ use super::recorded::{Needs, Recorded};
 use super::sight::Sight;
 use crate::Error;
 use crate::plant::Drive;
+use crate::run::Scenario;
 
 /// Conditions that all cases of an experiment share.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Conditions {
     /// The robot's dynamics.
     pub drive: Drive,
     /// How the robot perceives the person.
     pub sight: Sight,
+    /// Whether the robot has the paper's own controller.
+    #[serde(default)]
+    pub paper: bool,
+}
+
+impl Conditions {
+    /// Sets the controller of a scenario.
+    pub(super) fn control(self, scenario: Scenario) -> Scenario {
+        if self.paper { scenario.as_in_paper() } else { scenario }
+    }
 }
 
 /// A job: everything that the results depend on.

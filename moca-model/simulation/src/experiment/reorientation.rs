@@ -110,7 +110,7 @@ impl Case {
         let mut draw = generator(self.person.seed(), self.number);
         let map = average.for_stature(self.person.stature())?;
         let walk = self.person.walk(conditions.sight)?;
-        let mut scenario = walk.scenario(&map, conditions.drive, &mut draw)?;
+        let mut scenario = walk.scenario(&map, conditions, &mut draw)?;
         scenario.settings.on_board_camera = Some(CAMERA);
         scenario.object.faces = vec![
             WorkFace { side: BoxSide::Front, surface: self.front },

@@ -112,7 +112,7 @@ impl Case {
         let own = average.for_stature(self.person.stature())?;
         let mut draw = generator(self.person.seed(), self.subject);
         let walk = self.person.walk(conditions.sight)?;
-        let mut scenario = walk.scenario(&own, conditions.drive, &mut draw)?;
+        let mut scenario = walk.scenario(&own, conditions, &mut draw)?;
         let everybody = average.for_stature(AVERAGE)?;
         let space = scenario.settings.space;
         scenario.settings.space =

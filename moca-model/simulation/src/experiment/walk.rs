@@ -7,10 +7,10 @@ use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use vision_models::{Body, Percept};
 
+use super::job::Conditions;
 use super::sight::{FilmedPerson, Sight};
 use crate::Error;
 use crate::people::{Transport, Truth, Walker, WalkerSettings};
-use crate::plant::Drive;
 use crate::run::{Scenario, TrueMotion};
 
 /// Options by which maps are fitted: only good postures count. The default also weighs poorer ones. The optimum then
@@ -82,14 +82,14 @@ impl Walk {
         Ok(Self { percepts, others, arrivals, truth, motion: Some(motion) })
     }
 
-    /// Creates a scenario with the robot near home and this walk. The person has this map.
+    /// Creates a scenario with the robot near home and this walk, under these conditions. The person has this map.
     ///
     /// # Errors
     /// A map that cannot be fitted.
     pub fn scenario(
         &self,
         map: &ErgonomicsMap,
-        drive: Drive,
+        conditions: Conditions,
         draw: &mut ChaCha8Rng,
     ) -> Result<Scenario, Error> {
         let person = Person::new(map.stature())?;
@@ -98,9 +98,9 @@ impl Walk {
         scenario.arrivals.clone_from(&self.arrivals);
         scenario.truth.clone_from(&self.motion);
         (scenario.ergonomics, _) = map.fit(&FIT)?;
-        scenario.drive = drive;
+        scenario.drive = conditions.drive;
         scenario.start = start(draw);
-        Ok(scenario)
+        Ok(conditions.control(scenario))
     }
 }
 

@@ -145,6 +145,13 @@ impl Scenario {
         self
     }
 
+    /// Sets the paper's own controller ([`ControllerSettings::as_in_paper`]).
+    #[must_use]
+    pub fn as_in_paper(mut self) -> Self {
+        self.settings = self.settings.as_in_paper();
+        self
+    }
+
     /// Creates a recorder for the page of a run of this scenario. The text of the robot's URDF describes its
     /// appearance.
     ///

@@ -23,7 +23,8 @@ fn player() -> Player<'static> {
     Player::new(&|| ControlFlow::Continue(()))
 }
 
-const KINEMATIC: Conditions = Conditions { drive: Drive::Kinematic, sight: Sight::Modelled };
+const KINEMATIC: Conditions =
+    Conditions { drive: Drive::Kinematic, sight: Sight::Modelled, paper: false };
 
 #[test]
 fn cases_do_not_depend_on_their_number() {
@@ -162,7 +163,7 @@ fn approaching_the_true_person_too_near_counts() {
     let walk = Walk::new(settings, Sight::Modelled).unwrap();
     let too_near = |nearer: f64| {
         let mut draw = ChaCha8Rng::seed_from_u64(1);
-        let mut scenario = walk.scenario(average_map(), Drive::Kinematic, &mut draw).unwrap();
+        let mut scenario = walk.scenario(average_map(), KINEMATIC, &mut draw).unwrap();
         let (seen, mut truth) = (scenario.truth.take().unwrap(), TrueMotion::default());
         for time in walk.truth.iter().map(|truth| truth.time) {
             let joints = seen.at(time).unwrap();

@@ -25,7 +25,7 @@ fn job(recordings: &[Arc<Recorded>]) -> Job {
         seed: 1,
         cases: 100,
         duration: 30.0,
-        conditions: Conditions { drive: Drive::Kinematic, sight: Sight::Modelled },
+        conditions: Conditions { drive: Drive::Kinematic, sight: Sight::Modelled, paper: false },
         recordings: vec!["digest".to_owned(); recordings.len()],
     }
 }

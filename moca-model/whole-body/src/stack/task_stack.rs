@@ -150,6 +150,11 @@ impl TaskStack {
         self.solver.solution()
     }
 
+    /// The problem, as the tasks were written last.
+    pub fn hierarchy(&self) -> &Hierarchy {
+        &self.hierarchy
+    }
+
     /// A task, for setting its target.
     ///
     /// # Errors

@@ -94,13 +94,16 @@ fn runs() -> impl Iterator<Item = (f64, bool)> {
     SPEEDS.into_iter().flat_map(|speed| [(speed, true), (speed, false)])
 }
 
-/// The cases of a job: at each speed a tenth of the experiment's number, at least one.
+/// The cases of a job: at each speed a tenth of the experiment's number, at least one. The paper's own controller has no
+/// separation.
 pub(super) fn cases(job: &Job) -> impl Iterator<Item = Stroll> {
-    let (seed, each) = (job.seed, job.cases.div_ceil(10));
-    runs().flat_map(move |(speed, separation)| {
-        // The same people walk with and without separation.
-        (FIRST..FIRST + each).map(move |number| Stroll { seed, number, speed, separation })
-    })
+    let (seed, each, paper) = (job.seed, job.cases.div_ceil(10), job.conditions.paper);
+    runs().filter(move |(_, separation)| !(paper && *separation)).flat_map(
+        move |(speed, separation)| {
+            // The same people walk with and without separation.
+            (FIRST..FIRST + each).map(move |number| Stroll { seed, number, speed, separation })
+        },
+    )
 }
 
 impl Stroll {
@@ -119,7 +122,7 @@ impl Stroll {
         let walk = Walk::new(walker(speed, &mut draw), conditions.sight)?;
         let stature = draw.random_range(1.58..=1.94);
         let map = average.for_stature(stature)?;
-        let scenario = quick(walk.scenario(&map, conditions.drive, &mut draw)?);
+        let scenario = conditions.control(quick(walk.scenario(&map, conditions, &mut draw)?));
         let scenario = if separation { scenario } else { scenario.without_separation() };
         let mut monitor =
             DistanceMonitor::new(&walk.truth, FollowingDistance::new(&scenario.settings));
