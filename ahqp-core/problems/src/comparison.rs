@@ -1,12 +1,13 @@
 //! Comparison of the two stacking methods along a sequence of problems.
 //!
 //! ```
-//! use ahqp_core::nalgebra::dmatrix;
+//! use ahqp_core::nalgebra::DMatrix;
 //! use ahqp_core::{Hierarchy, Level, Rows};
 //! use hqp_problems::comparison::Comparison;
 //!
 //! let mut problem = Hierarchy::new(2)?;
-//! problem.push(Level::least_squares(Rows::equalities(&dmatrix![1.0, 1.0], &[2.0])?))?;
+//! let sum = DMatrix::from_row_slice(1, 2, &[1.0, 1.0]);
+//! problem.push(Level::least_squares(Rows::equalities(&sum, &[2.0])?))?;
 //! let mut comparison = Comparison::default();
 //! let difference = comparison.add(&problem, &[1.0, 1.0])?;
 //! assert!(difference < 1e-9 && comparison.result().compared == 1);

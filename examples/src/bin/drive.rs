@@ -58,7 +58,6 @@ const WAKES: Duration = Duration::from_millis(50);
 ///
 /// The loop ends after the duration, at Ctrl-C, or when robot or perception are silent. It always brakes, and halts the
 /// robot at rest. The exit status is 1 if the robot fell silent.
-/// always in order: it brakes, and halts the robot at rest. The exit status is 1 if the robot fell silent.
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Options {
