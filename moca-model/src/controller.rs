@@ -10,7 +10,7 @@ mod observing;
 mod reporting;
 mod turning;
 
-use ahqp_core::{JerkLimits, Limits, Status, VelocityInterval, integrate_pose};
+use ahqp_core::{JerkLimits, Status, VelocityInterval, integrate_pose};
 use ergo_map::ErgonomicsQuadratic;
 use hrsw::Softening;
 use hrsw_safety::{Fault, JointMotion, LoopClock, RobotLimits, Safety, SafetyState};
@@ -23,11 +23,12 @@ use crate::following_error::FollowingErrorLimit;
 use crate::grasped_object::{BoxSide, GraspedObject};
 use crate::interaction::{Interaction, Transition};
 use crate::motion_limits::{
-    Motion, TickTimes, admit_braking, brake, braking_limits, joint_limits, write_intervals,
+    Motion, TickTimes, admit_braking, brake, braking_limits, desired_limits, joint_limits,
+    write_intervals,
 };
 use crate::robot::kinematics::Kinematics;
 use crate::robot::moca::{MOCA_AXIS_SPEED, MOCA_BASE_JOINTS};
-use crate::settings::{ControllerSettings, DesiredMotion, Goal};
+use crate::settings::{ControllerSettings, Goal};
 use crate::shared_space::SharedSpace;
 use crate::singularity::{SINGULAR, manipulability};
 use crate::stack::{CollaborationStack, GoalTerms, Levels, StackInput, StackSettings};
@@ -489,16 +490,4 @@ impl Controller {
     pub fn actual(&self) -> Isometry3<f64> {
         self.robot.world_from_hand()
     }
-}
-
-fn desired_limits(desired: &DesiredMotion) -> Result<[JerkLimits; 6], Error> {
-    let free = (f64::NEG_INFINITY, f64::INFINITY);
-    // A cube within the sphere of all changes.
-    let [linear, angular] = desired.axis_accelerations();
-    let limits = |velocity: f64, acceleration: f64| -> Result<JerkLimits, Error> {
-        Ok(Limits::new(free.0, free.1, velocity, acceleration)?.with_jerk(f64::INFINITY)?)
-    };
-    let linear = limits(desired.velocity, linear)?;
-    let angular = limits(desired.angular_velocity, angular)?;
-    Ok([linear, linear, linear, angular, angular, angular])
 }

@@ -5,7 +5,7 @@ use whole_body::Model;
 
 use crate::error::Error;
 use crate::robot::moca::{MOCA_AXIS_SPEED, MOCA_WHEEL_LEVER, MOCA_WHEEL_SPEED};
-use crate::settings::ControllerSettings;
+use crate::settings::{ControllerSettings, DesiredMotion};
 
 /// The limits of a mecanum base. Its wheels limit |v_x| + |v_y| + lever |ω| in its own frame, and its controller limits
 /// |v_x| and |v_y|.
@@ -143,6 +143,22 @@ pub(crate) fn joint_limits(model: &Model) -> Result<Vec<JerkLimits>, Error> {
     let limits = limits
         .map(|l| Ok(Limits::new(l.lower, l.upper, l.velocity, l.acceleration)?.with_jerk(l.jerk)?));
     limits.collect()
+}
+
+/// The limits of the desired pose, along and about each axis.
+///
+/// # Errors
+/// [`Error::Hierarchy`] for limits that are not positive.
+pub(crate) fn desired_limits(desired: &DesiredMotion) -> Result<[JerkLimits; 6], Error> {
+    let free = (f64::NEG_INFINITY, f64::INFINITY);
+    // A cube within the sphere of all changes.
+    let [linear, angular] = desired.axis_accelerations();
+    let limits = |velocity: f64, acceleration: f64| -> Result<JerkLimits, Error> {
+        Ok(Limits::new(free.0, free.1, velocity, acceleration)?.with_jerk(f64::INFINITY)?)
+    };
+    let linear = limits(desired.velocity, linear)?;
+    let angular = limits(desired.angular_velocity, angular)?;
+    Ok([linear, linear, linear, angular, angular, angular])
 }
 
 /// The limits for coming to rest, without position limits.

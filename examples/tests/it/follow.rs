@@ -84,3 +84,21 @@ fn the_papers_controller_is_a_mode() {
     assert_eq!(extended["separation"], true);
     assert_ne!(extended["tracking_error_rms_mm"], json["tracking_error_rms_mm"]);
 }
+
+/// Joints of a person who walks towards the robot, and of one on a balance beam.
+#[test]
+fn recordings_of_real_people_are_played_whole() {
+    for (name, seconds) in [("walk.jsonl", 3.5), ("balance.jsonl", 1.5)] {
+        let recording = concat!(env!("CARGO_MANIFEST_DIR"), "/recordings/").to_owned() + name;
+        let ran =
+            Runs::new("follow").with(&["--recording", &recording, "--no-report", "--json"]).run();
+        let result: serde_json::Value =
+            serde_json::from_str(ran.done().output.lines().last().unwrap()).unwrap();
+        for count in
+            ["limit_violations", "jerk_violations", "separation_violations", "solver_failures"]
+        {
+            assert_eq!(result[count], 0, "{name}: {count}");
+        }
+        assert!(result["duration_s"].as_f64().unwrap() > seconds, "{name}: {result}");
+    }
+}
