@@ -319,7 +319,6 @@ impl Safety {
     /// close. It is also zero if more pairs are at their limits than there are rows, or if a person
     /// is closer than the uncertainty. Otherwise it is the supervisor's share. In retreat the speed
     /// at which the person approaches is added.
-    /// person approaches is added.
     pub fn speed_scale(&self) -> f64 {
         let separation = &self.separation;
         let brakes = separation.is_crowded()
