@@ -149,7 +149,7 @@ impl RulaWorksheet {
         }
     }
 
-    /// Returns the score of the load. Below 2 kg it is 0. For 2 to 10 kg it is 1, or 2 if static or
+    /// Returns the score of the load. Below 2 kg it is 0. It is 1 for 2 to 10 kg, or 2 if static or
     /// repeated. Above it is 2, or 3 if static or repeated. Shock is always 3. A static or repeated
     /// load below 2 kg is 0.
     fn load_score(&self) -> u8 {
