@@ -18,6 +18,9 @@ const PERIOD: f64 = 1e-3;
 const FRAME: usize = 50;
 /// Approach speed of the robot up to which a contact is caused by the person \[m/s\].
 const STANDS: f64 = 0.01;
+/// Depth in the robot at which a leg or the trunk stops a person who walks \[m\]. A lower leg of 60 kN/m pushes there
+/// with 600 N, about the weight of a person.
+const STOPPED: f64 = 0.01;
 
 /// A person of 1.75 m with the hands in front of the trunk: places in the person's frame \[m\].
 const JOINTS: [(Body25, [f64; 3]); 15] = [
@@ -66,6 +69,12 @@ const PARTS: [(Body25, Body25, f64, f64, Bears); 12] = [
     (Body25::RightKnee, Body25::RightAnkle, 0.05, 0.08, LOWER_LEG),
 ];
 
+/// Returns true for a part of an arm. It gives way when the person walks on.
+fn is_arm(&(_, to, ..): &(Body25, Body25, f64, f64, Bears)) -> bool {
+    use Body25::{LeftElbow, LeftWrist, RightElbow, RightWrist};
+    matches!(to, LeftElbow | RightElbow | LeftWrist | RightWrist)
+}
+
 fn capsules(world_from_person: &Isometry3<f64>) -> Vec<Capsule> {
     let place = |joint: Body25| {
         let (_, place) = JOINTS.iter().find(|(other, _)| *other == joint).unwrap();
@@ -104,6 +113,45 @@ struct Count {
     heads: usize,
 }
 
+/// A person who stands in front of the robot, works, and walks into it from there.
+struct Walker {
+    at: Vector3<f64>,
+    heading: f64,
+    towards: Vector3<f64>,
+    /// Time at which the walk begins \[s\].
+    begins: f64,
+    speed: f64,
+    /// Speed that the person walks at \[m/s\].
+    walk: f64,
+}
+
+impl Walker {
+    fn draw(draw: &mut impl Rng, tool: f64) -> Self {
+        let distance = draw.random_range(0.9..1.3);
+        let aside: f64 = draw.random_range(-0.4..0.4);
+        let walk = draw.random_range(0.05..0.8);
+        let towards: f64 = std::f64::consts::PI + draw.random_range(-0.5..0.5);
+        let heading = std::f64::consts::PI + draw.random_range(-0.6..0.6);
+        let begins = draw.random_range(1.2..1.8);
+        let at = Vector3::new(tool + distance, aside, 0.0);
+        let towards = Vector3::new(towards.cos(), towards.sin(), 0.0);
+        Self { at, heading, towards, begins, speed: 0.0, walk }
+    }
+
+    fn pose(&self) -> Isometry3<f64> {
+        Isometry3::new(self.at, Vector3::z() * self.heading)
+    }
+
+    fn step(&mut self, now: f64, stopped: bool) {
+        if stopped {
+            self.speed = 0.0;
+        } else if now > self.begins {
+            self.speed = f64::min(self.speed + 1.0 * PERIOD, self.walk);
+        }
+        self.at += self.towards * self.speed * PERIOD;
+    }
+}
+
 fn walk_in(seed: u64, count: &mut Count) {
     let mut draw = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
     let model = MOCA.clone();
@@ -121,16 +169,7 @@ fn walk_in(seed: u64, count: &mut Count) {
     let object = GraspedObject::default();
     controller.grasp(object.clone()).unwrap();
 
-    // They stand in front of the robot, work, and walk into it from there at some speed and angle.
-    let tool = robot.position()[0] + 0.3;
-    let distance = draw.random_range(0.9..1.3);
-    let aside: f64 = draw.random_range(-0.4..0.4);
-    let mut at = Vector3::new(tool + distance, aside, 0.0);
-    let walk: f64 = draw.random_range(0.05..0.8);
-    let towards = std::f64::consts::PI + draw.random_range(-0.5..0.5);
-    let heading = std::f64::consts::PI + draw.random_range(-0.6..0.6);
-    let begins = draw.random_range(1.2..1.8);
-    let mut speed = 0.0;
+    let mut walker = Walker::draw(&mut draw, robot.position()[0] + 0.3);
     let mut data = Data::new(&model);
     let hand = model.frame_id(MOCA_TOOL).unwrap();
     data.attach(&model, &object.payload(hand)).unwrap();
@@ -145,7 +184,7 @@ fn walk_in(seed: u64, count: &mut Count) {
     for tick in 0..3500_usize {
         #[expect(clippy::cast_precision_loss, reason = "an episode lasts seconds")]
         let now = tick as f64 * PERIOD;
-        let pose = Isometry3::new(at, Vector3::z() * heading);
+        let pose = walker.pose();
         if tick % FRAME == 0 {
             controller.observe(&percept(now, &pose)).unwrap();
         }
@@ -201,12 +240,17 @@ fn walk_in(seed: u64, count: &mut Count) {
                 count.worst = count.worst.max(share);
             }
         }
+        let mut trunk_and_legs = distances.chunks(PARTS.len()).flat_map(|of_body| {
+            of_body
+                .iter()
+                .zip(&PARTS)
+                .filter(|(_, part)| !is_arm(part))
+                .map(|(distance, _)| *distance)
+        });
+        let stopped = trunk_and_legs.any(|distance| distance < -STOPPED);
         (before, placed) = (distances, now_placed);
         robot.step(&velocity, PERIOD).unwrap();
-        if now > begins {
-            speed = f64::min(speed + 1.0 * PERIOD, walk);
-        }
-        at += Vector3::new(towards.cos(), towards.sin(), 0.0) * speed * PERIOD;
+        walker.step(now, stopped);
     }
 }
 

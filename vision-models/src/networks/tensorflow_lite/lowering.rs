@@ -27,7 +27,7 @@ pub(super) struct Lowering<'a> {
     pub(super) input: Shape,
     pub(super) outputs: Vec<Shape>,
     /// The meaning of each tensor that is written.
-    written: Vec<Option<Written>>,
+    written: Vec<Option<Box<Written>>>,
     /// How often each tensor is read.
     reads: Vec<usize>,
     /// Bytes of all activations.
@@ -41,7 +41,7 @@ impl<'a> Lowering<'a> {
     /// [`Error::Checkpoint`] if the file is rejected.
     pub(super) fn of(file: &'a [u8], kept: &[usize]) -> Result<Self, Error> {
         let model = Model::of(file)?;
-        let mut budget = Budget::of_file(file.len() as u64);
+        let mut budget = Budget::of_graph(file.len() as u64);
         model.pay(&mut budget)?;
         let given = model.inputs()?;
         let [image] = given[..] else {
@@ -117,13 +117,13 @@ impl<'a> Lowering<'a> {
                 return refuse(&self.model, problem);
             }
         }
-        self.written[tensor] = Some(written);
+        self.written[tensor] = Some(Box::new(written));
         Ok(())
     }
 
     /// Returns the meaning of a tensor, if it is written.
     pub(super) fn written(&self, tensor: usize) -> Option<&Written> {
-        self.written[tensor].as_ref()
+        self.written[tensor].as_deref()
     }
 
     /// Returns a convolution that only one operator reads and that is not in the graph yet. It may
@@ -176,7 +176,7 @@ impl<'a> Lowering<'a> {
                 return Err(refused(self.model.name(tensor), problem));
             }
         };
-        self.written[tensor] = Some(Written::Activation(known));
+        self.written[tensor] = Some(Box::new(Written::Activation(known)));
         Ok(known)
     }
 
