@@ -37,6 +37,11 @@ use goal_share::{GoalConditions, GoalShare};
 use looking::SeenSurface;
 use turning::HandTurn;
 
+/// Time in which the robot slows down while nothing is seen, and speeds up again \[s\].
+const SLOWS_OVER: f64 = 0.5;
+/// Time in which ergonomics fade in and out \[s\].
+const ACTIVATES_OVER: f64 = 0.5;
+
 /// Ergonomic collaboration with a person: AHQP over the robot, the shared workspace and the
 /// person's ergonomics.
 ///
@@ -138,7 +143,7 @@ impl Controller {
         let accelerations: Vec<f64> = limits.map(|limits| limits.acceleration).collect();
         let limits = RobotLimits { accelerations: &accelerations, speed: MOCA_AXIS_SPEED };
         let mut safety = Safety::new(layout, settings.safety.clone(), &limits, settings.period)?;
-        let clock = LoopClock::new(settings.period, settings.clock)?;
+        let clock = LoopClock::new(settings.period, settings.clock())?;
         let rest = vec![0.0; n];
         let softening = Softening {
             margin: settings.space.margin,
@@ -297,9 +302,8 @@ impl Controller {
 
     /// Lowers the speed scale to zero when nothing has been seen for too long, and raises it again otherwise.
     fn advance_speed(&mut self, elapsed: f64) {
-        let stale = &self.settings.stale;
-        let step = elapsed / stale.ramp;
-        let seen = !self.space.is_shared() || self.space.age() <= stale.rest_after;
+        let step = elapsed / SLOWS_OVER;
+        let seen = !self.space.is_shared() || self.space.age() <= self.settings.rest_after;
         self.speed = (self.speed + if seen { step } else { -step }).clamp(0.0, 1.0);
     }
 
@@ -310,7 +314,11 @@ impl Controller {
             rests: self.space.is_at_rest(),
             at_limit: self.at_limit,
         };
-        let time = self.settings.activation_time;
+        // The paper's ergonomics begin at once.
+        let time = match self.settings.levels {
+            Levels::Extended => ACTIVATES_OVER,
+            Levels::Paper => self.settings.period,
+        };
         self.command.activation = self.goal_share.advance(conditions, elapsed, time);
     }
 

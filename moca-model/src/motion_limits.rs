@@ -219,7 +219,7 @@ impl TickTimes {
     /// times. So a slow loop brakes as fast as a fast one, and a single late tick causes no jump.
     pub(crate) fn new(elapsed: f64, before: f64, settings: &ControllerSettings) -> Self {
         let (period, shorter) = (settings.period, elapsed.min(before));
-        let is_late = shorter > (1.0 + settings.clock.tolerance) * period;
+        let is_late = shorter > (1.0 + settings.clock().tolerance) * period;
         let step = if is_late { shorter } else { elapsed.min(period) };
         Self { elapsed, step }
     }

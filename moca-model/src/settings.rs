@@ -129,24 +129,6 @@ impl Default for SpaceSettings {
     }
 }
 
-/// Behaviour while nothing is seen.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
-#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
-pub struct StaleSettings {
-    /// Age of the newest body from which on the robot comes to rest \[s\]. Before that, the workspace is frozen once
-    /// the tracker has lost the person. Default 1.5.
-    pub rest_after: f64,
-    /// Time in which the robot slows down and speeds up again \[s\]. Default 0.5.
-    pub ramp: f64,
-}
-
-impl Default for StaleSettings {
-    fn default() -> Self {
-        Self { rest_after: 1.5, ramp: 0.5 }
-    }
-}
-
 /// Limits of the desired pose's motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
@@ -203,8 +185,6 @@ pub struct ControllerSettings {
     pub horizon: f64,
     /// Objective of the third level.
     pub goal: Goal,
-    /// Time in which the objective fades in and out \[s\]. Default 0.5.
-    pub activation_time: f64,
     /// Limits of ẋ_d and ẍ_d.
     pub desired: DesiredMotion,
     /// The shared workspace.
@@ -238,10 +218,9 @@ pub struct ControllerSettings {
     pub follower: FollowerSettings,
     /// Conditions under which the frame is held still for a person who stands.
     pub hold: HoldSettings,
-    /// Behaviour while nothing is seen.
-    pub stale: StaleSettings,
-    /// Tolerances for the times of ticks and camera frames.
-    pub clock: ClockSettings,
+    /// Age of the newest body from which on the robot comes to rest \[s\]. Before that, the workspace is frozen once
+    /// the tracker has lost the person. Default 1.5.
+    pub rest_after: f64,
     /// Limits on the distance between commanded and measured state.
     pub following_error: FollowingErrorSettings,
     /// Separation from people and from the robot itself.
@@ -259,7 +238,6 @@ impl Default for ControllerSettings {
             gain: Vector6::repeat(30.0),
             horizon: 0.4,
             goal: Goal::default(),
-            activation_time: 0.5,
             desired: DesiredMotion::default(),
             space: SpaceSettings::default(),
             hand: HandSettings::default(),
@@ -278,8 +256,7 @@ impl Default for ControllerSettings {
             tracker: TrackerSettings { position_sigma: 0.02, ..TrackerSettings::default() },
             follower: FollowerSettings::default(),
             hold: HoldSettings::default(),
-            stale: StaleSettings::default(),
-            clock: ClockSettings::default(),
+            rest_after: 1.5,
             following_error: FollowingErrorSettings::default(),
             safety: moca_safety(),
         }
@@ -306,13 +283,18 @@ impl ControllerSettings {
         Self {
             levels: Levels::Paper,
             horizon: self.period,
-            activation_time: self.period,
             space: SpaceSettings { lead: 0.0, margin: 0.0, ..self.space },
             hand: HandSettings { bare: 0.0, drill: 0.0, polisher: 0.0, ..self.hand },
             singularity: None,
             safety: self.safety.off(),
             ..self
         }
+    }
+
+    /// Returns the tolerances for the times of ticks and camera frames. A slow loop may miss a tick as well.
+    pub(crate) fn clock(&self) -> ClockSettings {
+        let clock = ClockSettings::default();
+        ClockSettings { gap: clock.gap.max(2.0 * self.period), ..clock }
     }
 
     /// Checks the ranges that no other part checks at construction.
@@ -325,13 +307,11 @@ impl ControllerSettings {
         for (name, value) in [
             ("period", self.period),
             ("horizon", self.horizon),
-            ("activation_time", self.activation_time),
             ("desired.velocity", desired.velocity),
             ("desired.acceleration", desired.acceleration),
             ("desired.angular_velocity", desired.angular_velocity),
             ("desired.angular_acceleration", desired.angular_acceleration),
-            ("stale.rest_after", self.stale.rest_after),
-            ("stale.ramp", self.stale.ramp),
+            ("rest_after", self.rest_after),
         ] {
             if !(value > 0.0 && value.is_finite()) {
                 return Err(Error::Setting { name, value, expected: "positive and finite" });
@@ -377,7 +357,7 @@ impl ControllerSettings {
         if let Some(&value) = camera.iter().find(|value| !value.is_finite()) {
             return Err(Error::Setting { name: "on_board_camera", value, expected: "finite" });
         }
-        self.clock.validate(self.period)?;
+        self.clock().validate(self.period)?;
         self.following_error.validate()?;
         let [linear, angular] = desired.axis_accelerations();
         let brake = (desired.velocity / linear).max(desired.angular_velocity / angular);

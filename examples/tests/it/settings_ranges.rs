@@ -67,7 +67,7 @@ fn each_unusable_number_is_refused_by_name() {
     let mut places = Vec::new();
     numbers(&Value::Table(whole.clone()), &[], &mut places);
     places.retain(|path| name(path) != "version");
-    assert!(places.len() > 140, "{} numbers", places.len());
+    assert!(places.len() > 120, "{} numbers", places.len());
     let mut accepted = Vec::new();
     for path in &places {
         for wrong in WRONG {
@@ -97,7 +97,7 @@ fn each_unusable_number_is_refused_by_name() {
         |one: &&String| !one.ends_with("= 0") && !one.ends_with("= 0.0") && !one.ends_with("= -1");
     let strange: Vec<_> = accepted.iter().filter(strange).collect();
     for one in strange {
-        let ages = ["clock.gap", "supervisor.reduced_age", "supervisor.stop_age"];
+        let ages = ["supervisor.reduced_age", "supervisor.stop_age"];
         let known = ages.iter().any(|age| {
             one.contains(&format!("{age} = 1e308"))
                 || one.contains(&format!("{age} = 9223372036854775807"))
@@ -135,7 +135,6 @@ fn sizes_beyond_memory_are_refused() {
         ("controller.space", "position_rows"),
         ("controller.space", "orientation_rows"),
         ("controller.safety", "pairs"),
-        ("controller.safety", "own_rows"),
     ] {
         for size in ["9223372036854775807", "10000000000", "5000"] {
             let text = format!("version = 1\n[{table}]\n{name} = {size}\n");

@@ -17,6 +17,13 @@ use crate::settings::SafetySettings;
 use crate::speed_cap::SpeedCap;
 use crate::supervisor::{Observation, Supervisor, SupervisorSettings};
 
+/// Rate at which the contact speed rises and falls when working together begins and ends \[m/s²\].
+const CONTACT_ACCELERATION: f64 = 1.0;
+/// Number of pairs of the robot's own bodies that get a row.
+const OWN_ROWS: usize = 6;
+/// Deceleration of the arm before a self-collision \[m/s²\].
+const OWN_DECELERATION: f64 = 2.0;
+
 /// Rows of the safety levels for a stack of tasks.
 #[derive(Debug, Clone, Copy)]
 pub struct SafetyRows<'a> {
@@ -111,9 +118,10 @@ impl Safety {
         let SupervisorSettings { tolerance, hysteresis, .. } = settings.supervisor;
         let separation = ApproachRows::new(state, settings.separation, settings.pairs)?
             .watching(tolerance + hysteresis);
-        let SafetySettings { own_deceleration, own_margin, .. } = settings;
-        let between = SeparationSettings::between_own_bodies(period, own_deceleration, own_margin);
-        let own = ApproachRows::new(state, between, settings.own_rows)?;
+        let margin = settings.own_margin;
+        let between = SeparationSettings::between_own_bodies(period, OWN_DECELERATION, margin);
+        let own_rows = if settings.own_pairs.is_empty() { 0 } else { OWN_ROWS };
+        let own = ApproachRows::new(state, between, own_rows)?;
         let count = settings.bodies.len();
         for &(first, second) in &settings.own_pairs {
             if first.max(second) >= count {
@@ -213,7 +221,7 @@ impl Safety {
         bodies: &[RobotBody],
         input: &SafetyInput,
     ) -> Result<(), Error> {
-        let step = self.settings.contact_acceleration * input.elapsed;
+        let step = CONTACT_ACCELERATION * input.elapsed;
         let change = if input.together && input.measures_force { step } else { -step };
         for (change, limit) in self.velocity_change.iter_mut().zip(&self.acceleration_limits) {
             *change = limit * input.elapsed;

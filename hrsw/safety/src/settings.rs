@@ -55,9 +55,6 @@ pub struct SafetySettings {
     /// Largest speed at which the robot and a person who works with it may approach each other
     /// \[m/s\]. Contact limits may lower it. Default 0.25.
     pub contact_speed: f64,
-    /// Rate at which `contact_speed` rises and falls when working together begins and ends
-    /// \[m/s²\]. Default 1.
-    pub contact_acceleration: f64,
     /// Cap on the tool's speed relative to the person. Default: that of [`SpeedCap`].
     pub speed_cap: SpeedCap,
     /// Rules by which the robot stops and recovers. Default: those of [`SupervisorSettings`], with
@@ -71,12 +68,8 @@ pub struct SafetySettings {
     pub bodies: Vec<LinkCapsule>,
     /// Pairs of these capsules that are kept apart, by index. Default: those of the robot.
     pub own_pairs: Vec<(usize, usize)>,
-    /// Number of pairs of the robot's own bodies that get a row. Default 6.
-    pub own_rows: usize,
     /// Margin between the robot's own bodies \[m\]. Default 0.03.
     pub own_margin: f64,
-    /// Deceleration of the arm before a self-collision \[m/s²\]. Default 2.
-    pub own_deceleration: f64,
 }
 
 /// Settings of a robot without capsules, since these depend on the robot.
@@ -87,7 +80,6 @@ impl Default for SafetySettings {
             pairs: 40,
             contact: ContactLimits::default(),
             contact_speed: 0.25,
-            contact_acceleration: 1.0,
             speed_cap: SpeedCap::default(),
             supervisor: SupervisorSettings {
                 tolerance: 0.0,
@@ -100,9 +92,7 @@ impl Default for SafetySettings {
             person: PersonBodySettings::default(),
             bodies: Vec::new(),
             own_pairs: Vec::new(),
-            own_rows: 6,
             own_margin: 0.03,
-            own_deceleration: 2.0,
         }
     }
 }
@@ -124,7 +114,6 @@ impl SafetySettings {
             pairs: 0,
             bodies: Vec::new(),
             own_pairs: Vec::new(),
-            own_rows: 0,
             supervisor: SupervisorSettings {
                 reduced_age: f64::MAX,
                 stop_age: f64::MAX,
@@ -143,10 +132,7 @@ impl SafetySettings {
         self.speed_cap.validate()?;
         self.supervisor.validate()?;
         check_count("safety.pairs", self.pairs)?;
-        check_count("safety.own_rows", self.own_rows)?;
         for (name, value) in [
-            ("safety.contact_acceleration", self.contact_acceleration),
-            ("safety.own_deceleration", self.own_deceleration),
             ("safety.person.forget_after", self.person.forget_after),
             ("safety.person.position_sigma", self.person.position_sigma),
         ] {

@@ -114,9 +114,6 @@ fn invalid_space_clock_and_following_error_are_named() {
         assert!(error.to_string().contains(name), "{error}");
         named.push(name);
     };
-    check(&|s| s.clock.tolerance = 1.0, "clock.tolerance");
-    check(&|s| s.clock.gap = 1e-3, "clock.gap");
-    check(&|s| s.clock.ahead = -1.0, "clock.ahead");
     check(&|s| s.following_error.prismatic = 0.0, "following_error.prismatic");
     check(&|s| s.following_error.revolute = f64::INFINITY, "following_error.revolute");
     check(&|s| s.following_error.position = -0.1, "following_error.position");
