@@ -62,11 +62,8 @@ pub(crate) struct ActiveSet {
     direction: Vec<f64>,
     slope: Vec<f64>,
     candidates: List<Candidate>,
-    /// Rows that became active again immediately after they were dropped, since the last step of x.
+    /// Rows that stay active in the current search: they are needed, or only rounding drops them.
     tabu: List<usize>,
-    /// Rows of the current level that stay because an objective above would move x far without
-    /// them.
-    tabu_for_objectives: List<usize>,
     /// Rows of a finished objective that were made inactive, with their former activity.
     released: List<(usize, Activity)>,
     /// Largest ‖x‖ of this solve.
@@ -98,7 +95,6 @@ impl ActiveSet {
             slope: vec![0.0; count],
             candidates: List::with_capacity(count),
             tabu: List::with_capacity(count),
-            tabu_for_objectives: List::with_capacity(count),
             released: List::with_capacity(count),
             max_norm: 0.0,
             data,

@@ -7,7 +7,7 @@ use crate::linalg::kernels::add_rows;
 use crate::linalg::vector::{add_scaled, dot, norm};
 use crate::solver::activity::Activity;
 use crate::solver::data::{ProblemData, active_bound};
-use crate::solver::tolerances::{ROUNDING, SETTLED};
+use crate::solver::tolerances::ROUNDING;
 
 /// Treatment of coordinates that no group decides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -66,14 +66,9 @@ impl Factorisation {
         let (rank, k) = (self.pivots.len(), self.free.len());
         self.moving = self.first_to_move(gap);
         let first = self.groups.get(self.moving).map_or(rank, |group| group.first_pivot);
-        self.objectives_step = 0.0;
-        let most = SETTLED * (1.0 + norm(x));
         let mut groups = self.moving..self.groups.len();
-        let has_minimum = groups.all(|group| {
-            let has_minimum = self.decide(data, group, first);
-            self.keep_objective(group, most);
-            has_minimum
-        });
+        let has_minimum = groups.all(|group| self.decide(data, group, first));
+        self.objectives_step = self.step_of_objectives_above();
         let mut z = std::mem::take(&mut self.turned);
         if has_minimum {
             z[first..rank].copy_from_slice(&self.y[first..rank]);
@@ -106,19 +101,14 @@ impl Factorisation {
         has_minimum
     }
 
-    /// Keeps objectives before the last group at their optimum, by removing steps of theirs above
-    /// `most`. Such a step arises from a row whose dependence is decided by the last digits of its
-    /// remainder.
-    fn keep_objective(&mut self, group: usize, most: f64) {
-        let Group { purpose, first_pivot, rank, .. } = self.groups[group];
-        if purpose == Purpose::Minimised && group + 1 < self.groups.len() {
-            let step = &mut self.y[first_pivot..first_pivot + rank];
-            let length = norm(step);
-            self.objectives_step = self.objectives_step.max(length);
-            if length > most {
-                step.fill(0.0);
-            }
-        }
+    /// Returns the longest step in the coordinates of an objective before the last group.
+    fn step_of_objectives_above(&self) -> f64 {
+        let last = self.groups.len().saturating_sub(1);
+        let moving = self.groups[..last].iter().skip(self.moving);
+        let objectives = moving.filter(|group| group.purpose == Purpose::Minimised);
+        let steps = objectives
+            .map(|group| norm(&self.y[group.first_pivot..group.first_pivot + group.rank]));
+        steps.fold(0.0, f64::max)
     }
 
     /// Returns the first group that has a step to make. Computes the targets of its rows and of the
