@@ -13,7 +13,7 @@ use super::{ActiveSet, Residuals};
 use crate::linalg::vector::{add_scaled, norm};
 use crate::solver::activity::Activity;
 use crate::solver::data::active_bound;
-use crate::solver::factorisation::{FreeCoordinates, Purpose};
+use crate::solver::factorisation::{FreeCoordinates, Purpose, Step};
 use crate::solver::tolerances::{LONG, SETTLED};
 
 /// How a search ended.
@@ -49,17 +49,18 @@ impl ActiveSet {
             // The least index cannot cycle, but is slow.
             let is_long = self.iterations - begun > LONG * self.data.n;
             let choice = if is_long { Choice::First } else { Choice::Steepest };
-            let has_minimum = self.set_direction(goal);
+            let step = self.set_direction(goal);
+            let has_minimum = step.has_minimum;
             let row = dropped.take();
             if let Some(row) = row.filter(|row| row.frees_objectives_above)
-                && self.factorisation.moves_objectives_above(SETTLED * (1.0 + norm(&self.x)))
+                && step.of_objectives_above > SETTLED * (1.0 + norm(&self.x))
             {
                 self.take_back(goal, row);
                 continue;
             }
             let full = if has_minimum { 1.0 } else { f64::INFINITY };
             let (length, blocking) = self.ratio_test(goal, full, choice);
-            self.advance(goal, length);
+            self.advance(goal, length, step.moving);
             if blocking.is_none() && has_minimum {
                 self.attain();
             }
@@ -80,30 +81,30 @@ impl ActiveSet {
         }
     }
 
-    /// Computes the step to the minimum with the active rows held. Returns false if there is none.
-    /// The direction is then one along which the goal decreases without bound.
-    pub(super) fn set_direction(&mut self, goal: &Goal) -> bool {
+    /// Computes the step to the minimum with the active rows held. If there is no minimum, it is a
+    /// direction along which the goal decreases without bound.
+    pub(super) fn set_direction(&mut self, goal: &Goal) -> Step {
         let free = match goal {
             Goal::Rows(_) => FreeCoordinates::Kept,
             Goal::Norm => FreeCoordinates::Zero,
         };
-        let Self { data, factorisation, x, value, activity, direction, .. } = self;
+        let Self { data, factorisation, x, value, activity, direction, attained, .. } = self;
         let gap = |id: usize| {
             let bound = active_bound(data, activity, id);
             let gap = bound - value[id];
             if gap.abs() > f64::EPSILON * bound.abs() { gap } else { 0.0 }
         };
-        let has_minimum = factorisation.step_from(data, x, gap, free, direction);
+        let taken = factorisation.step_from(data, (x, *attained), gap, free, direction);
         for variable in (0..data.n).filter(|&i| activity[i].is_active()) {
             // The step is exact, so that heavy rows see no rounding of it.
             let step = active_bound(data, activity, variable) - x[variable];
-            direction[variable] = if has_minimum { step } else { 0.0 };
+            direction[variable] = if taken.has_minimum { step } else { 0.0 };
         }
-        has_minimum
+        taken
     }
 
-    /// Computes x ← x + length · direction.
-    fn advance(&mut self, goal: &Goal, length: f64) {
+    /// Computes x ← x + length · direction. The step moves the groups from `moving` on.
+    fn advance(&mut self, goal: &Goal, length: f64, moving: usize) {
         if !length.is_finite() {
             return;
         }
@@ -113,7 +114,7 @@ impl ActiveSet {
             add_scaled(&mut self.value[rows.clone()], length, &self.slope[rows.clone()]);
         }
         let Self { data, factorisation, value, direction, .. } = self;
-        for (id, step) in factorisation.steps_of_held(|id| data.row(id).dot(direction)) {
+        for (id, step) in factorisation.steps_of_held(moving, |id| data.row(id).dot(direction)) {
             value[id] += length * step;
         }
         if let Goal::Rows(rows) = goal {
@@ -126,7 +127,7 @@ impl ActiveSet {
 
     /// Records that x is where the active rows hold. Variables at a bound are set to it exactly.
     fn attain(&mut self) {
-        self.factorisation.attain();
+        self.attained = self.factorisation.groups.len();
         for variable in (0..self.data.n).filter(|&i| self.activity[i].is_active()) {
             self.x[variable] = active_bound(&self.data, &self.activity, variable);
         }
@@ -141,7 +142,7 @@ impl ActiveSet {
         let group = if is_behind { last.saturating_sub(1) } else { last };
         let is_held = self.factorisation.groups[group].purpose == Purpose::Held;
         assert!(is_held || goal.has_row(id) || !cfg!(feature = "testing"));
-        self.factorisation.add(&self.data, &self.activity, id, group);
+        self.add_row(id, group);
     }
 
     /// Makes an active row inactive.
@@ -152,7 +153,7 @@ impl ActiveSet {
         let (state, group) = (self.activity[id], self.factorisation.group_with(id));
         let rank = self.factorisation.rank_of_objectives_above();
         self.activity[id] = Activity::Inactive;
-        self.factorisation.take_out(&self.data, &self.activity, id);
+        self.take_out(id, group);
         let frees_objectives_above = self.factorisation.rank_of_objectives_above() > rank;
         Dropped { id, state, group, frees_objectives_above }
     }
@@ -165,7 +166,7 @@ impl ActiveSet {
             self.residual[row.id] = 0.0;
         }
         self.activity[row.id] = row.state;
-        self.factorisation.add(&self.data, &self.activity, row.id, row.group);
+        self.add_row(row.id, row.group);
         self.tabu.push(row.id);
     }
 

@@ -21,7 +21,7 @@ impl ActiveSet {
     /// Repairs the current active set, which fits the data, in up to `rounds` rounds. Returns true
     /// if x is then the optimum, and false if the repair does not converge.
     pub(crate) fn repair(&mut self, rounds: usize) -> bool {
-        self.signs.begin_repair();
+        let mut last = None;
         for round in 0..rounds {
             self.iterations += 1;
             let first = round == 0;
@@ -35,9 +35,12 @@ impl ActiveSet {
                     return true;
                 }
                 Some(changes) if !first || changes <= self.data.n / FAR + 1 => {
-                    if self.signs.is_cycle() {
+                    let only = self.signs.changed.first().copied().filter(|_| changes == 1);
+                    // A single row that changes back and forth by rounding is a cycle.
+                    if only.is_some() && only == last {
                         return false;
                     }
+                    last = only;
                 }
                 _ => return false,
             }

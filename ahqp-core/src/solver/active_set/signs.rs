@@ -14,8 +14,6 @@ pub(super) struct Signs {
     wrong: Option<(usize, f64)>,
     /// Rows whose activity the current check has changed.
     pub(super) changed: List<usize>,
-    /// Number of changes of each row in the current repair.
-    changes: Vec<u8>,
 }
 
 impl Signs {
@@ -25,23 +23,7 @@ impl Signs {
             unsettled: 0,
             wrong: None,
             changed: List::with_capacity(rows),
-            changes: vec![0; rows],
         }
-    }
-
-    pub(super) fn begin_repair(&mut self) {
-        self.changes.fill(0);
-    }
-
-    /// Returns true if a row has just changed for the third time in this repair. Rows that come and
-    /// go by rounding would do so endlessly.
-    pub(super) fn is_cycle(&mut self) -> bool {
-        let mut is_cycle = false;
-        for &id in &self.changed {
-            self.changes[id] = self.changes[id].saturating_add(1);
-            is_cycle |= self.changes[id] > 2;
-        }
-        is_cycle
     }
 
     pub(super) fn begin(&mut self, activity: &[Activity]) {
