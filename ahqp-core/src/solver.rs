@@ -256,23 +256,11 @@ impl Solver {
         }
     }
 
-    /// Searches from the prediction. If that ends with an error, searches again from zero, since
-    /// the error may depend on the start.
+    /// Searches all levels from the prediction, and ensures that the result satisfies the data.
+    /// Searches again from zero if the rank tolerance decided the active set.
     fn search(&mut self, levels: usize) -> Result<Status, Error> {
         let from_nothing = self.set.predicted.iter().all(|state| !state.is_active())
             && self.solution.x.iter().all(|&x| x == 0.0);
-        let end = self.search_and_check(levels, from_nothing);
-        if from_nothing || end.is_ok() {
-            return end;
-        }
-        self.conflict.clear();
-        self.start_from_nothing();
-        self.search_and_check(levels, true)
-    }
-
-    /// Searches all levels, and ensures that the result satisfies the data. Searches again from
-    /// zero if the rank tolerance decided the active set.
-    fn search_and_check(&mut self, levels: usize, from_nothing: bool) -> Result<Status, Error> {
         let status = self.search_levels(levels)?;
         if status != Status::Solved {
             return Ok(status);

@@ -363,7 +363,7 @@ impl ContinuousStack {
             ..budget
         };
         self.blend.changes.iter_mut().for_each(|change| change.share.advance(period));
-        self.blend.weigh();
+        self.blend.set_weights();
         self.failed = None;
         (self.next.status, self.next.iterations) = (Status::Solved, 0);
         self.next.x.fill(0.0);

@@ -52,6 +52,8 @@ pub(crate) struct ActiveSet {
 
     /// Search: active rows that a level has fixed for all levels below.
     fixed: Vec<bool>,
+    /// Number of groups of the factorisation that x attains: it is where they decide.
+    attained: usize,
     /// True if the goal had a gradient beyond rounding at the end of its search.
     has_gradient: bool,
     /// Ranges of rows whose inactive rows must stay within their bounds.
@@ -62,11 +64,8 @@ pub(crate) struct ActiveSet {
     direction: Vec<f64>,
     slope: Vec<f64>,
     candidates: List<Candidate>,
-    /// Rows that became active again immediately after they were dropped, since the last step of x.
+    /// Rows that stay active in the current search: they are needed, or only rounding drops them.
     tabu: List<usize>,
-    /// Rows of the current level that stay because an objective above would move x far without
-    /// them.
-    tabu_for_objectives: List<usize>,
     /// Rows of a finished objective that were made inactive, with their former activity.
     released: List<(usize, Activity)>,
     /// Largest ‖x‖ of this solve.
@@ -91,6 +90,7 @@ impl ActiveSet {
             violated: List::with_capacity(count),
             reached: vec![0.0; count],
             fixed: vec![false; count],
+            attained: 0,
             has_gradient: false,
             monitored: List::with_capacity(2 * data.levels.len() + 1),
             residual: vec![0.0; count],
@@ -98,7 +98,6 @@ impl ActiveSet {
             slope: vec![0.0; count],
             candidates: List::with_capacity(count),
             tabu: List::with_capacity(count),
-            tabu_for_objectives: List::with_capacity(count),
             released: List::with_capacity(count),
             max_norm: 0.0,
             data,
@@ -147,6 +146,7 @@ impl ActiveSet {
             self.residual[i] = 0.0;
         }
         self.max_norm = norm(&self.x);
+        self.attained = 0;
         self.multipliers.has_multipliers_near_threshold = false;
         self.factorisation.begin(&self.data, &self.activity);
     }
@@ -233,6 +233,7 @@ impl ActiveSet {
     /// Removes the last group, whose violation was minimised.
     pub(crate) fn remove_soft(&mut self, rows: Range<usize>) {
         self.factorisation.pop_group();
+        self.attained = self.attained.min(self.factorisation.groups.len());
         self.activity[rows].fill(Activity::Inactive);
     }
 
@@ -292,9 +293,21 @@ impl ActiveSet {
             let id = self.factorisation.stacked[at];
             if self.activity[id] != Activity::Equal {
                 self.activity[id] = Activity::Inactive;
-                self.factorisation.take_out(&self.data, &self.activity, id);
+                self.take_out(id, self.factorisation.groups.len() - 1);
             }
         }
+    }
+
+    /// Adds an active row to a group of the factorisation.
+    fn add_row(&mut self, id: usize, group: usize) {
+        self.attained = self.attained.min(group);
+        self.factorisation.add(&self.data, &self.activity, id, group);
+    }
+
+    /// Removes a row that has become inactive from its group of the factorisation.
+    fn take_out(&mut self, id: usize, group: usize) {
+        self.attained = self.attained.min(group);
+        self.factorisation.take_out(&self.data, &self.activity, id);
     }
 
     /// Adds rows to the conflict that push against the violated rows, which the last group

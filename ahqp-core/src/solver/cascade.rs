@@ -67,14 +67,10 @@ impl Solver {
         if self.set.all_hold(rows.clone()) {
             return Ok(LevelEnd::Solved);
         }
-        self.solution.x.copy_from_slice(&self.set.x);
         for is_last in [false, true] {
             self.set.place_soft(level, rows.clone());
             match self.set.search(&Goal::Rows(rows.clone())) {
-                End::OutOfBudget => {
-                    self.set.x.copy_from_slice(&self.solution.x);
-                    return Ok(LevelEnd::OutOfBudget);
-                }
+                End::OutOfBudget => return Ok(LevelEnd::OutOfBudget),
                 End::Unbounded => return Err(unbounded(level)),
                 End::Optimal => {}
             }

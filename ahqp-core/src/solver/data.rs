@@ -242,7 +242,7 @@ impl ProblemData {
                     let used = used_rows(rows);
                     self.leave_out_behind(level, used);
                     self.load_rows(start, rows, used)?;
-                    self.weigh_rows(level, rows)?;
+                    self.scale_by_weights(level, rows)?;
                 }
                 Objective::Quadratic { hessian, gradient } => {
                     self.factor.factorise(level, hessian, gradient)?;
@@ -325,7 +325,7 @@ impl ProblemData {
     }
 
     /// Multiplies rows of an objective, and their bounds, by the roots of their weights.
-    fn weigh_rows(&mut self, level: usize, rows: &Rows) -> Result<(), Error> {
+    fn scale_by_weights(&mut self, level: usize, rows: &Rows) -> Result<(), Error> {
         let LevelRows { objective, weighted, .. } = &mut self.levels[level];
         if rows.weights().is_none() && !*weighted {
             return Ok(());

@@ -25,7 +25,7 @@ use crate::linalg::vector::dot;
 use least_squares::LeastSquares;
 use orthogonal::Orthogonal;
 
-pub(crate) use point::FreeCoordinates;
+pub(crate) use point::{FreeCoordinates, Step};
 pub(crate) use rank_tolerances::RankTolerances;
 
 /// Number of values that a kernel processes at a time.
@@ -91,14 +91,8 @@ pub(crate) struct Factorisation {
     rotations: List<Rotation>,
     /// Variables that are not at their own places, with their places.
     moved: List<(usize, usize)>,
-    /// Number of groups whose coordinates are decided, and number of groups whose coordinates the
-    /// point of a search has.
+    /// Number of groups whose coordinates are decided.
     decided: usize,
-    attained: usize,
-    /// The first group that the last step of a search moves.
-    moving: usize,
-    /// Length of the last step in the coordinates of an objective before the last group.
-    objectives_step: f64,
     /// Number of coordinates that are fixed. Rows of later groups have no entries along them.
     closed: usize,
     has_rows_near_threshold: bool,
@@ -141,9 +135,6 @@ impl Factorisation {
             rotations: List::with_capacity(2 * n),
             moved: List::with_capacity(2 * n),
             decided: 0,
-            attained: 0,
-            moving: 0,
-            objectives_step: 0.0,
             closed: 0,
             has_rows_near_threshold: false,
             leaves_parts_out: false,
@@ -415,7 +406,6 @@ impl Factorisation {
     /// Marks the coordinates of this group and of later groups as unknown.
     fn invalidate_from(&mut self, group: usize) {
         self.decided = self.decided.min(group);
-        self.attained = self.attained.min(group);
     }
 
     /// Closes the groups before the first that has a row in `may_drop`. All of them are fixed.
@@ -462,12 +452,6 @@ impl Factorisation {
     /// Number of coordinates that the objectives before the last group decide.
     pub(crate) fn rank_of_objectives_above(&self) -> usize {
         self.objectives_above().map(|group| group.rank).sum()
-    }
-
-    /// Returns true if the last step would move the coordinates of these objectives by more than
-    /// `length`.
-    pub(crate) fn moves_objectives_above(&self, length: f64) -> bool {
-        self.objectives_step > length
     }
 
     /// Returns an upper bound of the norm of row `id`'s coefficients at free variables. If the

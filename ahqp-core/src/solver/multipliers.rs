@@ -269,33 +269,38 @@ impl Multipliers {
     }
 
     /// Returns the rounding in the gradient's entry at a variable at a bound, after the pivots
-    /// balance it.
+    /// balance it. A coefficient below the rounding of its row is all rounding.
     fn entry_rounding(
         &self,
         data: &ProblemData,
         factorisation: &Factorisation,
         variable: usize,
     ) -> f64 {
-        let entry = |id: usize| {
-            if id < data.n { 0.0 } else { data.coefficients(id)[variable].abs() }
+        let term = |id: usize, factor: f64, rounding: f64| {
+            if id < data.n {
+                return 0.0;
+            }
+            let entry = data.coefficients(id)[variable].abs();
+            let is_rounding = entry <= data.relative_rounding(id) * data.norm(id);
+            let part = if is_rounding { 1.0 } else { ROUNDING };
+            entry * (rounding + part * factor.abs())
         };
         let of_level = match self.group {
             None => self.rounding,
             Some(group) => {
                 let linear_of = factorisation.groups[group].linear_of;
                 let linear = linear_of.map_or(0.0, |l| data.levels[l].linear[variable].abs());
-                self.residuals(factorisation)
-                    .map(|(id, r, rounding)| entry(id) * (rounding + ROUNDING * r.abs()))
-                    .sum::<f64>()
-                    + ROUNDING * linear
+                let rows = self.residuals(factorisation);
+                rows.map(|(id, r, rounding)| term(id, r, rounding)).sum::<f64>() + ROUNDING * linear
             }
         };
         let rounding = &self.rounding_of_pivots[self.pivots.clone()];
         let terms = self.of_pivots[self.pivots.clone()].iter().zip(rounding);
         let pivots = &factorisation.pivots[self.pivots.clone()];
-        let balanced = pivots.iter().zip(terms).map(|(&pivot, (m, rounding))| {
-            entry(factorisation.stacked[pivot]) * (rounding + ROUNDING * m.abs())
-        });
+        let balanced = pivots
+            .iter()
+            .zip(terms)
+            .map(|(&pivot, (&m, &rounding))| term(factorisation.stacked[pivot], m, rounding));
         of_level + balanced.sum::<f64>()
     }
 

@@ -21,9 +21,6 @@ pub(crate) const DOUBTFUL: f64 = CERTAIN * ROUNDING;
 /// Size of a row without coefficients, beside its bound. Such a row has nothing to be compared
 /// with, and is judged in its own unit.
 pub(crate) const NO_TERMS: f64 = 1.0;
-/// A step shorter than this part of 1 + ‖x‖ is no progress. Where dozens of rows meet, rounding
-/// could make a search cycle endlessly in such steps.
-pub(crate) const SHORTEST_STEP: f64 = 1e-12;
 /// A remainder of a row that has shrunk to this part of its square has lost half its digits to
 /// cancellation. It is computed again.
 pub(crate) const SHRUNK: f64 = 1e-4;

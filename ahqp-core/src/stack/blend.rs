@@ -38,7 +38,7 @@ impl Blend {
     /// Sets the weight of each set of changes to the length of the range of thresholds at which
     /// exactly these are made. In the order of their shares, the changes are made one after the
     /// other.
-    pub(super) fn weigh(&mut self) {
+    pub(super) fn set_weights(&mut self) {
         self.plans.iter_mut().for_each(|plan| plan.weight = 0.0);
         let mut made = 0;
         let mut threshold = 1.0;

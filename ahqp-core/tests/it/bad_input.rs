@@ -392,12 +392,12 @@ fn the_error_names_the_other_kind_of_objective() {
     let mut hierarchy = Hierarchy::new(1).unwrap();
     let rows = hierarchy.push(Level::least_squares(Rows::zeros(1, 1)).named("reach")).unwrap();
     let quadratic = Level::quadratic(&DMatrix::identity(1, 1), &[0.0]).unwrap();
-    let quadratic = hierarchy.push(quadratic.named("comfort")).unwrap();
+    let quadratic = hierarchy.push(quadratic.named("ergonomics")).unwrap();
     let nothing = hierarchy.push(Level::constraints_only(Rows::zeros(1, 1))).unwrap();
     let cases = [
         (
             hierarchy.rows_mut(quadratic).unwrap_err(),
-            ["level 1 \"comfort\" minimises a quadratic", "not rows"],
+            ["level 1 \"ergonomics\" minimises a quadratic", "not rows"],
         ),
         (
             hierarchy.rows_mut(nothing).unwrap_err(),

@@ -15,8 +15,8 @@ fn named() -> Hierarchy {
     let limit = Rows::at_most(&dmatrix![1.0, 1.0], &[1.0]).unwrap();
     let reach = Level::least_squares(reach.with_names(["x", "y"]).unwrap()).named("reach");
     hierarchy.push(reach.with_constraints(limit.with_names(["wall"]).unwrap())).unwrap();
-    let comfort = Level::quadratic(&DMatrix::identity(2, 2), &[0.0, 0.0]).unwrap();
-    hierarchy.push(comfort.named("comfort")).unwrap();
+    let ergonomics = Level::quadratic(&DMatrix::identity(2, 2), &[0.0, 0.0]).unwrap();
+    hierarchy.push(ergonomics.named("ergonomics")).unwrap();
     hierarchy
 }
 
@@ -70,14 +70,14 @@ fn errors_name_what_they_speak_of() {
                 problem.quadratic_mut(last(problem))?.0[(0, 0)] = -1.0;
                 Ok(())
             },
-            "the Hessian of level 1 \"comfort\" is not positive semidefinite",
+            "the Hessian of level 1 \"ergonomics\" is not positive semidefinite",
         ),
         (
             |problem| {
                 problem.quadratic_mut(last(problem))?.0[(0, 1)] = 0.5;
                 Ok(())
             },
-            "the Hessian of level 1 \"comfort\" is not symmetric",
+            "the Hessian of level 1 \"ergonomics\" is not symmetric",
         ),
         (
             |problem| {

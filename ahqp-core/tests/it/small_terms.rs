@@ -143,6 +143,28 @@ fn neglected_remainders_count_once_bounds_are_active() {
     }
 }
 
+/// The first row has 1e-17 of x₁, which is the rounding of products such as those of a Jacobian. It pulls at nothing,
+/// also where a warm start has x₁ at its bound, and the level below moves x₁.
+#[test]
+fn a_coefficient_below_rounding_holds_no_bound() {
+    let problem = |target: f64| {
+        let mut problem = Hierarchy::new(2).unwrap();
+        problem.set_bounds(&[-1.0, -1.0], &[1.0, 1.0]).unwrap();
+        for row in [[1.0, 1e-17, 2.0, 2.0], [0.0, 1.0, target, target]] {
+            problem.push(Level::least_squares(rows(&[row]))).unwrap();
+        }
+        problem
+    };
+    let mut solver = Solver::new(&problem(5.0), Settings::default()).unwrap();
+    for (target, expected) in [(5.0, 1.0), (-5.0, -1.0), (0.25, 0.25), (5.0, 1.0), (0.5, 0.5)] {
+        let x = solver.solve(&problem(target)).unwrap().optimum().unwrap();
+        assert!(
+            (x[1] - expected).abs() < 1e-12 && (x[0] - 1.0).abs() < 1e-12,
+            "{x:?}, target {target}"
+        );
+    }
+}
+
 /// The level above leaves 1e-10 of the last row, which is the rank tolerance. If other bounds are
 /// active, its last digits decide whether it counts as dependent. That must not move x by 10¹⁰.
 #[test]

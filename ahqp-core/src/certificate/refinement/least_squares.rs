@@ -79,18 +79,18 @@ fn project(
         }
     }
     let units = basis.units.split_off(span.len());
-    let weigh = |i: usize| {
+    let weighted = |i: usize| {
         let (row, residual) = rows[i];
         let root = DoubleDouble::from(row.weight).sqrt();
-        let mut weighed = std::mem::take(&mut parts[i]);
-        weighed.resize(units.len(), DoubleDouble::ZERO);
-        weighed.push(residual);
-        for entry in &mut weighed {
+        let mut row_of_parts = std::mem::take(&mut parts[i]);
+        row_of_parts.resize(units.len(), DoubleDouble::ZERO);
+        row_of_parts.push(residual);
+        for entry in &mut row_of_parts {
             *entry = *entry * root;
         }
-        weighed
+        row_of_parts
     };
-    let mut system: Vec<_> = order.into_iter().map(weigh).collect();
+    let mut system: Vec<_> = order.into_iter().map(weighted).collect();
     system.sort_by(|a, b| length(&b[..units.len()]).total_cmp(&length(&a[..units.len()])));
     (system, units)
 }

@@ -48,11 +48,12 @@ impl ActiveSet {
     /// below rounding.
     fn release_unneeded(&mut self, goal: &Goal, rows: Range<usize>) {
         self.released.clear();
+        let group = self.factorisation.groups.len() - 1;
         for id in rows {
             if self.activity[id].is_active() && !self.fixed[id] {
                 self.released.push((id, self.activity[id]));
                 self.activity[id] = Activity::Inactive;
-                self.factorisation.take_out(&self.data, &self.activity, id);
+                self.take_out(id, group);
             }
             if self.activity[id] == Activity::Inactive {
                 self.residual[id] = 0.0;
@@ -61,16 +62,17 @@ impl ActiveSet {
         if self.released.is_empty() || !self.moves(goal) {
             return;
         }
-        let group = self.factorisation.groups.len() - 1;
-        for &(id, state) in &self.released {
+        for index in 0..self.released.len() {
+            let (id, state) = self.released[index];
             self.activity[id] = state;
             self.fixed[id] = true;
-            self.factorisation.add(&self.data, &self.activity, id, group);
+            self.add_row(id, group);
         }
     }
 
     /// Returns true if the minimum of the goal is not at x.
     fn moves(&mut self, goal: &Goal) -> bool {
-        self.set_direction(goal) && norm(&self.direction) > SETTLED * (1.0 + norm(&self.x))
+        self.set_direction(goal).has_minimum
+            && norm(&self.direction) > SETTLED * (1.0 + norm(&self.x))
     }
 }

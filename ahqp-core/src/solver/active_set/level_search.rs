@@ -3,11 +3,9 @@
 //! Each iteration goes towards the minimum with the active rows held. It stops at the first
 //! blocking row, which becomes active. If no row blocks, the row with the largest force of the
 //! wrong sign becomes inactive (Nocedal & Wright, Numerical Optimization, algorithm 16.3). The
-//! violations of soft rows are variables that are never formed. The objective never rises. After a
-//! long stall, rows are chosen by least index, which cannot cycle (Bland).
-//!
-//! A row that becomes inactive leaves its bound with the next step. If it blocks that step, it was
-//! dropped because of rounding, and stays active until x moves.
+//! violations of soft rows are variables that are never formed. The objective never rises. In a long
+//! search, rows are chosen by least index, which cannot cycle (Bland). A row that blocks the step
+//! after its drop then was dropped by rounding, and stays active.
 
 use super::goal::Goal;
 use super::ratio_test::Choice;
@@ -15,8 +13,8 @@ use super::{ActiveSet, Residuals};
 use crate::linalg::vector::{add_scaled, norm};
 use crate::solver::activity::Activity;
 use crate::solver::data::active_bound;
-use crate::solver::factorisation::{FreeCoordinates, Purpose};
-use crate::solver::tolerances::{LONG, SETTLED, SHORTEST_STEP};
+use crate::solver::factorisation::{FreeCoordinates, Purpose, Step};
+use crate::solver::tolerances::{LONG, SETTLED};
 
 /// How a search ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,58 +33,41 @@ struct Dropped {
     group: usize,
     /// True if the change left a free direction to an objective above the goal.
     frees_objectives_above: bool,
-    /// True if no row has become active since then.
-    is_last_change: bool,
 }
 
 impl ActiveSet {
     /// Moves x to the minimum of the goal.
     pub(crate) fn search(&mut self, goal: &Goal) -> End {
         self.tabu.clear();
-        self.tabu_for_objectives.clear();
         let mut dropped: Option<Dropped> = None;
-        let (mut stalled, begun) = (0, self.iterations);
+        let begun = self.iterations;
         loop {
             if self.remaining.is_spent(self.iterations) {
                 return End::OutOfBudget;
             }
             self.iterations += 1;
-            // The least index cannot cycle, but is slow. It is used after a stall or in a long
-            // search, since a cycle of short steps is no stall.
+            // The least index cannot cycle, but is slow.
             let is_long = self.iterations - begun > LONG * self.data.n;
-            let may_cycle = stalled > self.data.n || is_long;
-            let choice = if may_cycle { Choice::First } else { Choice::Steepest };
-            let has_minimum = self.set_direction(goal);
-            if let Some(row) = dropped.filter(|row| row.frees_objectives_above)
-                && self.factorisation.moves_objectives_above(SETTLED * (1.0 + norm(&self.x)))
+            let choice = if is_long { Choice::First } else { Choice::Steepest };
+            let step = self.set_direction(goal);
+            let has_minimum = step.has_minimum;
+            let row = dropped.take();
+            if let Some(row) = row.filter(|row| row.frees_objectives_above)
+                && step.of_objectives_above > SETTLED * (1.0 + norm(&self.x))
             {
                 self.take_back(goal, row);
-                dropped = None;
                 continue;
             }
             let full = if has_minimum { 1.0 } else { f64::INFINITY };
             let (length, blocking) = self.ratio_test(goal, full, choice);
-            self.advance(goal, length);
+            self.advance(goal, length, step.moving);
             if blocking.is_none() && has_minimum {
                 self.attain();
             }
-            if length * norm(&self.direction) > SHORTEST_STEP * (1.0 + norm(&self.x)) {
-                stalled = 0;
-                self.tabu.clear();
-            } else {
-                stalled += 1;
-            }
             if let Some((id, bound)) = blocking {
-                dropped = match dropped {
-                    Some(row) if stalled > 0 && row.id != id => {
-                        Some(Dropped { is_last_change: false, ..row })
-                    }
-                    Some(row) if stalled > 0 && row.is_last_change => {
-                        self.tabu.push(id);
-                        None
-                    }
-                    _ => None,
-                };
+                if is_long && row.is_some_and(|row| row.id == id) {
+                    self.tabu.push(id);
+                }
                 self.activate(goal, id, bound);
                 continue;
             }
@@ -100,30 +81,30 @@ impl ActiveSet {
         }
     }
 
-    /// Computes the step to the minimum with the active rows held. Returns false if there is none.
-    /// The direction is then one along which the goal decreases without bound.
-    pub(super) fn set_direction(&mut self, goal: &Goal) -> bool {
+    /// Computes the step to the minimum with the active rows held. If there is no minimum, it is a
+    /// direction along which the goal decreases without bound.
+    pub(super) fn set_direction(&mut self, goal: &Goal) -> Step {
         let free = match goal {
             Goal::Rows(_) => FreeCoordinates::Kept,
             Goal::Norm => FreeCoordinates::Zero,
         };
-        let Self { data, factorisation, x, value, activity, direction, .. } = self;
+        let Self { data, factorisation, x, value, activity, direction, attained, .. } = self;
         let gap = |id: usize| {
             let bound = active_bound(data, activity, id);
             let gap = bound - value[id];
             if gap.abs() > f64::EPSILON * bound.abs() { gap } else { 0.0 }
         };
-        let has_minimum = factorisation.step_from(data, x, gap, free, direction);
+        let taken = factorisation.step_from(data, (x, *attained), gap, free, direction);
         for variable in (0..data.n).filter(|&i| activity[i].is_active()) {
             // The step is exact, so that heavy rows see no rounding of it.
             let step = active_bound(data, activity, variable) - x[variable];
-            direction[variable] = if has_minimum { step } else { 0.0 };
+            direction[variable] = if taken.has_minimum { step } else { 0.0 };
         }
-        has_minimum
+        taken
     }
 
-    /// Computes x ← x + length · direction.
-    fn advance(&mut self, goal: &Goal, length: f64) {
+    /// Computes x ← x + length · direction. The step moves the groups from `moving` on.
+    fn advance(&mut self, goal: &Goal, length: f64, moving: usize) {
         if !length.is_finite() {
             return;
         }
@@ -133,7 +114,7 @@ impl ActiveSet {
             add_scaled(&mut self.value[rows.clone()], length, &self.slope[rows.clone()]);
         }
         let Self { data, factorisation, value, direction, .. } = self;
-        for (id, step) in factorisation.steps_of_held(|id| data.row(id).dot(direction)) {
+        for (id, step) in factorisation.steps_of_held(moving, |id| data.row(id).dot(direction)) {
             value[id] += length * step;
         }
         if let Goal::Rows(rows) = goal {
@@ -146,7 +127,7 @@ impl ActiveSet {
 
     /// Records that x is where the active rows hold. Variables at a bound are set to it exactly.
     fn attain(&mut self) {
-        self.factorisation.attain();
+        self.attained = self.factorisation.groups.len();
         for variable in (0..self.data.n).filter(|&i| self.activity[i].is_active()) {
             self.x[variable] = active_bound(&self.data, &self.activity, variable);
         }
@@ -161,7 +142,7 @@ impl ActiveSet {
         let group = if is_behind { last.saturating_sub(1) } else { last };
         let is_held = self.factorisation.groups[group].purpose == Purpose::Held;
         assert!(is_held || goal.has_row(id) || !cfg!(feature = "testing"));
-        self.factorisation.add(&self.data, &self.activity, id, group);
+        self.add_row(id, group);
     }
 
     /// Makes an active row inactive.
@@ -172,9 +153,9 @@ impl ActiveSet {
         let (state, group) = (self.activity[id], self.factorisation.group_with(id));
         let rank = self.factorisation.rank_of_objectives_above();
         self.activity[id] = Activity::Inactive;
-        self.factorisation.take_out(&self.data, &self.activity, id);
+        self.take_out(id, group);
         let frees_objectives_above = self.factorisation.rank_of_objectives_above() > rank;
-        Dropped { id, state, group, frees_objectives_above, is_last_change: true }
+        Dropped { id, state, group, frees_objectives_above }
     }
 
     /// Makes a row active again if an objective above would move x without it. That objective needs
@@ -185,8 +166,8 @@ impl ActiveSet {
             self.residual[row.id] = 0.0;
         }
         self.activity[row.id] = row.state;
-        self.factorisation.add(&self.data, &self.activity, row.id, row.group);
-        self.tabu_for_objectives.push(row.id);
+        self.add_row(row.id, row.group);
+        self.tabu.push(row.id);
     }
 
     /// Returns aᵢx − bound of an active row.
@@ -254,7 +235,6 @@ impl ActiveSet {
     /// Returns true if row `id` is active and may become inactive.
     fn may_drop(&self, id: usize) -> bool {
         let is_inequality = matches!(self.activity[id], Activity::Lower | Activity::Upper);
-        let is_tabu = self.tabu.contains(&id) || self.tabu_for_objectives.contains(&id);
-        is_inequality && !self.fixed[id] && !is_tabu
+        is_inequality && !self.fixed[id] && !self.tabu.contains(&id)
     }
 }

@@ -7,7 +7,7 @@ use crate::linalg::kernels::add_rows;
 use crate::linalg::vector::{add_scaled, dot, norm};
 use crate::solver::activity::Activity;
 use crate::solver::data::{ProblemData, active_bound};
-use crate::solver::tolerances::{ROUNDING, SETTLED};
+use crate::solver::tolerances::ROUNDING;
 
 /// Treatment of coordinates that no group decides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -16,6 +16,17 @@ pub(crate) enum FreeCoordinates {
     Kept,
     /// They become zero, which gives the least norm.
     Zero,
+}
+
+/// A step to the point that the groups decide.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Step {
+    /// False if a linear term has no minimum. The step is then a direction in which it decreases.
+    pub(crate) has_minimum: bool,
+    /// The first group that the step moves.
+    pub(crate) moving: usize,
+    /// Length of the step in the coordinates of an objective before the last group.
+    pub(crate) of_objectives_above: f64,
 }
 
 /// Copies the entries of a vector at the free variables, padded with zeros.
@@ -53,27 +64,22 @@ impl Factorisation {
     /// Computes the step from `x` to the point that the groups decide. `gap` is the bound of an
     /// active row minus aᵢx.
     ///
-    /// Groups that have not changed since x [attained](Self::attain) them need no step. Returns
-    /// false if a linear term has no minimum. The step is then a direction in which it decreases.
+    /// The first `attained` groups need no step: they have not changed since x was where they
+    /// decide.
     pub(crate) fn step_from(
         &mut self,
         data: &ProblemData,
-        x: &[f64],
+        (x, attained): (&[f64], usize),
         gap: impl Fn(usize) -> f64,
         free: FreeCoordinates,
         step: &mut [f64],
-    ) -> bool {
+    ) -> Step {
         let (rank, k) = (self.pivots.len(), self.free.len());
-        self.moving = self.first_to_move(gap);
-        let first = self.groups.get(self.moving).map_or(rank, |group| group.first_pivot);
-        self.objectives_step = 0.0;
-        let most = SETTLED * (1.0 + norm(x));
-        let mut groups = self.moving..self.groups.len();
-        let has_minimum = groups.all(|group| {
-            let has_minimum = self.decide(data, group, first);
-            self.keep_objective(group, most);
-            has_minimum
-        });
+        let mut moving = self.first_to_move(attained, gap);
+        let first = self.groups.get(moving).map_or(rank, |group| group.first_pivot);
+        let mut groups = moving..self.groups.len();
+        let has_minimum = groups.all(|group| self.decide(data, group, first));
+        let of_objectives_above = self.step_of_objectives_above(moving);
         let mut z = std::mem::take(&mut self.turned);
         if has_minimum {
             z[first..rank].copy_from_slice(&self.y[first..rank]);
@@ -86,7 +92,7 @@ impl Factorisation {
             let level = self.groups.last().and_then(|group| group.linear_of).unwrap_or(0);
             let linear = &self.linear[level * self.n + rank..level * self.n + k];
             z[first..rank].fill(0.0);
-            self.moving = self.groups.len();
+            moving = self.groups.len();
             for (z, linear) in z[rank..].iter_mut().zip(linear) {
                 *z = -linear;
             }
@@ -103,29 +109,24 @@ impl Factorisation {
                 step[variable] = value;
             }
         }
-        has_minimum
+        Step { has_minimum, moving, of_objectives_above }
     }
 
-    /// Keeps objectives before the last group at their optimum, by removing steps of theirs above
-    /// `most`. Such a step arises from a row whose dependence is decided by the last digits of its
-    /// remainder.
-    fn keep_objective(&mut self, group: usize, most: f64) {
-        let Group { purpose, first_pivot, rank, .. } = self.groups[group];
-        if purpose == Purpose::Minimised && group + 1 < self.groups.len() {
-            let step = &mut self.y[first_pivot..first_pivot + rank];
-            let length = norm(step);
-            self.objectives_step = self.objectives_step.max(length);
-            if length > most {
-                step.fill(0.0);
-            }
-        }
+    /// Returns the longest step in the coordinates of an objective before the last group.
+    fn step_of_objectives_above(&self, moving: usize) -> f64 {
+        let last = self.groups.len().saturating_sub(1);
+        let moved = self.groups[..last].iter().skip(moving);
+        let objectives = moved.filter(|group| group.purpose == Purpose::Minimised);
+        let steps = objectives
+            .map(|group| norm(&self.y[group.first_pivot..group.first_pivot + group.rank]));
+        steps.fold(0.0, f64::max)
     }
 
-    /// Returns the first group that has a step to make. Computes the targets of its rows and of the
-    /// later ones. Hard rows that are where they are held have none.
-    fn first_to_move(&mut self, gap: impl Fn(usize) -> f64) -> usize {
+    /// Returns the first group from `attained` on that has a step to make. Computes the targets of
+    /// its rows and of the later ones. Hard rows that are where they are held have none.
+    fn first_to_move(&mut self, attained: usize, gap: impl Fn(usize) -> f64) -> usize {
         let mut first = self.groups.len();
-        for index in self.attained..self.groups.len() {
+        for index in attained..self.groups.len() {
             let Group { start, end, rank, purpose, .. } = self.groups[index];
             for (target, &id) in self.target[start..end].iter_mut().zip(&self.stacked[start..end]) {
                 *target = gap(id);
@@ -138,14 +139,15 @@ impl Factorisation {
         first
     }
 
-    /// Iterates over the active hard rows that the last step moves, with their changes. Pivots move
+    /// Iterates over the active hard rows that a step moves from group `moving` on, with their changes. Pivots move
     /// to where they are held, dependent rows by `product`, which is aᵢ times the step.
     pub(crate) fn steps_of_held(
         &self,
+        moving: usize,
         product: impl Fn(usize) -> f64,
     ) -> impl Iterator<Item = (usize, f64)> {
-        let moving = self.groups.iter().skip(self.moving);
-        let held = moving.filter(|group| group.purpose == Purpose::Held);
+        let moved = self.groups.iter().skip(moving);
+        let held = moved.filter(|group| group.purpose == Purpose::Held);
         let rows = held.flat_map(|group| {
             (group.start..group.end).map(|at| (at, at < group.start + group.rank))
         });
@@ -153,11 +155,6 @@ impl Factorisation {
             let id = self.stacked[at];
             (id, if is_pivot { self.target[at] } else { product(id) })
         })
-    }
-
-    /// Records that the point of a search is where the groups decide.
-    pub(crate) fn attain(&mut self) {
-        self.attained = self.groups.len();
     }
 
     /// Computes the coordinates that the group decides, with those before `first` taken as zero.
