@@ -7,7 +7,6 @@ use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 #[cfg(feature = "ros2")]
 use std::sync::mpsc::Receiver;
-use std::sync::mpsc::SyncSender;
 use std::thread;
 #[cfg(feature = "ros2")]
 use std::time::Duration;
@@ -15,25 +14,29 @@ use std::time::Duration;
 use anyhow::{Context, Result, anyhow, ensure};
 use clap::{Parser, ValueEnum};
 use ergo_map::{MapOptions, Person};
+#[cfg(feature = "ros2")]
+use examples::drive::FollowedBy;
+use examples::drive::{Attendant, ObjectOption, Records, acknowledge_by_keys};
 use examples::maps::{build_map, read_map};
 use examples::program::{self, Ending, Json, Program, Quiet, Session};
 use examples::settings::{RobotSettings, SettingsFile, with_settings};
 use examples::shipped;
 #[cfg(feature = "ros2")]
 use moca_drivers::ros2::{
-    JointInterface, RobotJoints, Ros2Report, Ros2Server, Ros2Side, RosDomain, SeenPeople,
-    TopicReport,
+    RobotJoints, Ros2Report, Ros2Server, Ros2Side, RosDomain, SeenPeople, TopicReport,
 };
 use moca_drivers::{
-    AnnouncedLaw, DriveReport, LinkReport, LockstepSide, RecordedCamera, SharedKey, SimulatedSide,
-    UdpServer, UdpSide,
+    AnnouncedLaw, DriveReport, LinkReport, LockstepSide, SharedKey, SimulatedSide, UdpServer,
+    UdpSide,
 };
+#[cfg(feature = "ros2")]
+use moca_model::CameraFrame;
 use moca_model::whole_body::control_loop::{
     Clock, ControlLoop, JointMeasurement, LoopSettings, ManualClock, MonotonicClock, RobotSide,
     Scheduling, StopCause,
 };
 use moca_model::whole_body::torque::Compensation;
-use moca_model::{AnswerDelay, CameraFrame, Controller, LoopController, TorqueController};
+use moca_model::{AnswerDelay, Controller, LoopController, TorqueController};
 use moca_simulation::plant::RobotNoise;
 use moca_simulation::run::Scenario;
 use percept_recording::{self, IfPartial, Recording};
@@ -45,6 +48,8 @@ use vision_models::Percept;
 const DEFAULT_STATURE: f64 = 1.75;
 /// Seed of the simulated robot's noise.
 const SEED: u64 = 1;
+/// Longest time between two looks at the ticks \[s\].
+const READS: f64 = 0.01;
 
 /// Longest time after which a camera without listeners notices the end of the loop.
 #[cfg(feature = "ros2")]
@@ -69,8 +74,8 @@ struct Options {
     #[expect(clippy::option_option, reason = "an option whose value may be left out")]
     serve: Option<Option<String>>,
     /// Take each packet of the robot as one period, whatever its time, for robots in simulators. Runs are then
-    /// reproducible.
-    #[arg(long, requires = "robot")]
+    /// reproducible. `--serve` is such a robot.
+    #[arg(long)]
     lockstep: bool,
     /// Only take packets from senders with the key in this file, for `--robot` and `--serve`: 32 bytes or more, the
     /// same at both ends.
@@ -99,6 +104,15 @@ struct Options {
     /// Take these settings in place of the defaults, as `follow` does.
     #[arg(long, value_name = "FILE")]
     settings: Option<PathBuf>,
+    /// The object for the robot's gripper, which is left alone without this.
+    #[arg(long, value_name = "WHAT", value_enum)]
+    object: Option<ObjectOption>,
+    /// Write what the loop sees and does into this folder: recording.jsonl, which `follow` plays, ticks.csv and drive.svg.
+    #[arg(long, short, value_name = "FOLDER")]
+    output: Option<PathBuf>,
+    /// Acknowledge a stop with Enter, so that the robot goes on. It stands for good otherwise.
+    #[arg(long)]
+    keys: bool,
     /// Real-time priority of the loop, 1 to 99.
     #[arg(long)]
     priority: Option<u8>,
@@ -117,30 +131,6 @@ struct Options {
 fn spin(text: &str) -> std::result::Result<f64, &'static str> {
     let number = text.parse().ok().filter(|number| (0.0..=1e6).contains(number));
     number.ok_or("give 0 to 1000000 microseconds")
-}
-
-/// The commands that the joints of the arm follow.
-#[cfg(feature = "ros2")]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
-enum FollowedBy {
-    /// Torques.
-    #[default]
-    Effort,
-    /// Velocities.
-    Velocity,
-    /// Positions.
-    Position,
-}
-
-#[cfg(feature = "ros2")]
-impl From<FollowedBy> for JointInterface {
-    fn from(kind: FollowedBy) -> Self {
-        match kind {
-            FollowedBy::Effort => Self::Effort,
-            FollowedBy::Velocity => Self::Velocity,
-            FollowedBy::Position => Self::Position,
-        }
-    }
 }
 
 /// Torques that a robot adds to its commands.
@@ -178,6 +168,10 @@ impl Program for Options {
         let duration = self.duration;
         ensure!(duration > 0.0, "--duration {duration}: give the seconds to drive, above 0");
         let key = self.key()?;
+        ensure!(
+            !self.lockstep || self.robot.is_some() || matches!(self.serve, Some(Some(_))),
+            "--lockstep: only packets are a clock; give --robot or --serve as well"
+        );
         let mut scenario = self.scenario(session)?;
         self.compensate(&mut scenario)?;
         let mut clock = MonotonicClock::new(1e-6 * self.spin);
@@ -194,7 +188,11 @@ impl Program for Options {
             writeln!(session.output(), "a robot at {}; Ctrl-C ends it", server.address()?)?;
             session.output().flush()?;
             let interrupt = session.interrupt().clone();
-            server.serve(period, &mut clock, || interrupt.requested())?;
+            if self.lockstep {
+                server.serve_in_lockstep(|| interrupt.requested())?;
+            } else {
+                server.serve(period, &mut clock, || interrupt.requested())?;
+            }
             writeln!(session.output(), "{}", LinkReport::from(server.statistics()))?;
             return Ok(Ending::Complete);
         }
@@ -206,7 +204,6 @@ impl Program for Options {
                 let driven = self.drive_in_lockstep(session, &scenario, &mut robot);
                 (driven, LinkReport::from(robot.statistics()))
             } else {
-                let recorded = recorded(session, &scenario, clock);
                 let driven = self.drive(session, &scenario, &mut robot, clock, recorded);
                 (driven, LinkReport::from(robot.statistics()))
             };
@@ -215,7 +212,6 @@ impl Program for Options {
             writeln!(session.output(), "{}\n{}", report.report, report.link)?;
             return session.conclude(self.json, &report, ended(session, cause));
         }
-        let recorded = recorded(session, &scenario, clock);
         let mut robot = SimulatedSide::new(&scenario.start, period, RobotNoise::new(SEED))?;
         let report = self.drive(session, &scenario, &mut robot, clock, recorded)?;
         writeln!(session.output(), "{report}")?;
@@ -289,9 +285,15 @@ impl Options {
             let map = build_map(session, &person, &MapOptions::default(), None)?;
             (person, map)
         };
-        let scenario = Scenario::new(percepts, &person, map)?.among(others);
-        let Some((path, file)) = settings else { return Ok(scenario) };
-        with_settings(scenario, &file).with_context(|| path.display().to_string())
+        let mut scenario = Scenario::new(percepts, &person, map)?.among(others);
+        if let Some((path, file)) = settings {
+            scenario =
+                with_settings(scenario, &file).with_context(|| path.display().to_string())?;
+        }
+        Ok(match self.object {
+            Some(object) => object.in_scenario(scenario),
+            None => scenario,
+        })
     }
 
     /// Runs on the ROS 2 graph.
@@ -323,8 +325,9 @@ impl Options {
             RobotJoints::moca(),
             self.interface.into(),
         )?;
-        let driven =
-            self.drive(session, scenario, &mut robot, clock, seen_by_others(&persons, clock));
+        let driven = self.drive(session, scenario, &mut robot, clock, |attendant, ended, clock| {
+            seen_by_others(&persons, attendant, ended, clock);
+        });
         let messages = Ros2Report::from(&robot.close()?);
         let report = driven.inspect_err(|_| session.warn(&messages))?;
         let (cause, report) = (report.cause, OnRos2 { report, ros2: messages });
@@ -339,19 +342,18 @@ impl Options {
         scenario: &Scenario,
         robot: &mut R,
         mut clock: MonotonicClock,
-        camera: impl FnOnce(&SyncSender<CameraFrame>, &AtomicBool),
+        camera: impl FnOnce(&mut Attendant<'_>, &AtomicBool, MonotonicClock),
     ) -> Result<DriveReport>
     where
         R: RobotSide + Send,
         R::Error: fmt::Display + Send,
     {
-        let (law, frames) = of_settings(self.settings.as_ref(), law(scenario))?;
-        let mut law = AnnouncedLaw::new(law, |text| session.warn(text));
+        let (mut law, mut attendant) = self.begin(session, scenario)?;
         let mut control = of_settings(self.settings.as_ref(), control_loop(scenario))?;
         let scheduling = Scheduling { priority: self.priority, lock_memory: self.lock_memory };
         let (interrupt, ended) = (session.interrupt().clone(), AtomicBool::new(false));
         let watch = clock;
-        thread::scope(|scope| {
+        let ending = thread::scope(|scope| {
             let looping = scope.spawn(|| {
                 let ending = scheduling.apply().map_err(|error| anyhow!(error)).and_then(|()| {
                     // The condition is asked once a tick; the time counts from the first one.
@@ -368,10 +370,11 @@ impl Options {
                 ended.store(true, Ordering::Release);
                 ending
             });
-            camera(&frames, &ended);
+            camera(&mut attendant, &ended, watch);
             looping.join().map_err(|_| anyhow!("the loop panicked"))?
-        })
-        .map(|ending| DriveReport::new(ending, control.statistics(), law.faults()))
+        });
+        let book = attendant.finish();
+        Ok(DriveReport::new(ending?, control.statistics(), law.faults(), Some(book?)))
     }
 
     /// Moves the robot and plays its camera as its packets come.
@@ -381,19 +384,44 @@ impl Options {
         scenario: &Scenario,
         robot: &mut LockstepSide,
     ) -> Result<DriveReport> {
-        let (law, frames) = of_settings(self.settings.as_ref(), law(scenario))?;
-        let mut law = AnnouncedLaw::new(law, |text| session.warn(text));
+        let (mut law, mut attendant) = self.begin(session, scenario)?;
         let mut control = of_settings(self.settings.as_ref(), control_loop(scenario))?;
         let mut clock = ManualClock::default();
-        let mut camera = RecordedCamera::new(scenario.camera_frames(), frames);
+        let mut camera = attendant.camera();
         let watch = clock.clone();
         let stop = || {
-            camera.show(watch.now());
+            attendant.attend();
+            camera.show(watch.now(), |frame| attendant.show(frame));
             session.interrupt().requested() || watch.now() > self.duration
         };
-        let ending =
-            control.run(robot, &mut law, &mut clock, stop).map_err(|error| anyhow!("{error}"))?;
-        Ok(DriveReport::new(ending, control.statistics(), law.faults()))
+        let ending = control.run(robot, &mut law, &mut clock, stop);
+        let book = attendant.finish();
+        let ending = ending.map_err(|error| anyhow!("{error}"))?;
+        Ok(DriveReport::new(ending, control.statistics(), law.faults(), Some(book?)))
+    }
+
+    /// The law of the loop, and its attendant.
+    fn begin<'a>(
+        &self,
+        session: &'a Session,
+        scenario: &'a Scenario,
+    ) -> Result<(AnnouncedLaw<impl FnMut(&str) + use<'a>>, Attendant<'a>)> {
+        let Scenario { model, ergonomics, settings, torques, start, .. } = scenario;
+        let made = Controller::new(model.clone(), *ergonomics, settings.clone(), start)
+            .and_then(|controller| TorqueController::new(controller, torques.clone()))
+            .map_err(anyhow::Error::from);
+        let (mut law, frames) = LoopController::new(of_settings(self.settings.as_ref(), made)?);
+        if self.object.is_some() {
+            law = ObjectOption::taken_by(law, scenario)?;
+        }
+        let (law, ticks) = AnnouncedLaw::new(law, |text: &str| session.warn(text));
+        if self.keys {
+            acknowledge_by_keys(session, law.acknowledgement())?;
+        }
+        let records = self.output.as_deref();
+        let records = records.map(|folder| Records::create(folder, scenario.map.stature()));
+        let ends = (ticks, frames);
+        Ok((law, Attendant::new(session, scenario, ends, records.transpose()?)))
     }
 }
 
@@ -405,35 +433,20 @@ fn of_settings<T>(settings: Option<&PathBuf>, result: Result<T>) -> Result<T> {
     }
 }
 
-/// The controller as a law, and the sender of its camera frames.
-fn law(scenario: &Scenario) -> Result<(LoopController, SyncSender<CameraFrame>)> {
-    let Scenario { model, ergonomics, settings, torques, start, .. } = scenario;
-    let controller = Controller::new(model.clone(), *ergonomics, settings.clone(), start)?;
-    Ok(LoopController::new(TorqueController::new(controller, torques.clone())?))
-}
-
 fn control_loop(scenario: &Scenario) -> Result<ControlLoop> {
     let period = scenario.settings.period;
     let times = LoopSettings { period, ..LoopSettings::default() };
     Ok(ControlLoop::new(times, JointMeasurement::at_rest(&scenario.model))?)
 }
 
-/// A camera that plays the recording in real time.
-fn recorded(
-    session: &Session,
-    scenario: &Scenario,
-    mut clock: MonotonicClock,
-) -> impl FnOnce(&SyncSender<CameraFrame>, &AtomicBool) {
-    let recorded = scenario.camera_frames();
-    let progress = session.open_progress("drive");
-    move |frames, ended| {
-        let mut camera = RecordedCamera::new(recorded, frames.clone());
-        while !ended.load(Ordering::Acquire) {
-            let (seen, next) = camera.show(clock.now());
-            progress.set(seen);
-            clock.sleep_until(next);
-        }
-        progress.finish();
+/// A camera that plays the recording in real time, and reads the ticks meanwhile.
+fn recorded(attendant: &mut Attendant<'_>, ended: &AtomicBool, mut clock: MonotonicClock) {
+    let mut camera = attendant.camera();
+    while !ended.load(Ordering::Acquire) {
+        attendant.attend();
+        let now = clock.now();
+        let (_, next) = camera.show(now, |frame| attendant.show(frame));
+        clock.sleep_until(next.min(now + READS));
     }
 }
 
@@ -441,18 +454,18 @@ fn recorded(
 #[cfg(feature = "ros2")]
 fn seen_by_others(
     persons: &Receiver<SeenPeople>,
+    attendant: &mut Attendant<'_>,
+    ended: &AtomicBool,
     clock: MonotonicClock,
-) -> impl FnOnce(&SyncSender<CameraFrame>, &AtomicBool) {
-    move |frames, ended| {
-        while !ended.load(Ordering::Acquire) {
-            let Ok(SeenPeople { taken, body, others, action }) = persons.recv_timeout(WAKES) else {
-                continue;
-            };
-            let age = taken.elapsed().map_or(0.0, |age| age.as_secs_f64());
-            let time = clock.now() - age;
-            let percept = Percept { time, body, action, surface: None };
-            let _ = frames.try_send(CameraFrame::from(percept).with_others(&others));
-        }
+) {
+    while !ended.load(Ordering::Acquire) {
+        attendant.attend();
+        let Ok(SeenPeople { taken, body, others, action }) = persons.recv_timeout(WAKES) else {
+            continue;
+        };
+        let age = taken.elapsed().map_or(0.0, |age| age.as_secs_f64());
+        let percept = Percept { time: clock.now() - age, body, action, surface: None };
+        attendant.see(CameraFrame::from(percept).with_others(&others));
     }
 }
 
