@@ -1,11 +1,13 @@
 //! The thread beside a control loop: camera, notes, and files.
 
+mod alone;
 mod attendant;
 #[cfg(feature = "ros2")]
 mod interface;
 mod object;
 mod records;
 
+pub use alone::alone;
 pub use attendant::{Attendant, acknowledge_by_keys};
 #[cfg(feature = "ros2")]
 pub use interface::FollowedBy;

@@ -16,7 +16,7 @@ use clap::{Parser, ValueEnum};
 use ergo_map::{MapOptions, Person};
 #[cfg(feature = "ros2")]
 use examples::drive::FollowedBy;
-use examples::drive::{Attendant, ObjectOption, Records, acknowledge_by_keys};
+use examples::drive::{Attendant, ObjectOption, Records, acknowledge_by_keys, alone};
 use examples::maps::{build_map, read_map};
 use examples::program::{self, Ending, Json, Program, Quiet, Session};
 use examples::settings::{RobotSettings, SettingsFile, with_settings};
@@ -65,6 +65,7 @@ const WAKES: Duration = Duration::from_millis(50);
 /// robot at rest. The exit status is 1 if the robot fell silent.
 #[derive(Debug, Parser)]
 #[command(version)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a switch of the command line")]
 struct Options {
     /// Move the robot at this address, in place of one in this process.
     #[arg(long, value_name = "HOST:PORT")]
@@ -107,6 +108,9 @@ struct Options {
     /// The object for the robot's gripper, which is left alone without this.
     #[arg(long, value_name = "WHAT", value_enum)]
     object: Option<ObjectOption>,
+    /// Move the tool around a small circle, as the first motion of a robot. There is no camera, so nobody may be near.
+    #[arg(long, conflicts_with_all = ["recording", "object", "serve"])]
+    circle: bool,
     /// Write what the loop sees and does into this folder: recording.jsonl, which `follow` plays, ticks.csv and drive.svg.
     #[arg(long, short, value_name = "FOLDER")]
     output: Option<PathBuf>,
@@ -292,6 +296,7 @@ impl Options {
         }
         Ok(match self.object {
             Some(object) => object.in_scenario(scenario),
+            None if self.circle => alone(scenario),
             None => scenario,
         })
     }
@@ -415,6 +420,7 @@ impl Options {
             law = ObjectOption::taken_by(law, scenario)?;
         }
         let (law, ticks) = AnnouncedLaw::new(law, |text: &str| session.warn(text));
+        let law = if self.circle { law.circling() } else { law };
         if self.keys {
             acknowledge_by_keys(session, law.acknowledgement())?;
         }

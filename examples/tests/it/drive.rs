@@ -77,7 +77,7 @@ fn person_gets_the_surface_that_they_need() {
     assert_eq!(json["unmeasured"], 0);
     let faults = json["faults"].as_array().unwrap();
     assert!(faults.iter().all(|fault| fault["fault"] == "stop requested"), "{faults:?}");
-    // By the joints that the robot measured at last, the smooth back faces the person.
+    // The smooth back faces the person, as the joints say that the robot measured last.
     let read = |path: &str| {
         Recording::read(percept_recording::open(Path::new(path)).unwrap(), IfPartial::Refuse)
     };
@@ -102,6 +102,32 @@ fn person_gets_the_surface_that_they_need() {
     let played = follow.with(&[&recording]).run().done().json();
     assert!(played["duration_s"].as_f64().unwrap() > 23.0, "{played}");
     assert!(fs::read_to_string(format!("{out}/drive.svg")).unwrap().contains("score e_s"));
+}
+
+/// The first motion of a robot: twice around a circle of 0.1 m, as its own joints say.
+#[test]
+fn tool_goes_around_a_small_circle() {
+    let folder = tempfile::tempdir().unwrap();
+    let drive = Runs::new("drive").with(&["--circle", "--duration=18", "--output"]);
+    let json = beside_a_robot(drive.with(&[folder.path()])).done().json();
+    assert_eq!(json["protective_stops"], 0, "{json}");
+    assert_eq!(labels(&json, "phase"), ["apart"]);
+    let mut reader = csv::Reader::from_path(folder.path().join("ticks.csv")).unwrap();
+    let names = reader.headers().unwrap().clone();
+    let joint = |name: &&str| name.starts_with("q_");
+    let first = names.iter().position(|name| joint(&name)).unwrap();
+    let home = tool_at(&MOCA_HOME).translation.vector;
+    let (mut turned, mut before) = (0.0, None);
+    for tick in reader.records().step_by(50) {
+        let tick = tick.unwrap();
+        let q: Vec<f64> = (first..first + 10).map(|column| tick[column].parse().unwrap()).collect();
+        let way = tool_at(&q).translation.vector - home - Vector3::z() * 0.05;
+        assert!((way.norm() - 0.05).abs() < 0.006 && way.x.abs() < 0.006, "{way}");
+        let angle = way.y.atan2(-way.z);
+        let step = angle - before.replace(angle).unwrap_or(angle);
+        turned += step - std::f64::consts::TAU * (step / std::f64::consts::TAU).round();
+    }
+    assert!((turned - 2.0 * std::f64::consts::TAU).abs() < 0.1, "{turned} rad");
 }
 
 #[test]

@@ -6,6 +6,7 @@ use moca_model::whole_body::control_loop::{ControlLaw, JointCommand, JointMeasur
 use moca_model::{Acknowledgement, Error, LoopController};
 
 use super::fault_log::FaultLog;
+use super::first_motion::circle;
 use super::loop_tick::{TickSender, Ticks, tick_channel};
 
 /// A [`LoopController`] that tells people once, before the first command, which inputs are missing. It also keeps a log
@@ -16,13 +17,21 @@ pub struct AnnouncedLaw<F> {
     tell: F,
     faults: FaultLog,
     ticks: TickSender,
+    circles: bool,
 }
 
 impl<F: FnMut(&str)> AnnouncedLaw<F> {
     /// Creates a law from a controller and the function that tells people. Also returns its ticks, for another thread.
     pub fn new(law: LoopController, tell: F) -> (Self, Ticks) {
         let (sender, ticks) = tick_channel(law.controller().controller());
-        (Self { law, tell, faults: FaultLog::default(), ticks: sender }, ticks)
+        (Self { law, tell, faults: FaultLog::default(), ticks: sender, circles: false }, ticks)
+    }
+
+    /// Lets the tool go twice around an upright circle of 0.1 m beside its measured place, in place of working with
+    /// somebody. The workspace of the settings must be narrow.
+    #[must_use]
+    pub fn circling(self) -> Self {
+        Self { circles: true, ..self }
     }
 
     /// Returns the faults so far.
@@ -41,6 +50,10 @@ impl<F: FnMut(&str)> ControlLaw for AnnouncedLaw<F> {
 
     fn begin(&mut self, measured: &JointMeasurement) -> Result<(), Error> {
         self.law.begin(measured)?;
+        if self.circles {
+            let controller = self.law.controller_mut().controller_mut();
+            circle(controller, &measured.position)?;
+        }
         if !self.law.controller().measures_contacts() {
             (self.tell)(
                 "the robot measures no torques of its arm: nothing is felt, so force limiting is off, and the robot \

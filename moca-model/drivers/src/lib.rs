@@ -4,6 +4,7 @@ mod announced_law;
 mod command_limits;
 mod drive_report;
 mod fault_log;
+mod first_motion;
 mod link;
 mod lockstep;
 mod logbook;
