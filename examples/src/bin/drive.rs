@@ -12,11 +12,13 @@ use std::thread;
 use std::time::Duration;
 
 use anyhow::{Context, Result, anyhow, ensure};
-use clap::{Parser, ValueEnum};
+use clap::Parser;
 use ergo_map::{MapOptions, Person};
 #[cfg(feature = "ros2")]
 use examples::drive::FollowedBy;
-use examples::drive::{Attendant, ObjectOption, Records, acknowledge_by_keys, alone};
+use examples::drive::{
+    Attendant, ObjectOption, Records, RobotAdds, acknowledge_by_keys, alone, watch_percepts,
+};
 use examples::maps::{build_map, read_map};
 use examples::program::{self, Ending, Json, Program, Quiet, Session};
 use examples::settings::{RobotSettings, SettingsFile, with_settings};
@@ -35,7 +37,6 @@ use moca_model::whole_body::control_loop::{
     Clock, ControlLoop, JointMeasurement, LoopSettings, ManualClock, MonotonicClock, RobotSide,
     Scheduling, StopCause,
 };
-use moca_model::whole_body::torque::Compensation;
 use moca_model::{AnswerDelay, Controller, LoopController, TorqueController};
 use moca_simulation::plant::RobotNoise;
 use moca_simulation::run::Scenario;
@@ -99,6 +100,9 @@ struct Options {
     /// Play this recording in a loop, in place of the built-in one.
     #[arg(long, value_name = "FILE")]
     recording: Option<PathBuf>,
+    /// See the percepts that `perceive --live` writes into this pipe, in place of a recording.
+    #[arg(long, value_name = "PIPE", conflicts_with_all = ["recording", "lockstep", "serve", "circle"])]
+    percepts: Option<PathBuf>,
     /// The person's ergonomics map, as `ergo_map` saves it, in place of one that is built.
     #[arg(long, value_name = "FILE")]
     map: Option<PathBuf>,
@@ -135,15 +139,6 @@ struct Options {
 fn spin(text: &str) -> std::result::Result<f64, &'static str> {
     let number = text.parse().ok().filter(|number| (0.0..=1e6).contains(number));
     number.ok_or("give 0 to 1000000 microseconds")
-}
-
-/// Torques that a robot adds to its commands.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum RobotAdds {
-    /// Nothing: motors, simulated or not, and effort controllers on them.
-    Nothing,
-    /// Gravity and friction, as Franka's robots do.
-    Franka,
 }
 
 /// Options for a robot over UDP.
@@ -183,6 +178,12 @@ impl Program for Options {
         if self.ros2 {
             return self.on_ros2(session, &scenario, clock);
         }
+        let camera = |attendant: &mut Attendant<'_>, ended: &AtomicBool, clock| {
+            let Some(pipe) = &self.percepts else { return recorded(attendant, ended, clock) };
+            if let Err(error) = watch_percepts(pipe, attendant, ended, clock) {
+                program::warn(format_args!("{error:#}"));
+            }
+        };
         let period = scenario.settings.period;
         if let Some(address) = &self.serve {
             let address = address.as_ref().context("--serve: give an address, HOST:PORT")?;
@@ -208,7 +209,7 @@ impl Program for Options {
                 let driven = self.drive_in_lockstep(session, &scenario, &mut robot);
                 (driven, LinkReport::from(robot.statistics()))
             } else {
-                let driven = self.drive(session, &scenario, &mut robot, clock, recorded);
+                let driven = self.drive(session, &scenario, &mut robot, clock, camera);
                 (driven, LinkReport::from(robot.statistics()))
             };
             let report = driven.inspect_err(|_| session.warn(&link))?;
@@ -217,7 +218,7 @@ impl Program for Options {
             return session.conclude(self.json, &report, ended(session, cause));
         }
         let mut robot = SimulatedSide::new(&scenario.start, period, RobotNoise::new(SEED))?;
-        let report = self.drive(session, &scenario, &mut robot, clock, recorded)?;
+        let report = self.drive(session, &scenario, &mut robot, clock, camera)?;
         writeln!(session.output(), "{report}")?;
         session.conclude(self.json, &report, ended(session, report.cause))
     }
@@ -235,8 +236,7 @@ impl Options {
             scenario.torques.delay = AnswerDelay::Known(0.0);
         }
         match self.compensation {
-            Some(RobotAdds::Nothing) => scenario.torques.compensation = Compensation::BARE,
-            Some(RobotAdds::Franka) => scenario.torques.compensation = Compensation::FRANKA,
+            Some(adds) => scenario.torques.compensation = adds.into(),
             None => ensure!(
                 self.serve.is_some() || !self.is_elsewhere() || !takes_torques,
                 "--compensation: say what the robot adds to the torques that it is sent: `nothing`, as plain motors \

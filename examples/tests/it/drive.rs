@@ -4,8 +4,9 @@ use std::fs;
 use std::io::{BufRead, BufReader, Write};
 use std::net::UdpSocket;
 use std::path::Path;
+use std::process::Command;
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use moca_drivers::{Packet, PacketHead, PacketKind, SimulatedSide};
 use moca_model::whole_body::Data;
@@ -13,8 +14,8 @@ use moca_model::whole_body::control_loop::{JointCommand, JointMeasurement, Robot
 use moca_model::{BoxSide, ControllerSettings, GraspedObject, MOCA_HOME, moca};
 use moca_simulation::plant::RobotNoise;
 use nalgebra::{Isometry3, Vector3};
-use percept_recording::{IfPartial, Recording};
-use vision_models::Body25;
+use percept_recording::{Header, IfPartial, Recording, Writer};
+use vision_models::{Body25, Percept};
 
 use crate::support::{Ran, Runs, coarse_map_file, signal};
 
@@ -203,4 +204,38 @@ fn enter_acknowledges_a_stop() {
         assert_eq!(again.is_some(), enters, "{states:?}");
         assert!(again.is_none_or(|span| span["begin"].as_f64().unwrap() > 1.9), "{spans:?}");
     }
+}
+
+/// Percepts come through a pipe while the loop runs, with times of the system's clock.
+#[test]
+fn loop_sees_percepts_as_they_are_made() {
+    let folder = tempfile::tempdir().unwrap();
+    let (pipe, out) = (folder.path().join("pipe"), folder.path().join("out"));
+    assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let drive = Runs::new("drive").with(&["--duration=2", "--json", "--map", coarse_map_file()]);
+    let child =
+        drive.with(&["--percepts"]).with(&[&pipe]).with(&["--output"]).with(&[&out]).start();
+    let into = fs::File::options().write(true).open(&pipe).unwrap();
+    let mut writer = Writer::new(into, &Header::default()).unwrap();
+    let mut times = Vec::new();
+    loop {
+        let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap().as_secs_f64();
+        // The images are 30 ms old.
+        let percept = Percept { time: now - 0.03, body: None, action: None, surface: None };
+        if writer.write(&percept).is_err() {
+            break;
+        }
+        times.push(percept.time);
+        thread::sleep(Duration::from_millis(50));
+    }
+    let json = Ran::of(child).done().json();
+    assert_eq!(json["ended"], "requested");
+    let recording = percept_recording::open(out.join("recording.jsonl")).unwrap();
+    let seen = Recording::read(recording, IfPartial::Refuse).unwrap().percepts;
+    assert!(seen.len() > 10 && seen.len() <= times.len(), "{} of {}", seen.len(), times.len());
+    // The times between frames stay: one clock runs as fast as the other.
+    let matches =
+        |between: f64| times.windows(2).any(|pair| (pair[1] - pair[0] - between).abs() < 2e-3);
+    let same = seen.windows(2).filter(|pair| matches(pair[1].time - pair[0].time)).count();
+    assert!(2 * same > seen.len(), "{same} of {}", seen.len());
 }
