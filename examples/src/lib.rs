@@ -1,6 +1,7 @@
 //! Parts of the programs of this package.
 
 pub mod actions;
+pub mod drive;
 pub mod experiment;
 pub mod film;
 pub mod infer;

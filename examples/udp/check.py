@@ -1,16 +1,17 @@
-"""Checks robot.py in lockstep with its controller: check.py PROGRAM, the program `drive`."""
+"""Checks robots in lockstep with their controller, robot.py and others: check.py DRIVE [ROBOT]..., their programs."""
 import json
 import pathlib
 import subprocess
 import sys
 
 SECONDS = 12  # of the built-in recording: the person has engaged, and the robot comes
-ROBOT = [sys.executable, "-B", str(pathlib.Path(__file__).with_name("robot.py")), "127.0.0.1:0"]
+ROBOT = [sys.executable, "-B", str(pathlib.Path(__file__).with_name("robot.py"))]
 
 
-def check(drive):
-    """Plays once, and fails with what is wrong."""
-    with subprocess.Popen(ROBOT, stdout=subprocess.PIPE, text=True) as robot:
+def check(drive, robot):
+    """Plays once, fails with what is wrong, and returns where the joints are at the end."""
+    name = pathlib.Path(robot[-1]).name
+    with subprocess.Popen([*robot, "127.0.0.1:0"], stdout=subprocess.PIPE, text=True) as robot:
         try:
             home = [0.0, 0.0, 0.0, 0.0, -0.785398, 0.0, -2.356194, 0.0, 1.570796, 0.785398]
             address = robot.stdout.readline().split()[-1]
@@ -28,8 +29,12 @@ def check(drive):
     assert report["ticks"] == int(commands) > 990 * SECONDS, f"{commands} commands"
     moved = max(abs(q - q0) for q, q0 in zip(map(float, joints.split()), home, strict=True))
     assert moved > 0.1, f"the robot stood still at {joints}"
-    print(f"a robot in Python took {commands} commands and moved a joint by {moved:.2f} m or rad")
+    print(f"{name} took {commands} commands and moved a joint by {moved:.2f} m or rad")
+    return [float(q) for q in joints.split()]
 
 
 if __name__ == "__main__":
-    check(sys.argv[1])
+    ends = [check(sys.argv[1], robot) for robot in [ROBOT, *([program] for program in sys.argv[2:])]]
+    # They are the same robot, so the same commands bring them to the same place.
+    for end in ends:
+        assert all(abs(a - b) < 1e-6 for a, b in zip(end, ends[0], strict=True)), ends

@@ -2,11 +2,11 @@
 
 The book describes the packets. Put your simulator in place of Robot.
 """
-import socket, struct, sys
+import math, socket, struct, sys
 
 JOINTS, ARM = 10, 7  # the arm's joints come last
 INERTIA = [1.2, 1.2, 0.8, 0.8, 0.1, 0.1, 0.05]  # kg m², of each joint of the arm
-HOME = [0.0, 0.0, 0.0, 0.0, -0.785398, 0.0, -2.356194, 0.0, 1.570796, 0.785398]  # m, rad
+HOME = [0.0, 0.0, 0.0, 0.0, -math.pi / 4, 0.0, -3 * math.pi / 4, 0.0, math.pi / 2, math.pi / 4]  # m, rad
 HEAD = struct.Struct("<4sHBBQQQ")  # mark, joints, mode, answer, controller's number, robot's number, counter
 NUMBERS = struct.Struct(f"<{3 * JOINTS}d{JOINTS}s")  # positions, velocities, torques; which torques are measured
 PERIOD, RUNNING, TAKEN, OWN_NUMBER = 1e-3, 1, 2, 7

@@ -271,7 +271,7 @@ impl DynamicRobot {
     pub fn status(&self) -> RobotStatus {
         let stopped = self.line.is_stopped();
         let mode = if stopped { RobotMode::Stopped } else { RobotMode::Running };
-        RobotStatus { mode: Some(mode), took_command: self.took_command }
+        RobotStatus { mode: Some(mode), took_command: self.took_command, holds: None }
     }
 
     /// Recovers a robot that has stopped by itself, so that it takes commands again.

@@ -1,5 +1,7 @@
 //! The controller as the law of a control loop, with percepts from another thread.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
 use hrsw_safety::Fault;
@@ -7,6 +9,8 @@ use whole_body::control_loop::{ControlLaw, JointCommand, JointMeasurement, Robot
 
 use crate::camera_frame::CameraFrame;
 use crate::error::Error;
+use crate::grasped_object::GraspedObject;
+use crate::gripping::{GripTime, Gripping};
 use crate::torque::start::Start;
 use crate::torque::{LONGEST_INTERVAL, Measured, TorqueController};
 
@@ -61,6 +65,19 @@ pub struct LoopController {
     start: Option<Start>,
     /// Number of commands in a row that the robot did not take.
     refused: u32,
+    gripping: Option<Gripping>,
+    acknowledgement: Acknowledgement,
+}
+
+/// Acknowledges the stops of a [`LoopController`] from another thread, on which the loop never waits.
+#[derive(Debug, Clone, Default)]
+pub struct Acknowledgement(Arc<AtomicBool>);
+
+impl Acknowledgement {
+    /// Acknowledges, in the next tick, the stop that waits for it then. Somebody has seen to the robot.
+    pub fn give(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
 }
 
 impl LoopController {
@@ -68,7 +85,36 @@ impl LoopController {
     pub fn new(controller: TorqueController) -> (Self, SyncSender<CameraFrame>) {
         let (sender, frames) = sync_channel(WAITING);
         let start = Start::of(&controller);
-        (Self { controller, frames, stops: false, start, refused: 0 }, sender)
+        let law = Self {
+            controller,
+            frames,
+            stops: false,
+            start,
+            refused: 0,
+            gripping: None,
+            acknowledgement: Acknowledgement::default(),
+        };
+        (law, sender)
+    }
+
+    /// Lets the robot's gripper take an object, which the controller believes to be this one. Commands then say what the
+    /// gripper is to do. The controller knows of the object while [`RobotStatus::holds`] is true.
+    ///
+    /// # Errors
+    /// Those of [`GraspedObject::validate`].
+    pub fn taking(mut self, object: GraspedObject, time: GripTime) -> Result<Self, Error> {
+        self.gripping = Some(Gripping::new(object, time)?);
+        Ok(self)
+    }
+
+    /// Whether the gripper takes an object.
+    pub fn takes_object(&self) -> bool {
+        self.gripping.is_some()
+    }
+
+    /// The means to acknowledge stops from another thread.
+    pub fn acknowledgement(&self) -> Acknowledgement {
+        self.acknowledgement.clone()
     }
 
     /// Evaluates the status of the robot. It has stopped if it says so or takes none of many commands. Commands that it
@@ -135,6 +181,12 @@ impl ControlLaw for LoopController {
                 ) => {}
                 Err(error) => return Err(error),
             }
+        }
+        if self.acknowledgement.0.swap(false, Ordering::Relaxed) {
+            self.controller.controller_mut().safety_mut().supervisor_mut().acknowledge();
+        }
+        if let Some(gripping) = &mut self.gripping {
+            command.grip = Some(gripping.advance(&mut self.controller, measured.robot.holds)?);
         }
         if self.stops {
             // Nobody can acknowledge a stop that is requested in every tick.

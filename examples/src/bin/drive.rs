@@ -7,33 +7,37 @@ use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
 #[cfg(feature = "ros2")]
 use std::sync::mpsc::Receiver;
-use std::sync::mpsc::SyncSender;
 use std::thread;
 #[cfg(feature = "ros2")]
 use std::time::Duration;
 
 use anyhow::{Context, Result, anyhow, ensure};
-use clap::{Parser, ValueEnum};
+use clap::Parser;
 use ergo_map::{MapOptions, Person};
+#[cfg(feature = "ros2")]
+use examples::drive::FollowedBy;
+use examples::drive::{
+    Attendant, ObjectOption, Records, RobotAdds, acknowledge_by_keys, alone, watch_percepts,
+};
 use examples::maps::{build_map, read_map};
 use examples::program::{self, Ending, Json, Program, Quiet, Session};
 use examples::settings::{RobotSettings, SettingsFile, with_settings};
 use examples::shipped;
 #[cfg(feature = "ros2")]
 use moca_drivers::ros2::{
-    JointInterface, RobotJoints, Ros2Report, Ros2Server, Ros2Side, RosDomain, SeenPeople,
-    TopicReport,
+    RobotJoints, Ros2Report, Ros2Server, Ros2Side, RosDomain, SeenPeople, TopicReport,
 };
 use moca_drivers::{
-    AnnouncedLaw, DriveReport, LinkReport, LockstepSide, RecordedCamera, SharedKey, SimulatedSide,
-    UdpServer, UdpSide,
+    AnnouncedLaw, DriveReport, LinkReport, LockstepSide, SharedKey, SimulatedSide, UdpServer,
+    UdpSide,
 };
+#[cfg(feature = "ros2")]
+use moca_model::CameraFrame;
 use moca_model::whole_body::control_loop::{
     Clock, ControlLoop, JointMeasurement, LoopSettings, ManualClock, MonotonicClock, RobotSide,
     Scheduling, StopCause,
 };
-use moca_model::whole_body::torque::Compensation;
-use moca_model::{AnswerDelay, CameraFrame, Controller, LoopController, TorqueController};
+use moca_model::{AnswerDelay, Controller, LoopController, TorqueController};
 use moca_simulation::plant::RobotNoise;
 use moca_simulation::run::Scenario;
 use percept_recording::{self, IfPartial, Recording};
@@ -45,6 +49,8 @@ use vision_models::Percept;
 const DEFAULT_STATURE: f64 = 1.75;
 /// Seed of the simulated robot's noise.
 const SEED: u64 = 1;
+/// Longest time between two looks at the ticks \[s\].
+const READS: f64 = 0.01;
 
 /// Longest time after which a camera without listeners notices the end of the loop.
 #[cfg(feature = "ros2")]
@@ -60,6 +66,7 @@ const WAKES: Duration = Duration::from_millis(50);
 /// robot at rest. The exit status is 1 if the robot fell silent.
 #[derive(Debug, Parser)]
 #[command(version)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a switch of the command line")]
 struct Options {
     /// Move the robot at this address, in place of one in this process.
     #[arg(long, value_name = "HOST:PORT")]
@@ -69,8 +76,8 @@ struct Options {
     #[expect(clippy::option_option, reason = "an option whose value may be left out")]
     serve: Option<Option<String>>,
     /// Take each packet of the robot as one period, whatever its time, for robots in simulators. Runs are then
-    /// reproducible.
-    #[arg(long, requires = "robot")]
+    /// reproducible. `--serve` is such a robot.
+    #[arg(long)]
     lockstep: bool,
     /// Only take packets from senders with the key in this file, for `--robot` and `--serve`: 32 bytes or more, the
     /// same at both ends.
@@ -93,12 +100,27 @@ struct Options {
     /// Play this recording in a loop, in place of the built-in one.
     #[arg(long, value_name = "FILE")]
     recording: Option<PathBuf>,
+    /// See the percepts that `perceive --live` writes into this pipe, in place of a recording.
+    #[arg(long, value_name = "PIPE", conflicts_with_all = ["recording", "lockstep", "serve", "circle"])]
+    percepts: Option<PathBuf>,
     /// The person's ergonomics map, as `ergo_map` saves it, in place of one that is built.
     #[arg(long, value_name = "FILE")]
     map: Option<PathBuf>,
     /// Take these settings in place of the defaults, as `follow` does.
     #[arg(long, value_name = "FILE")]
     settings: Option<PathBuf>,
+    /// The object for the robot's gripper, which is left alone without this.
+    #[arg(long, value_name = "WHAT", value_enum)]
+    object: Option<ObjectOption>,
+    /// Move the tool around a small circle, as the first motion of a robot. There is no camera, so nobody may be near.
+    #[arg(long, conflicts_with_all = ["recording", "object", "serve"])]
+    circle: bool,
+    /// Write what the loop sees and does into this folder: recording.jsonl, which `follow` plays, ticks.csv and drive.svg.
+    #[arg(long, short, value_name = "FOLDER")]
+    output: Option<PathBuf>,
+    /// Acknowledge a stop with Enter, so that the robot goes on. It stands for good otherwise.
+    #[arg(long)]
+    keys: bool,
     /// Real-time priority of the loop, 1 to 99.
     #[arg(long)]
     priority: Option<u8>,
@@ -117,39 +139,6 @@ struct Options {
 fn spin(text: &str) -> std::result::Result<f64, &'static str> {
     let number = text.parse().ok().filter(|number| (0.0..=1e6).contains(number));
     number.ok_or("give 0 to 1000000 microseconds")
-}
-
-/// The commands that the joints of the arm follow.
-#[cfg(feature = "ros2")]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
-enum FollowedBy {
-    /// Torques.
-    #[default]
-    Effort,
-    /// Velocities.
-    Velocity,
-    /// Positions.
-    Position,
-}
-
-#[cfg(feature = "ros2")]
-impl From<FollowedBy> for JointInterface {
-    fn from(kind: FollowedBy) -> Self {
-        match kind {
-            FollowedBy::Effort => Self::Effort,
-            FollowedBy::Velocity => Self::Velocity,
-            FollowedBy::Position => Self::Position,
-        }
-    }
-}
-
-/// Torques that a robot adds to its commands.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum RobotAdds {
-    /// Nothing: motors, simulated or not, and effort controllers on them.
-    Nothing,
-    /// Gravity and friction, as Franka's robots do.
-    Franka,
 }
 
 /// Options for a robot over UDP.
@@ -178,6 +167,10 @@ impl Program for Options {
         let duration = self.duration;
         ensure!(duration > 0.0, "--duration {duration}: give the seconds to drive, above 0");
         let key = self.key()?;
+        ensure!(
+            !self.lockstep || self.robot.is_some() || matches!(self.serve, Some(Some(_))),
+            "--lockstep: only packets are a clock; give --robot or --serve as well"
+        );
         let mut scenario = self.scenario(session)?;
         self.compensate(&mut scenario)?;
         let mut clock = MonotonicClock::new(1e-6 * self.spin);
@@ -185,6 +178,12 @@ impl Program for Options {
         if self.ros2 {
             return self.on_ros2(session, &scenario, clock);
         }
+        let camera = |attendant: &mut Attendant<'_>, ended: &AtomicBool, clock| {
+            let Some(pipe) = &self.percepts else { return recorded(attendant, ended, clock) };
+            if let Err(error) = watch_percepts(pipe, attendant, ended, clock) {
+                program::warn(format_args!("{error:#}"));
+            }
+        };
         let period = scenario.settings.period;
         if let Some(address) = &self.serve {
             let address = address.as_ref().context("--serve: give an address, HOST:PORT")?;
@@ -194,7 +193,11 @@ impl Program for Options {
             writeln!(session.output(), "a robot at {}; Ctrl-C ends it", server.address()?)?;
             session.output().flush()?;
             let interrupt = session.interrupt().clone();
-            server.serve(period, &mut clock, || interrupt.requested())?;
+            if self.lockstep {
+                server.serve_in_lockstep(|| interrupt.requested())?;
+            } else {
+                server.serve(period, &mut clock, || interrupt.requested())?;
+            }
             writeln!(session.output(), "{}", LinkReport::from(server.statistics()))?;
             return Ok(Ending::Complete);
         }
@@ -206,8 +209,7 @@ impl Program for Options {
                 let driven = self.drive_in_lockstep(session, &scenario, &mut robot);
                 (driven, LinkReport::from(robot.statistics()))
             } else {
-                let recorded = recorded(session, &scenario, clock);
-                let driven = self.drive(session, &scenario, &mut robot, clock, recorded);
+                let driven = self.drive(session, &scenario, &mut robot, clock, camera);
                 (driven, LinkReport::from(robot.statistics()))
             };
             let report = driven.inspect_err(|_| session.warn(&link))?;
@@ -215,9 +217,8 @@ impl Program for Options {
             writeln!(session.output(), "{}\n{}", report.report, report.link)?;
             return session.conclude(self.json, &report, ended(session, cause));
         }
-        let recorded = recorded(session, &scenario, clock);
         let mut robot = SimulatedSide::new(&scenario.start, period, RobotNoise::new(SEED))?;
-        let report = self.drive(session, &scenario, &mut robot, clock, recorded)?;
+        let report = self.drive(session, &scenario, &mut robot, clock, camera)?;
         writeln!(session.output(), "{report}")?;
         session.conclude(self.json, &report, ended(session, report.cause))
     }
@@ -235,8 +236,7 @@ impl Options {
             scenario.torques.delay = AnswerDelay::Known(0.0);
         }
         match self.compensation {
-            Some(RobotAdds::Nothing) => scenario.torques.compensation = Compensation::BARE,
-            Some(RobotAdds::Franka) => scenario.torques.compensation = Compensation::FRANKA,
+            Some(adds) => scenario.torques.compensation = adds.into(),
             None => ensure!(
                 self.serve.is_some() || !self.is_elsewhere() || !takes_torques,
                 "--compensation: say what the robot adds to the torques that it is sent: `nothing`, as plain motors \
@@ -289,9 +289,16 @@ impl Options {
             let map = build_map(session, &person, &MapOptions::default(), None)?;
             (person, map)
         };
-        let scenario = Scenario::new(percepts, &person, map)?.among(others);
-        let Some((path, file)) = settings else { return Ok(scenario) };
-        with_settings(scenario, &file).with_context(|| path.display().to_string())
+        let mut scenario = Scenario::new(percepts, &person, map)?.among(others);
+        if let Some((path, file)) = settings {
+            scenario =
+                with_settings(scenario, &file).with_context(|| path.display().to_string())?;
+        }
+        Ok(match self.object {
+            Some(object) => object.in_scenario(scenario),
+            None if self.circle => alone(scenario),
+            None => scenario,
+        })
     }
 
     /// Runs on the ROS 2 graph.
@@ -323,8 +330,9 @@ impl Options {
             RobotJoints::moca(),
             self.interface.into(),
         )?;
-        let driven =
-            self.drive(session, scenario, &mut robot, clock, seen_by_others(&persons, clock));
+        let driven = self.drive(session, scenario, &mut robot, clock, |attendant, ended, clock| {
+            seen_by_others(&persons, attendant, ended, clock);
+        });
         let messages = Ros2Report::from(&robot.close()?);
         let report = driven.inspect_err(|_| session.warn(&messages))?;
         let (cause, report) = (report.cause, OnRos2 { report, ros2: messages });
@@ -339,19 +347,18 @@ impl Options {
         scenario: &Scenario,
         robot: &mut R,
         mut clock: MonotonicClock,
-        camera: impl FnOnce(&SyncSender<CameraFrame>, &AtomicBool),
+        camera: impl FnOnce(&mut Attendant<'_>, &AtomicBool, MonotonicClock),
     ) -> Result<DriveReport>
     where
         R: RobotSide + Send,
         R::Error: fmt::Display + Send,
     {
-        let (law, frames) = of_settings(self.settings.as_ref(), law(scenario))?;
-        let mut law = AnnouncedLaw::new(law, |text| session.warn(text));
+        let (mut law, mut attendant) = self.begin(session, scenario)?;
         let mut control = of_settings(self.settings.as_ref(), control_loop(scenario))?;
         let scheduling = Scheduling { priority: self.priority, lock_memory: self.lock_memory };
         let (interrupt, ended) = (session.interrupt().clone(), AtomicBool::new(false));
         let watch = clock;
-        thread::scope(|scope| {
+        let ending = thread::scope(|scope| {
             let looping = scope.spawn(|| {
                 let ending = scheduling.apply().map_err(|error| anyhow!(error)).and_then(|()| {
                     // The condition is asked once a tick; the time counts from the first one.
@@ -368,10 +375,11 @@ impl Options {
                 ended.store(true, Ordering::Release);
                 ending
             });
-            camera(&frames, &ended);
+            camera(&mut attendant, &ended, watch);
             looping.join().map_err(|_| anyhow!("the loop panicked"))?
-        })
-        .map(|ending| DriveReport::new(ending, control.statistics(), law.faults()))
+        });
+        let book = attendant.finish();
+        Ok(DriveReport::new(ending?, control.statistics(), law.faults(), Some(book?)))
     }
 
     /// Moves the robot and plays its camera as its packets come.
@@ -381,19 +389,45 @@ impl Options {
         scenario: &Scenario,
         robot: &mut LockstepSide,
     ) -> Result<DriveReport> {
-        let (law, frames) = of_settings(self.settings.as_ref(), law(scenario))?;
-        let mut law = AnnouncedLaw::new(law, |text| session.warn(text));
+        let (mut law, mut attendant) = self.begin(session, scenario)?;
         let mut control = of_settings(self.settings.as_ref(), control_loop(scenario))?;
         let mut clock = ManualClock::default();
-        let mut camera = RecordedCamera::new(scenario.camera_frames(), frames);
+        let mut camera = attendant.camera();
         let watch = clock.clone();
         let stop = || {
-            camera.show(watch.now());
+            attendant.attend();
+            camera.show(watch.now(), |frame| attendant.show(frame));
             session.interrupt().requested() || watch.now() > self.duration
         };
-        let ending =
-            control.run(robot, &mut law, &mut clock, stop).map_err(|error| anyhow!("{error}"))?;
-        Ok(DriveReport::new(ending, control.statistics(), law.faults()))
+        let ending = control.run(robot, &mut law, &mut clock, stop);
+        let book = attendant.finish();
+        let ending = ending.map_err(|error| anyhow!("{error}"))?;
+        Ok(DriveReport::new(ending, control.statistics(), law.faults(), Some(book?)))
+    }
+
+    /// The law of the loop, and its attendant.
+    fn begin<'a>(
+        &self,
+        session: &'a Session,
+        scenario: &'a Scenario,
+    ) -> Result<(AnnouncedLaw<impl FnMut(&str) + use<'a>>, Attendant<'a>)> {
+        let Scenario { model, ergonomics, settings, torques, start, .. } = scenario;
+        let made = Controller::new(model.clone(), *ergonomics, settings.clone(), start)
+            .and_then(|controller| TorqueController::new(controller, torques.clone()))
+            .map_err(anyhow::Error::from);
+        let (mut law, frames) = LoopController::new(of_settings(self.settings.as_ref(), made)?);
+        if self.object.is_some() {
+            law = ObjectOption::taken_by(law, scenario)?;
+        }
+        let (law, ticks) = AnnouncedLaw::new(law, |text: &str| session.warn(text));
+        let law = if self.circle { law.circling() } else { law };
+        if self.keys {
+            acknowledge_by_keys(session, law.acknowledgement())?;
+        }
+        let records = self.output.as_deref();
+        let records = records.map(|folder| Records::create(folder, scenario.map.stature()));
+        let ends = (ticks, frames);
+        Ok((law, Attendant::new(session, scenario, ends, records.transpose()?)))
     }
 }
 
@@ -405,35 +439,20 @@ fn of_settings<T>(settings: Option<&PathBuf>, result: Result<T>) -> Result<T> {
     }
 }
 
-/// The controller as a law, and the sender of its camera frames.
-fn law(scenario: &Scenario) -> Result<(LoopController, SyncSender<CameraFrame>)> {
-    let Scenario { model, ergonomics, settings, torques, start, .. } = scenario;
-    let controller = Controller::new(model.clone(), *ergonomics, settings.clone(), start)?;
-    Ok(LoopController::new(TorqueController::new(controller, torques.clone())?))
-}
-
 fn control_loop(scenario: &Scenario) -> Result<ControlLoop> {
     let period = scenario.settings.period;
     let times = LoopSettings { period, ..LoopSettings::default() };
     Ok(ControlLoop::new(times, JointMeasurement::at_rest(&scenario.model))?)
 }
 
-/// A camera that plays the recording in real time.
-fn recorded(
-    session: &Session,
-    scenario: &Scenario,
-    mut clock: MonotonicClock,
-) -> impl FnOnce(&SyncSender<CameraFrame>, &AtomicBool) {
-    let recorded = scenario.camera_frames();
-    let progress = session.open_progress("drive");
-    move |frames, ended| {
-        let mut camera = RecordedCamera::new(recorded, frames.clone());
-        while !ended.load(Ordering::Acquire) {
-            let (seen, next) = camera.show(clock.now());
-            progress.set(seen);
-            clock.sleep_until(next);
-        }
-        progress.finish();
+/// A camera that plays the recording in real time, and reads the ticks meanwhile.
+fn recorded(attendant: &mut Attendant<'_>, ended: &AtomicBool, mut clock: MonotonicClock) {
+    let mut camera = attendant.camera();
+    while !ended.load(Ordering::Acquire) {
+        attendant.attend();
+        let now = clock.now();
+        let (_, next) = camera.show(now, |frame| attendant.show(frame));
+        clock.sleep_until(next.min(now + READS));
     }
 }
 
@@ -441,18 +460,18 @@ fn recorded(
 #[cfg(feature = "ros2")]
 fn seen_by_others(
     persons: &Receiver<SeenPeople>,
+    attendant: &mut Attendant<'_>,
+    ended: &AtomicBool,
     clock: MonotonicClock,
-) -> impl FnOnce(&SyncSender<CameraFrame>, &AtomicBool) {
-    move |frames, ended| {
-        while !ended.load(Ordering::Acquire) {
-            let Ok(SeenPeople { taken, body, others, action }) = persons.recv_timeout(WAKES) else {
-                continue;
-            };
-            let age = taken.elapsed().map_or(0.0, |age| age.as_secs_f64());
-            let time = clock.now() - age;
-            let percept = Percept { time, body, action, surface: None };
-            let _ = frames.try_send(CameraFrame::from(percept).with_others(&others));
-        }
+) {
+    while !ended.load(Ordering::Acquire) {
+        attendant.attend();
+        let Ok(SeenPeople { taken, body, others, action }) = persons.recv_timeout(WAKES) else {
+            continue;
+        };
+        let age = taken.elapsed().map_or(0.0, |age| age.as_secs_f64());
+        let percept = Percept { time: clock.now() - age, body, action, surface: None };
+        attendant.see(CameraFrame::from(percept).with_others(&others));
     }
 }
 

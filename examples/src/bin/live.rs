@@ -160,7 +160,7 @@ impl Options {
         })?;
         let counts = law.cell().counts();
         Ok(Report {
-            drive: DriveReport::new(ending, control.statistics(), law.faults()),
+            drive: DriveReport::new(ending, control.statistics(), law.faults(), None),
             limit_violations: counts.limits,
             separation_violations: counts.too_near,
             solver_failures: counts.unsolved,

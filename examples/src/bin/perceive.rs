@@ -13,20 +13,24 @@ use anyhow::{Result, ensure};
 use clap::{ArgGroup, Args, Parser, ValueEnum};
 use examples::posture::PostureOptions;
 use examples::program::{self, Ending, Json, OutputFile, Program, Quiet, Session, Threads};
-use examples::vision::choices::{self, with_option};
+use examples::vision::{
+    action_options::ActionOptions,
+    choices::{self, with_option},
+    live::{LiveReport, LiveWriter},
+};
 use human_perception::{
     Error, Watch,
-    frames::{FramesReader, truth},
+    frames::{FrameEntry, FramesReader, truth},
     percepts::{
-        ActionNetwork, ActionSettings, AgainstTruth, Perceiver, PerceiverSettings, Pipeline,
-        PoseNetwork, PoseSource, SkeletonFolder, Summary, SurfaceDecision, SurfaceNetwork, Tally,
+        AgainstTruth, Perceiver, PerceiverSettings, Pipeline, PoseNetwork, PoseSource,
+        SkeletonFolder, Summary, SurfaceDecision, SurfaceNetwork, Tally,
     },
 };
 use moca_model::{IntentionFilter, IntentionSettings};
 use percept_recording::{Header, MeasuredSegments, Timing, Writer};
 use serde::Serialize;
 use vision_models::{
-    Body, LiftingSettings, Passes, Percept, PersonTrack, ResNetDepth, SlowOnlyForm, StatureEstimate,
+    Body, LiftingSettings, Passes, Percept, PersonTrack, ResNetDepth, StatureEstimate,
 };
 
 /// Makes a recording, as `follow` plays it, of a folder of camera frames with depth.
@@ -70,6 +74,10 @@ struct Options {
     /// Time to wait for the next frame of a growing folder (s).
     #[arg(long, value_name = "SECONDS", default_value_t = 0.0)]
     wait: f64,
+    /// Process only the newest frame of a growing folder, and write each percept at once, into a file or a pipe. Times
+    /// of frames must be of the system's clock (s since 1970). Frames that a newer one overtakes are counted.
+    #[arg(long, conflicts_with = "truth")]
+    live: bool,
     /// Standard deviation of the joints in the image, each axis (pixels).
     #[arg(long, value_name = "PIXELS", default_value_t = LiftingSettings::default().pixel_sigma)]
     pixel_sigma: f64,
@@ -120,50 +128,6 @@ enum DecisionOption {
     Head,
 }
 
-/// Recognition of the action in the colour images.
-#[derive(Args, Debug)]
-struct ActionOptions {
-    /// The folder that `actions train` has made, whose model recognises the action over its windows.
-    #[arg(long, value_name = "FOLDER")]
-    action_model: Option<PathBuf>,
-    /// The weights of the SlowOnly that the model was trained with, unless they are random. If there is no model, the
-    /// weights of a SlowOnly with its own last layer.
-    #[arg(long, value_name = "FILE")]
-    action_weights: Option<PathBuf>,
-    #[command(flatten)]
-    own: OwnActionOptions,
-}
-
-/// Options for a SlowOnly with its own last layer. A trained model contains them.
-#[derive(Args, Debug)]
-#[expect(clippy::struct_field_names, reason = "they are the options' names")]
-struct OwnActionOptions {
-    /// The form of the network.
-    #[arg(long, default_value = "slowonly_mm", value_parser = choices::slow_only(), requires = "action_weights", conflicts_with = "action_model")]
-    action_network: SlowOnlyForm,
-    /// The names of the classes, actions of HRI30, one a line; all thirty if left out.
-    #[arg(long, value_name = "FILE", requires = "action_weights", conflicts_with = "action_model")]
-    action_names: Option<PathBuf>,
-    /// Frames of a clip.
-    #[arg(
-        long,
-        value_name = "FRAMES",
-        default_value_t = 8,
-        requires = "action_weights",
-        conflicts_with = "action_model"
-    )]
-    action_length: usize,
-    /// Number of camera frames between two of a clip.
-    #[arg(
-        long,
-        value_name = "FRAMES",
-        default_value_t = 4,
-        requires = "action_weights",
-        conflicts_with = "action_model"
-    )]
-    action_interval: u64,
-}
-
 /// The JSON object of `--json`.
 #[derive(Serialize)]
 struct Report {
@@ -183,6 +147,8 @@ struct Report {
     summary: Summary,
     #[serde(skip_serializing_if = "Option::is_none")]
     truth: Option<AgainstTruth>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    live: Option<LiveReport>,
     /// Peak memory of the process (MiB), if the system reports it.
     peak_memory_mib: Option<f64>,
 }
@@ -194,12 +160,24 @@ impl Program for Options {
 
     fn run(self, session: &mut Session) -> Result<Ending> {
         ensure!((0.0..=86_400.0).contains(&self.wait), "--wait {}: give 0 to 86400 s", self.wait);
+        ensure!(
+            !self.live || self.wait > 0.0,
+            "--live: say with --wait how long the camera may be silent, in seconds"
+        );
         let wait = Duration::from_secs_f64(self.wait);
-        let file = OutputFile::create(&self.output)?;
+        let file = if self.live { None } else { Some(OutputFile::create(&self.output)?) };
         let reader = FramesReader::open(&self.frames, wait)?;
         let pipeline = self.pipeline(&reader, &mut session.watch())?;
         let truth = self.truth.as_deref().map(truth::read).transpose()?;
+        let live = if self.live {
+            Some(LiveWriter::create(&self.output, self.stature.or(reader.stature()))?)
+        } else {
+            None
+        };
         let mut work = Work {
+            live,
+            late: 0,
+            has_body: false,
             reader,
             pipeline,
             percepts: Vec::new(),
@@ -272,31 +250,6 @@ impl SurfaceOptions {
     }
 }
 
-impl ActionOptions {
-    /// The network of the options.
-    fn network(&self, threads: usize, watch: &mut Watch<'_>) -> Result<Option<ActionNetwork>> {
-        let with_option = |error| with_option(error, "--action-weights FILE");
-        let own = &self.own;
-        Ok(match (&self.action_model, &self.action_weights) {
-            (Some(folder), weights) => {
-                let network = ActionNetwork::of_model(folder, weights.clone(), threads, watch);
-                Some(network.map_err(with_option)?)
-            }
-            (None, Some(weights)) => {
-                let settings = ActionSettings {
-                    weights,
-                    form: own.action_network,
-                    names: own.action_names.as_deref(),
-                    length: own.action_length,
-                    interval: own.action_interval,
-                };
-                Some(ActionNetwork::load(&settings, threads, watch).map_err(with_option)?)
-            }
-            (None, None) => None,
-        })
-    }
-}
-
 /// A run over the frames.
 struct Work {
     reader: FramesReader,
@@ -305,6 +258,11 @@ struct Work {
     /// The other people of each percept.
     others: Vec<Vec<Body>>,
     truth: Option<Vec<Percept>>,
+    live: Option<LiveWriter>,
+    /// Number of frames that a newer one overtook.
+    late: u64,
+    /// Whether somebody was seen.
+    has_body: bool,
     tally: Tally,
     started: Instant,
     /// Number of the first frame.
@@ -318,6 +276,18 @@ struct Work {
 const MOST_NAMED: u64 = 5;
 
 impl Work {
+    /// The next frame, or the newest one if others wait for it.
+    fn next_entry(&mut self, stop: impl Fn() -> bool) -> Result<Option<FrameEntry>> {
+        if self.live.is_none() {
+            return Ok(self.reader.next_entry(stop)?);
+        }
+        let newest = self.reader.newest_entry(stop)?;
+        Ok(newest.map(|(entry, left_out)| {
+            self.late += left_out;
+            entry
+        }))
+    }
+
     fn run(&mut self, session: &Session) -> Result<Ending> {
         let interrupt = session.interrupt().clone();
         let progress = session.open_progress("frames");
@@ -329,9 +299,9 @@ impl Work {
             }
             interrupt.requested()
         };
-        while let Some(entry) = self.reader.next_entry(stop)? {
+        while let Some(entry) = self.next_entry(stop)? {
             self.first.get_or_insert(entry.frame);
-            let perceived = match self.pipeline.perceive(&self.reader, &entry) {
+            let mut perceived = match self.pipeline.perceive(&self.reader, &entry) {
                 Ok(perceived) => perceived,
                 Err(broken @ Error::Frame(_)) => {
                     self.broken += 1;
@@ -344,8 +314,13 @@ impl Work {
                 Err(error) => return Err(error.into()),
             };
             self.tally.push(&perceived);
-            self.percepts.push((perceived.percept, perceived.timing));
-            self.others.push(perceived.others);
+            self.has_body |= perceived.percept.body.is_some();
+            if let Some(live) = &mut self.live {
+                live.write(&mut perceived)?;
+            } else {
+                self.percepts.push((perceived.percept, perceived.timing));
+                self.others.push(perceived.others);
+            }
             progress.set(self.tally.frames());
             if interrupt.requested() {
                 break;
@@ -355,7 +330,7 @@ impl Work {
         if self.broken > MOST_NAMED {
             session.warn(format_args!("{} frames were left out", self.broken));
         }
-        let nobody = self.percepts.iter().all(|(percept, _)| percept.body.is_none());
+        let nobody = !self.has_body;
         if nobody && let Some(broken) = self.last_broken.take() {
             let text = format!("nobody was found, and {} frames cannot be used", self.broken);
             return Err(anyhow::Error::new(broken).context(text));
@@ -375,7 +350,7 @@ impl Options {
     fn finish(
         self,
         work: Work,
-        file: OutputFile,
+        file: Option<OutputFile>,
         ending: Ending,
         session: &mut Session,
     ) -> Result<Ending> {
@@ -391,14 +366,20 @@ impl Options {
         };
         let rate_of_camera = rate(&work.percepts);
         let header = Header { rate: rate_of_camera, stature, segments, ..Header::default() };
-        let mut writer = Writer::new(file, &header)?;
-        for ((percept, timing), others) in work.percepts.iter().zip(&work.others) {
-            writer.write_people(percept, others, timing)?;
-        }
-        let output = match ending {
-            Ending::Partial => writer.finish_partial()?.keep_partial()?,
-            _ => writer.finish()?.keep().map(|()| self.output)?,
+        let output = match file {
+            None => self.output,
+            Some(file) => {
+                let mut writer = Writer::new(file, &header)?;
+                for ((percept, timing), others) in work.percepts.iter().zip(&work.others) {
+                    writer.write_people(percept, others, timing)?;
+                }
+                match ending {
+                    Ending::Partial => writer.finish_partial()?.keep_partial()?,
+                    _ => writer.finish()?.keep().map(|()| self.output)?,
+                }
+            }
         };
+        let late = work.late;
         let mut filter = IntentionFilter::new(IntentionSettings::default())?;
         let compare = |truth: &Vec<Percept>| {
             AgainstTruth::of(&work.percepts, truth, |percept| {
@@ -418,6 +399,7 @@ impl Options {
             rate: work.tally.frames() as f64 / elapsed.max(1e-9),
             summary: work.tally.finish(),
             truth: against_truth,
+            live: work.live.map(|live| live.finish(late)).transpose()?,
             peak_memory_mib: peak_memory(),
         };
         print(&report, session)?;
@@ -442,6 +424,14 @@ fn print(report: &Report, session: &mut Session) -> Result<()> {
         let never = summary.unseen.iter().filter(|(_, share)| **share == 1.0);
         let never: Vec<_> = never.map(|(name, _)| *name).collect();
         writeln!(out, "  never seen: {}, loads, coupling, support, how long", never.join(", "))?;
+    }
+    if let Some(LiveReport { late, latency, latency_p95_ms }) = &report.live {
+        let (p50, max) = (1e-3 * latency.median_us, 1e-3 * latency.max_us);
+        writeln!(out, "overtaken by a newer frame {late}")?;
+        writeln!(
+            out,
+            "from image to percept [ms] p50 p95 max {p50:.0}, {latency_p95_ms:.0}, {max:.0}"
+        )?;
     }
     if let Some(truth) = &report.truth {
         let percent = |share: Option<f64>| 100.0 * share.unwrap_or(f64::NAN);

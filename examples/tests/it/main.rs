@@ -10,6 +10,7 @@
 mod actions;
 mod chain;
 mod convert;
+mod drive;
 mod ergo_map;
 mod experiment;
 mod experiment_recordings;

@@ -4,6 +4,7 @@ use std::{
     f64::consts::TAU,
     io::{BufRead, BufReader, Write},
     path::Path,
+    time::{Duration, SystemTime, UNIX_EPOCH},
 };
 
 use crate::support::{Ran, Runs, cases, write_npy};
@@ -350,6 +351,64 @@ fn a_folder_that_grows_is_waited_for() {
     let ran = Ran::of(child);
     assert!(ran.status.success(), "{ran:?}");
     assert_eq!(value(&ran, "frames"), 11);
+}
+
+/// A line of the index for a frame that is taken now, by the system's clock.
+fn taken_now(frame: u32) -> String {
+    std::thread::sleep(Duration::from_millis(1));
+    let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap().as_secs_f64();
+    format!("{{\"frame\":{frame},\"time\":{now},\"arrived\":null}}\n")
+}
+
+#[test]
+fn live_perception_takes_the_newest_frame() {
+    let folder = tempfile::tempdir().unwrap();
+    let frames = frames(folder.path(), "0.5");
+    let index = Path::new(&frames).join("frames.jsonl");
+    let output = folder.path().join("walk.jsonl");
+    perceiving(&frames, &output).with(&["--live"]).run().failed(1, "--wait");
+    std::fs::write(&index, (0..5).map(taken_now).collect::<String>()).unwrap();
+    let live = || perceiving(&frames, &output).with(&["--live", "--wait=60"]);
+    let mut child = live().start();
+    // A percept is there while the program goes on.
+    let waits_for = |lines: usize| {
+        let has_come =
+            || std::fs::read_to_string(&output).is_ok_and(|text| text.lines().count() == lines);
+        let come = (0..6000).any(|_| {
+            std::thread::sleep(Duration::from_millis(10));
+            has_come()
+        });
+        assert!(come, "{lines} lines");
+    };
+    waits_for(2);
+    let append = |text: &str| {
+        let mut index = std::fs::OpenOptions::new().append(true).open(&index).unwrap();
+        index.write_all(text.as_bytes()).unwrap();
+    };
+    append(&taken_now(5));
+    waits_for(3);
+    append(&(taken_now(6) + "{\"end\":{\"frames\":7}}\n"));
+    let ran = Ran::of({
+        drop(child.stdin.take());
+        child
+    });
+    assert!(ran.status.success(), "{ran:?}");
+    assert_eq!((value(&ran, "frames"), &value(&ran, "live")["late"]), (3.into(), &4.into()));
+    let text = std::fs::read_to_string(&output).unwrap();
+    let lines = text.lines().map(|line| serde_json::from_str::<serde_json::Value>(line).unwrap());
+    let stamps: Vec<_> = lines
+        .filter_map(|line| Some((line["time"].as_f64()?, line["arrived"].as_f64()?)))
+        .collect();
+    assert_eq!(stamps.len(), 3);
+    assert!(
+        stamps.iter().all(|(taken, arrived)| (0.0..60.0).contains(&(arrived - taken))),
+        "{stamps:?}"
+    );
+    // An interrupt ends it, and what was written is whole.
+    std::fs::write(&index, taken_now(0)).unwrap();
+    let ran = live().interrupt_at("waiting for further frames", "INT");
+    assert_eq!(ran.code(), Some(130), "{ran:?}");
+    assert_eq!(read(&output).len(), 1);
 }
 
 #[test]

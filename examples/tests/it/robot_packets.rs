@@ -2,7 +2,7 @@
 
 use moca_drivers::{Packet, PacketError, PacketHead, PacketKind, SharedKey};
 use moca_model::whole_body::control_loop::{
-    JointCommand, JointMeasurement, RobotMode, RobotStatus,
+    Grip, JointCommand, JointMeasurement, RobotMode, RobotStatus,
 };
 use proptest::prelude::*;
 
@@ -44,7 +44,11 @@ fn documented_packet_survives_reading_and_writing() {
         position: vec![0.5, 1.0],
         velocity: vec![-2.0, 0.0],
         torque: vec![Some(10.0), None],
-        robot: RobotStatus { mode: Some(RobotMode::Reflex), took_command: Some(false) },
+        robot: RobotStatus {
+            mode: Some(RobotMode::Reflex),
+            took_command: Some(false),
+            holds: Some(true),
+        },
         age: 0.0,
     };
     let sealed: Vec<u8> = packet.iter().chain(code).copied().collect();
@@ -62,8 +66,11 @@ fn documented_packet_survives_reading_and_writing() {
 fn status() -> impl Strategy<Value = RobotStatus> {
     use RobotMode::{Reflex, Running, Stopped, UserStop};
     let mode = prop::option::of(prop::sample::select(vec![Running, Stopped, Reflex, UserStop]));
-    (mode, any::<Option<bool>>())
-        .prop_map(|(mode, took_command)| RobotStatus { mode, took_command })
+    (mode, any::<[Option<bool>; 2]>()).prop_map(|(mode, [took_command, holds])| RobotStatus {
+        mode,
+        took_command,
+        holds,
+    })
 }
 
 proptest! {
@@ -74,6 +81,7 @@ proptest! {
         measured in any::<[bool; 3]>(),
         status in status(),
         keyed in any::<bool>(),
+        grip in prop::option::of(prop::sample::select(vec![Grip::Open, Grip::Close])),
     ) {
         let key = keyed.then(key);
         let torque: Vec<_> =
@@ -92,6 +100,7 @@ proptest! {
             position: numbers[..3].to_vec(),
             velocity: numbers[3..6].to_vec(),
             torque: numbers[6..].to_vec(),
+            grip,
         };
         let head = PacketHead { kind: PacketKind::Command, ..head };
         packet.write_command(head, &command);
@@ -175,7 +184,7 @@ fn bytes_that_could_be_mistaken_are_refused() {
     assert_eq!(refusal(Measurement, &of(2, b'?')), PacketError::Kind { found: *b"MO?2" });
     assert_eq!(refusal(Measurement, &of(4, 2)), PacketError::Joints { found: 2, expected: 1 });
     assert_eq!(refusal(Measurement, &of(6, 5)), PacketError::Mode { found: 5 });
-    assert_eq!(refusal(Measurement, &of(7, 3)), PacketError::Took { found: 3 });
+    assert_eq!(refusal(Measurement, &of(7, 9)), PacketError::Took { found: 9 });
     // A torque that is not measured is not a number, and a flag is 0 or 1.
     let torque = |flag, torque| PacketError::Torque { joint: 0, flag, torque };
     assert_eq!(refusal(Measurement, &number(48, 7.0)), torque(0, 7.0));
@@ -187,8 +196,8 @@ fn bytes_that_could_be_mistaken_are_refused() {
         }
     }
     for kind in [Command, Hello, Halt] {
-        for at in [6, 7, 56] {
-            assert_eq!(refusal(kind, &of(at, 1)), PacketError::NotZero);
+        for (at, value) in [(6, 3), (7, 1), (56, 1)] {
+            assert_eq!(refusal(kind, &of(at, value)), PacketError::NotZero);
         }
     }
     for kind in [Hello, Halt] {

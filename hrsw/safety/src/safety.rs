@@ -130,6 +130,9 @@ impl Safety {
             }
         }
         let person = PersonBodies::new(settings.person, &settings.contact);
+        // A pair of two bodies of the gripper adds two for the grasped object.
+        let mut own_pairs = Vec::with_capacity(3 * settings.own_pairs.len());
+        own_pairs.extend_from_slice(&settings.own_pairs);
         Ok(Self {
             others: Bystanders::new(settings.person, &settings.contact),
             people: Vec::with_capacity(PersonBodies::ROOM + Bystanders::room()),
@@ -147,7 +150,7 @@ impl Safety {
             cap_rows: SpeedCap::rows(state),
             separation,
             own,
-            own_pairs: settings.own_pairs.clone(),
+            own_pairs,
             settings,
         })
     }

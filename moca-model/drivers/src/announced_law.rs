@@ -1,28 +1,47 @@
-//! Information for people before the robot moves.
+//! Information for people, before the robot moves and while it does.
+
+use std::time::Instant;
 
 use moca_model::whole_body::control_loop::{ControlLaw, JointCommand, JointMeasurement};
-use moca_model::{Error, LoopController};
+use moca_model::{Acknowledgement, Error, LoopController};
 
 use super::fault_log::FaultLog;
+use super::first_motion::circle;
+use super::loop_tick::{TickSender, Ticks, tick_channel};
 
 /// A [`LoopController`] that tells people once, before the first command, which inputs are missing. It also keeps a log
-/// of its faults.
+/// of its faults, and tells another thread what it does in each tick.
 #[derive(Debug)]
 pub struct AnnouncedLaw<F> {
     law: LoopController,
     tell: F,
     faults: FaultLog,
+    ticks: TickSender,
+    circles: bool,
 }
 
 impl<F: FnMut(&str)> AnnouncedLaw<F> {
-    /// Creates a law from a controller and the function that tells people.
-    pub fn new(law: LoopController, tell: F) -> Self {
-        Self { law, tell, faults: FaultLog::default() }
+    /// Creates a law from a controller and the function that tells people. Also returns its ticks, for another thread.
+    pub fn new(law: LoopController, tell: F) -> (Self, Ticks) {
+        let (sender, ticks) = tick_channel(law.controller().controller());
+        (Self { law, tell, faults: FaultLog::default(), ticks: sender, circles: false }, ticks)
+    }
+
+    /// Lets the tool go twice around an upright circle of 0.1 m beside its measured place, in place of working with
+    /// somebody. The workspace of the settings must be narrow.
+    #[must_use]
+    pub fn circling(self) -> Self {
+        Self { circles: true, ..self }
     }
 
     /// Returns the faults so far.
     pub fn faults(&self) -> &FaultLog {
         &self.faults
+    }
+
+    /// Returns the means to acknowledge stops from another thread.
+    pub fn acknowledgement(&self) -> Acknowledgement {
+        self.law.acknowledgement()
     }
 }
 
@@ -31,10 +50,19 @@ impl<F: FnMut(&str)> ControlLaw for AnnouncedLaw<F> {
 
     fn begin(&mut self, measured: &JointMeasurement) -> Result<(), Error> {
         self.law.begin(measured)?;
+        if self.circles {
+            let controller = self.law.controller_mut().controller_mut();
+            circle(controller, &measured.position)?;
+        }
         if !self.law.controller().measures_contacts() {
             (self.tell)(
                 "the robot measures no torques of its arm: nothing is felt, so force limiting is off, and the robot \
                  keeps its protective distance from everybody, those included with whom it works",
+            );
+        }
+        if self.law.takes_object() && measured.robot.holds.is_none() {
+            (self.tell)(
+                "the robot does not say whether its gripper holds something: it takes no object",
             );
         }
         if measured.robot.mode.is_none() {
@@ -52,8 +80,11 @@ impl<F: FnMut(&str)> ControlLaw for AnnouncedLaw<F> {
         measured: &JointMeasurement,
         command: &mut JointCommand,
     ) -> Result<(), Error> {
+        let begun = Instant::now();
         let stepped = self.law.step(now, measured, command);
-        self.faults.push(now, self.law.controller().controller().command().fault);
+        let controller = self.law.controller().controller();
+        self.faults.push(now, controller.command().fault);
+        self.ticks.send(now, controller, &measured.position, 1e6 * begun.elapsed().as_secs_f64());
         stepped
     }
 

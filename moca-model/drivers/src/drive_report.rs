@@ -8,6 +8,7 @@ use moca_model::whole_body::control_loop::{
 use serde::Serialize;
 
 use super::fault_log::{FaultLog, FaultReport};
+use super::logbook::Logbook;
 
 /// End of a loop, how well the deadlines were kept, and the faults.
 #[derive(Debug, Serialize)]
@@ -26,6 +27,8 @@ pub struct DriveReport {
     latency_us: Times,
     duration_us: Times,
     faults: Vec<FaultReport>,
+    #[serde(flatten)]
+    book: Option<Logbook>,
     /// First faults, as text for people.
     #[serde(skip)]
     first_faults: String,
@@ -41,8 +44,13 @@ struct Times {
 }
 
 impl DriveReport {
-    /// Creates the report of a loop that ended.
-    pub fn new(ending: LoopEnding, statistics: &DeadlineStatistics, faults: &FaultLog) -> Self {
+    /// Creates the report of a loop that ended, with its phases and safety states if they were kept.
+    pub fn new(
+        ending: LoopEnding,
+        statistics: &DeadlineStatistics,
+        faults: &FaultLog,
+        book: Option<Logbook>,
+    ) -> Self {
         let times = |histogram: &TimeHistogram| Times {
             p50: 1e6 * histogram.quantile(0.5),
             p99: 1e6 * histogram.quantile(0.99),
@@ -65,6 +73,7 @@ impl DriveReport {
             latency_us: times(&statistics.latency),
             duration_us: times(&statistics.duration),
             faults: faults.report(),
+            book,
             first_faults: faults.to_string(),
         }
     }
@@ -86,6 +95,15 @@ impl fmt::Display for DriveReport {
             ("ticks without measurement", self.unmeasured),
         ] {
             writeln!(f, "{what:30} {count:>10}")?;
+        }
+        if let Some(book) = &self.book {
+            for (what, count) in [
+                ("ticks of working together", book.ticks_together),
+                ("protective stops", book.protective_stops),
+                ("retreats from a person", book.retreats),
+            ] {
+                writeln!(f, "{what:30} {count:>10}")?;
+            }
         }
         for (what, times) in [("late", latency_us), ("took", duration_us)] {
             let Times { p50, p99, p999, max } = times;

@@ -1,7 +1,7 @@
 //! Packets between a loop and a robot. The book's page on real robots describes their bytes.
 
 use moca_model::whole_body::control_loop::{
-    JointCommand, JointMeasurement, RobotMode, RobotStatus,
+    Grip, JointCommand, JointMeasurement, RobotMode, RobotStatus,
 };
 
 use super::packet_error::PacketError;
@@ -123,7 +123,8 @@ impl Packet {
     /// Becomes a command.
     pub fn write_command(&mut self, head: PacketHead, command: &JointCommand) {
         self.begin(head);
-        let JointCommand { position, velocity, torque } = command;
+        let JointCommand { position, velocity, torque, grip } = command;
+        self.put(MODE, &[grip.map_or(0, grip_code)]);
         for (part, numbers) in [position, velocity, torque].into_iter().enumerate() {
             self.put_numbers(part, numbers.iter().copied());
         }
@@ -135,7 +136,7 @@ impl Packet {
         self.begin(head);
         let JointMeasurement { position, velocity, torque, robot, .. } = measured;
         self.put(MODE, &[mode_code(robot.mode)]);
-        self.put(TOOK, &[robot.took_command.map_or(0, |took| if took { 2 } else { 1 })]);
+        self.put(TOOK, &[answer_code(robot.took_command) + 3 * answer_code(robot.holds)]);
         self.put_numbers(0, position.iter().copied());
         self.put_numbers(1, velocity.iter().copied());
         self.put_numbers(2, torque.iter().map(|torque| torque.unwrap_or_default()));
@@ -176,10 +177,11 @@ impl Packet {
 
     /// Reads the command that was taken into `command`.
     pub fn read_command(&self, command: &mut JointCommand) {
-        let JointCommand { position, velocity, torque } = command;
+        let JointCommand { position, velocity, torque, grip } = command;
         for (part, own) in [position, velocity, torque].into_iter().enumerate() {
             own.iter_mut().zip(self.numbers(part)).for_each(|(own, number)| *own = number);
         }
+        *grip = grip_of(self.byte(MODE));
     }
 
     /// Reads the measurement that was taken, and the robot's status, into `measured`. The age is not in a packet.
@@ -192,12 +194,16 @@ impl Packet {
         for ((own, number), flag) in torque.iter_mut().zip(self.numbers(2)).zip(flags) {
             *own = (*flag == 1).then_some(number);
         }
-        let byte = |at: usize| self.bytes.get(at).copied().unwrap_or_default();
-        let took = byte(TOOK);
+        let answers = self.byte(TOOK);
         *robot = RobotStatus {
-            mode: mode_of(byte(MODE)).unwrap_or_default(),
-            took_command: (took != 0).then_some(took == 2),
+            mode: mode_of(self.byte(MODE)).unwrap_or_default(),
+            took_command: answer_of(answers % 3),
+            holds: answer_of(answers / 3),
         };
+    }
+
+    fn byte(&self, at: usize) -> u8 {
+        self.bytes.get(at).copied().unwrap_or_default()
     }
 
     fn begin(&mut self, head: PacketHead) {
@@ -244,15 +250,17 @@ impl Packet {
         let flags = bytes.get(NUMBERS + 24 * self.joints..).unwrap_or_default();
         let flags = flags.get(..self.joints).unwrap_or_default();
         if kind != PacketKind::Measurement {
-            let rest = if kind == PacketKind::Command { &[] } else { numbers };
-            if [mode, took].iter().chain(flags).chain(rest).any(|byte| *byte != 0) {
+            let is_command = kind == PacketKind::Command;
+            let rest = if is_command { &[] } else { numbers };
+            let grip = if is_command && grip_of(mode).is_some() { 0 } else { mode };
+            if [grip, took].iter().chain(flags).chain(rest).any(|byte| *byte != 0) {
                 return Err(PacketError::NotZero);
             }
         }
         if mode_of(mode).is_none() {
             return Err(PacketError::Mode { found: mode });
         }
-        if took > 2 {
+        if took > 8 {
             return Err(PacketError::Took { found: took });
         }
         if !doubles(numbers).all(f64::is_finite) {
@@ -266,6 +274,26 @@ impl Packet {
         }
         Ok(())
     }
+}
+
+fn grip_code(grip: Grip) -> u8 {
+    match grip {
+        Grip::Open => 1,
+        Grip::Close => 2,
+    }
+}
+
+fn grip_of(code: u8) -> Option<Grip> {
+    [Grip::Open, Grip::Close].into_iter().find(|grip| grip_code(*grip) == code)
+}
+
+/// Returns the code of what a robot says or does not say.
+fn answer_code(said: Option<bool>) -> u8 {
+    said.map_or(0, |said| if said { 2 } else { 1 })
+}
+
+fn answer_of(code: u8) -> Option<bool> {
+    (code != 0).then_some(code == 2)
 }
 
 /// Returns the code of a mode. A mode that this version does not know counts as a stop.

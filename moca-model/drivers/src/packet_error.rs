@@ -49,8 +49,8 @@ pub enum PacketError {
         /// Code of the mode.
         found: u8,
     },
-    /// The code for whether the command was taken is unknown.
-    #[error("whether the last command was taken is {found}, expected 0 to 2")]
+    /// The code for whether the command was taken and the gripper holds something is unknown.
+    #[error("the robot's two answers are {found}, expected 0 to 8")]
     Took {
         /// Code that was found.
         found: u8,

@@ -1,7 +1,5 @@
 //! Camera that plays a recording.
 
-use std::sync::mpsc::SyncSender;
-
 use moca_model::CameraFrame;
 
 /// Pause between the last frame and the first \[s\].
@@ -11,7 +9,6 @@ const PAUSE: f64 = 0.05;
 #[derive(Debug)]
 pub struct RecordedCamera {
     frames: Vec<CameraFrame>,
-    to: SyncSender<CameraFrame>,
     /// Time at which the recording began \[s\]; `None` before the first call.
     begun: Option<f64>,
     next: usize,
@@ -19,14 +16,14 @@ pub struct RecordedCamera {
 }
 
 impl RecordedCamera {
-    /// Creates a camera from frames in the order of their times. It sends them to `to`.
-    pub fn new(frames: Vec<CameraFrame>, to: SyncSender<CameraFrame>) -> Self {
-        Self { frames, to, begun: None, next: 0, shown: 0 }
+    /// Creates a camera from frames in the order of their times.
+    pub fn new(frames: Vec<CameraFrame>) -> Self {
+        Self { frames, begun: None, next: 0, shown: 0 }
     }
 
-    /// Shows the frames that are due at `now` \[s\]. Returns the number of frames so far and the time at which the next
-    /// one is due \[s\]. A loop that reads no frames for a while misses them, as with a real camera.
-    pub fn show(&mut self, now: f64) -> (u64, f64) {
+    /// Shows the frames that are due at `now` \[s\], stamped with the time at which they were. Returns the number of frames
+    /// so far and the time at which the next one is due \[s\].
+    pub fn show(&mut self, now: f64, mut show: impl FnMut(CameraFrame)) -> (u64, f64) {
         let begun = *self.begun.get_or_insert(now);
         let first = self.frames.first().map_or(0.0, |frame| frame.percept.time);
         while let Some(frame) = self.frames.get(self.next) {
@@ -35,9 +32,8 @@ impl RecordedCamera {
                 return (self.shown, due);
             }
             let mut frame = frame.clone();
-            frame.percept.time = now;
-            // The loop may have ended.
-            let _ = self.to.try_send(frame);
+            frame.percept.time = due;
+            show(frame);
             self.next += 1;
             self.shown += 1;
         }

@@ -3,10 +3,15 @@
 use std::fmt;
 
 use moca_model::whole_body::control_loop::{
-    JointCommand, JointMeasurement, Received, RobotSide, RobotStatus,
+    Grip, JointCommand, JointMeasurement, Received, RobotSide, RobotStatus,
 };
 use moca_model::whole_body::simulation::RandomSource;
-use moca_model::{DynamicRobot, DynamicRobotSettings, Error, MOCA_BASE_JOINTS, moca};
+use moca_model::whole_body::state::PayloadId;
+use moca_model::whole_body::{FrameId, Model};
+use moca_model::{
+    ControllerSettings, DynamicRobot, DynamicRobotSettings, Error, GraspedObject, MOCA_BASE_JOINTS,
+    moca,
+};
 
 use super::command_limits::{CommandLimits, CommandRefusal};
 
@@ -16,10 +21,14 @@ const REST: f64 = 0.01;
 /// MOCA as rigid bodies. It moves for one period with every command.
 ///
 /// A command beyond its limits is refused and counts as lost. A robot that has stopped by itself accepts commands again
-/// once it stands still, if the first of them begins at rest.
+/// once it stands still, if the first of them begins at rest. Its gripper holds [`GraspedObject::default`] as soon as it is
+/// told to close, and nothing once it is told to open.
 #[derive(Debug)]
 pub struct SimulatedSide {
     robot: DynamicRobot,
+    model: Model,
+    tool: FrameId,
+    held: Option<PayloadId>,
     limits: CommandLimits,
     noise: Noise,
     period: f64,
@@ -58,7 +67,8 @@ impl SimulatedSide {
         let model = moca()?;
         let robot = DynamicRobot::new(&model, &DynamicRobotSettings::default(), start)?;
         let (limits, noise) = (CommandLimits::new(&model), Noise(Box::new(noise)));
-        Ok(Self { robot, limits, noise, period, refused: 0 })
+        let tool = model.frame_id(&ControllerSettings::default().tool)?;
+        Ok(Self { robot, model, tool, held: None, limits, noise, period, refused: 0 })
     }
 
     /// Returns the number of commands that the robot refused because of its limits or because it had stopped by itself.
@@ -68,7 +78,7 @@ impl SimulatedSide {
 
     /// Returns the status that the robot reports.
     pub fn status(&self) -> RobotStatus {
-        self.robot.status()
+        RobotStatus { holds: Some(self.held.is_some()), ..self.robot.status() }
     }
 
     /// Returns true if all joints are at rest.
@@ -102,6 +112,16 @@ impl SimulatedSide {
         if self.status().is_stopped() {
             self.robot.recover();
         }
+        match (command.grip, self.held) {
+            (Some(Grip::Close), None) => {
+                self.held = Some(self.robot.attach(self.tool, &GraspedObject::default())?);
+            }
+            (Some(Grip::Open), Some(held)) => {
+                self.robot.simulation_mut().data_mut().detach(&self.model, held)?;
+                self.held = None;
+            }
+            _ => {}
+        }
         let torque = command.torque.get(MOCA_BASE_JOINTS..).unwrap_or_default();
         self.robot.drive(&command.velocity, torque, &[], self.period, &mut self.noise)
     }
@@ -129,7 +149,7 @@ impl RobotSide for SimulatedSide {
         measured.position.copy_from_slice(now.position);
         measured.velocity.copy_from_slice(now.velocity);
         measured.torque.copy_from_slice(now.torque);
-        measured.robot = self.robot.status();
+        measured.robot = self.status();
         Ok(Received::Fresh)
     }
 

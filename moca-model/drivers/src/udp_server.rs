@@ -12,6 +12,8 @@ use super::packet::{Packet, PacketHead, PacketKind};
 use super::shared_key::SharedKey;
 use super::simulated::SimulatedSide;
 
+/// Longest time after which a robot in lockstep asks whether to stop.
+const WAKES: Duration = Duration::from_millis(50);
 /// Time without commands after which a session ends.
 const ENDS: Duration = Duration::from_secs(1);
 
@@ -124,6 +126,54 @@ impl UdpServer {
             self.tell();
         }
         Ok(())
+    }
+
+    /// Runs until `stop` returns true, with the commands as the clock: each moves the robot for one period, however long
+    /// it takes to come, and is answered by one measurement. A session ends with a halt, after which the robot brakes.
+    ///
+    /// # Errors
+    /// [`io::Error`] if the socket cannot wait; an error of the simulation is its source.
+    pub fn serve_in_lockstep(&mut self, mut stop: impl FnMut() -> bool) -> io::Result<()> {
+        self.socket.set_nonblocking(false)?;
+        self.socket.set_read_timeout(Some(WAKES))?;
+        self.robot.receive(&mut self.measured).map_err(io::Error::other)?;
+        while !stop() {
+            let received = self.socket.recv_from(&mut self.buffer);
+            // Nothing has come.
+            let Ok((length, from)) = received else { continue };
+            match self.take(length, from) {
+                Ok(kind) => {
+                    self.statistics.taken += 1;
+                    match kind {
+                        PacketKind::Command => self.robot.obey(&self.command),
+                        PacketKind::Halt => self.brake(),
+                        _ => continue,
+                    }
+                }
+                Err(refusal) => {
+                    self.statistics.refuse(refusal);
+                    match refusal {
+                        LinkRefusal::Command(_) => self.robot.miss(),
+                        _ => continue,
+                    }
+                }
+            }
+            .and_then(|()| self.robot.receive(&mut self.measured).map(drop))
+            .map_err(io::Error::other)?;
+            self.tell();
+        }
+        Ok(())
+    }
+
+    /// Brakes to rest, ready for another controller.
+    fn brake(&mut self) -> Result<(), Error> {
+        loop {
+            self.robot.miss()?;
+            if self.robot.status().is_stopped() && self.robot.is_at_rest() {
+                self.robot.recover();
+                return Ok(());
+            }
+        }
     }
 
     /// Takes all waiting packets. Returns true if a command came that no halt followed.

@@ -24,5 +24,5 @@ mod table;
 pub use error::ReportError;
 pub use figure::figure;
 pub use log::RunLog;
-pub use row::TickRow;
+pub use row::{TickRow, Together};
 pub use table::{MOCA_COLUMNS, TickTable};

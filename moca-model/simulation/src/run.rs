@@ -22,6 +22,7 @@
 //! ```
 
 mod comparison;
+mod encounter;
 mod on_board;
 mod play;
 mod scenario;
@@ -35,7 +36,9 @@ mod work;
 mod working_hand;
 
 pub use comparison::Comparison;
+pub use encounter::Encounter;
 pub(crate) use on_board::OnBoardEye;
+pub use on_board::RobotView;
 pub use play::Run;
 pub use scenario::{Delivery, Scenario};
 pub use scoring::{HandScore, Scorer};

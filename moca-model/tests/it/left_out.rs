@@ -317,6 +317,6 @@ fn missing_status_does_not_change_commands() {
     let nothing = commands(RobotStatus::default());
     let mode = Some(RobotMode::Running);
     for took_command in [None, Some(true)] {
-        assert_eq!(commands(RobotStatus { mode, took_command }), nothing);
+        assert_eq!(commands(RobotStatus { mode, took_command, holds: None }), nothing);
     }
 }

@@ -10,6 +10,7 @@ mod faults;
 mod following_distance;
 mod golden;
 mod grasped_object;
+mod gripping;
 mod guarantees;
 mod hidden_legs;
 mod hierarchy;

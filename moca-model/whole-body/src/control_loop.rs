@@ -13,7 +13,9 @@ pub(crate) mod settings;
 pub use clock::{Clock, ManualClock, MonotonicClock};
 pub use deadlines::{DeadlineStatistics, TimeHistogram};
 pub use law::ControlLaw;
-pub use robot_side::{JointCommand, JointMeasurement, Received, RobotMode, RobotSide, RobotStatus};
+pub use robot_side::{
+    Grip, JointCommand, JointMeasurement, Received, RobotMode, RobotSide, RobotStatus,
+};
 pub use run::{ControlLoop, LoopEnding, LoopError, StopCause};
 #[cfg(all(feature = "real-time", target_os = "linux"))]
 pub use scheduling::Scheduling;

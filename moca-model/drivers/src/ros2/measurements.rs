@@ -202,7 +202,7 @@ impl Measurements {
             now.duration_since(at).map_or(true, |since| since.as_secs_f64() <= MODE_HOLDS)
         };
         let mode = self.mode.filter(|(_, at)| holds(*at)).map(|(mode, _)| mode);
-        RobotStatus { mode, took_command: None }
+        RobotStatus { mode, ..RobotStatus::default() }
     }
 
     /// Finds the places of the arm's joints.

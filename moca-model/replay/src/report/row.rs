@@ -1,5 +1,12 @@
 //! One tick of a run.
 
+use hrsw::Workspace;
+use moca_model::Controller;
+use nalgebra::Vector3;
+
+/// Distance from the workspace below which x_d counts as within it \[m or rad\].
+const INSIDE: f64 = 1e-3;
+
 /// Values of one tick of the controller. Positions are those of the end effector in the world.
 ///
 /// ```
@@ -36,4 +43,72 @@ pub struct TickRow {
     pub slack: [f64; 6],
     /// Time of the controller's whole step, with kinematics and tracking \[µs\].
     pub solve_time_us: f64,
+}
+
+impl TickRow {
+    /// Writes what a controller did in its last step, but for the person's scores. Its hand is there \[m, world\], and
+    /// its joints measure this \[m or rad\]. Allocates nothing if the joints' vectors are as long already.
+    pub fn write(
+        &mut self,
+        time: f64,
+        controller: &Controller,
+        (hand, configuration): (&Vector3<f64>, &[f64]),
+        solve_time_us: f64,
+    ) {
+        let command = controller.command();
+        (self.time, self.solve_time_us) = (time, solve_time_us);
+        self.desired = command.desired.translation.vector.into();
+        self.actual = (*hand).into();
+        (self.workspace_min, self.workspace_max) = extent(controller.space().workspace());
+        self.slack = command.slack.into();
+        for (own, values) in
+            [(&mut self.q, configuration), (&mut self.qdot, command.joint_velocity.as_slice())]
+        {
+            own.clear();
+            own.extend_from_slice(values);
+        }
+    }
+}
+
+/// The box along world axes around the workspace.
+fn extent(workspace: &Workspace) -> ([f64; 3], [f64; 3]) {
+    let bounds = workspace.position();
+    let centre = (bounds.min() + bounds.max()) * 0.5;
+    let half = (bounds.max() - bounds.min()) * 0.5;
+    let frame = workspace.world_from_workspace();
+    let middle = frame.transform_point(&centre.into()).coords;
+    let reach = frame.rotation.to_rotation_matrix().matrix().abs() * half;
+    ((middle - reach).into(), (middle + reach).into())
+}
+
+/// Whether person and robot work together: from the time at which x_d first arrives in the workspace that they share.
+///
+/// ```
+/// use ergo_map::ErgonomicsQuadratic;
+/// use moca_model::{Controller, ControllerSettings, MOCA_HOME, moca};
+/// use moca_replay::report::Together;
+/// use nalgebra::{Matrix3, Vector3};
+///
+/// let ergonomics = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0)?;
+/// let controller = Controller::new(moca()?, ergonomics, ControllerSettings::default(), &MOCA_HOME)?;
+/// // Nobody shares the workspace.
+/// assert!(Together::is_inside(&controller) && !Together::default().update(&controller));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Together(bool);
+
+impl Together {
+    /// Whether they work together after the controller's last step.
+    pub fn update(&mut self, controller: &Controller) -> bool {
+        let is_shared = controller.space().is_shared();
+        self.0 = is_shared && (self.0 || Self::is_inside(controller));
+        self.0
+    }
+
+    /// Whether x_d is within the workspace, but for a millimetre or a milliradian.
+    pub fn is_inside(controller: &Controller) -> bool {
+        let workspace = controller.space().workspace();
+        workspace.violation(&controller.command().desired).amax() <= INSIDE
+    }
 }

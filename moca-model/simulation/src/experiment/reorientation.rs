@@ -6,7 +6,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use ergo_map::ErgonomicsMap;
-use moca_model::{BoxSide, Goal, GraspedObject, WorkFace};
+use moca_model::Goal;
 use nalgebra::Point2;
 use rand::Rng;
 use serde::{Deserialize, Serialize};
@@ -23,11 +23,8 @@ use super::versus::Versus;
 use super::walk::ARM_SPEED;
 use crate::Error;
 use crate::people::{WalkerSettings, WalkingPath};
-use crate::run::{Delivery, Summary};
+use crate::run::Summary;
 pub use judge::{Judge, Turn};
-
-/// Place of the on-board camera in the frame of the base on the floor \[m\].
-const CAMERA: [f64; 3] = [0.35, 0.0, 1.15];
 
 /// Duration of each case \[s\].
 pub const DURATION: f64 = 30.0;
@@ -110,14 +107,8 @@ impl Case {
         let mut draw = generator(self.person.seed(), self.number);
         let map = average.for_stature(self.person.stature())?;
         let walk = self.person.walk(conditions.sight)?;
-        let mut scenario = walk.scenario(&map, conditions, &mut draw)?;
-        scenario.settings.on_board_camera = Some(CAMERA);
-        scenario.object.faces = vec![
-            WorkFace { side: BoxSide::Front, surface: self.front },
-            WorkFace { side: BoxSide::Back, surface: other(self.front) },
-        ];
         // The robot is wrong in half of the cases until it has looked.
-        scenario.delivery = Delivery::HandedOver { believed: GraspedObject::default() };
+        let scenario = walk.scenario(&map, conditions, &mut draw)?.handed_over(self.front);
         let needed = self.person.tool().surface();
         let mut play = |title, goal| {
             let mut judge = Judge::new(&scenario, &walk.truth, needed);

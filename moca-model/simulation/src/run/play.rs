@@ -8,11 +8,12 @@ use hrsw_safety::SafetyState;
 use human_perception::percepts::{Assessor, MeasuredAssessment};
 use moca_model::{Controller, ControllerSettings, Goal, GraspedObject, MOCA_BASE_JOINTS, Phase};
 use moca_replay::recorded::Recorder;
-use moca_replay::report::TickRow;
+use moca_replay::report::{TickRow, Together};
 use nalgebra::Vector3;
 use vision_models::{Body, Percept};
 
-use super::on_board::OnBoardEye;
+use super::encounter::Encounter;
+use super::on_board::RobotView;
 use super::scenario::{Delivery, Scenario};
 use super::scoring::Scorer;
 use super::seen::{SeenOthers, SeenPerson};
@@ -21,13 +22,9 @@ use super::tally::{Played, Tally};
 use super::tick_row::tick_row;
 use super::true_person::TruePerson;
 use super::work::WorkForce;
-use super::working_hand::WorkingHand;
 use crate::Error;
 use crate::judges::{Calmness, CalmnessMonitor, LimitMonitor, Moment, Return, SeparationMonitor};
 use crate::plant::Plant;
-
-/// Distance from the workspace below which x_d counts as within it \[m or rad\].
-const INSIDE: f64 = 1e-3;
 
 /// Seed of the robot's noise, the same in both runs.
 const SEED: u64 = 1;
@@ -41,9 +38,8 @@ pub struct Run<'a> {
     /// Assessment of the newest percept.
     measured: Option<MeasuredAssessment>,
     plant: Plant,
-    on_board: OnBoardEye,
     work: WorkForce,
-    hand: WorkingHand,
+    encounter: Encounter,
     monitor: LimitMonitor,
     person: SeenPerson,
     /// The true person, by which distances are judged if it is known.
@@ -52,7 +48,7 @@ pub struct Run<'a> {
     separation: SeparationMonitor,
     calmness: CalmnessMonitor,
     period: f64,
-    engaged: bool,
+    engaged: Together,
     state: SafetyState,
     tally: Tally,
     recorder: Option<&'a mut Recorder>,
@@ -77,13 +73,12 @@ impl<'a> Run<'a> {
         let torques = scenario.torques.clone();
         let plant = Plant::with_torques(scenario.drive, controller, torques, SEED)?;
         let mut run = Self {
-            on_board: OnBoardEye::new(SEED),
             scorer: Scorer::new(&scenario.map),
             assessor: Assessor::new(scenario.posture),
             measured: None,
             plant,
             work: WorkForce::default(),
-            hand: WorkingHand::new(scenario.map.stature(), scenario.map.side()),
+            encounter: Encounter::new(scenario),
             monitor,
             person: SeenPerson::default(),
             true_person: scenario.truth.as_ref().map(|motion| TruePerson::new(motion, period)),
@@ -91,7 +86,7 @@ impl<'a> Run<'a> {
             separation,
             calmness,
             period,
-            engaged: false,
+            engaged: Together::default(),
             state: SafetyState::Normal,
             tally: Tally::default(),
             recorder: None,
@@ -128,7 +123,9 @@ impl<'a> Run<'a> {
         while elapsed <= duration && flow.is_continue() {
             let has_come = |(_, (_, at)): &(usize, (&Percept, &f64))| **at <= begin + elapsed;
             while let Some((frame, (percept, _))) = percepts.next_if(has_come) {
-                let (shown, others) = (self.hand.show(percept), self.scenario.others(frame));
+                let robot = RobotView::of(&self.plant);
+                let shown = self.encounter.show(percept, &robot)?;
+                let others = self.scenario.others(frame);
                 self.observe(&shown, others)?;
                 self.adapt()?;
                 let least_confidence = self.scenario.settings.safety.person.least_confidence;
@@ -137,7 +134,7 @@ impl<'a> Run<'a> {
                 if let Some(body) = &shown.body {
                     self.person.update(percept.time, body, least_confidence);
                     if let Some(person) = &mut self.true_person {
-                        person.show(percept.time, &self.hand);
+                        person.show(percept.time, &self.encounter.hand);
                     }
                 }
                 self.measured = match &percept.body {
@@ -173,15 +170,8 @@ impl<'a> Run<'a> {
     }
 
     fn observe(&mut self, percept: &Percept, others: &[Body]) -> Result<(), Error> {
-        let taken = match &self.scenario.delivery {
-            Delivery::Grasped => self.plant.observe_people(percept, others),
-            Delivery::HandedOver { .. } => {
-                let surface = self.on_board.look(&self.plant, &self.scenario.object)?;
-                self.plant.observe_people(&Percept { surface, ..percept.clone() }, others)
-            }
-        };
         // Too many people or an impossible body stop the robot. The run goes on.
-        match taken {
+        match self.plant.observe_people(percept, others) {
             Err(Error::Controller(
                 moca_model::Error::Body { .. }
                 | moca_model::Error::Safety(
@@ -227,12 +217,10 @@ impl<'a> Run<'a> {
         let returning = if undisturbed { Return::Free } else { Return::Hindered };
         let breaches = self.monitor.check(command, self.plant.reference(), returning);
 
-        let violation = space.workspace().violation(&command.desired);
-        let inside = violation.amax() <= INSIDE;
-        // Working together begins when the tool first arrives in the shared workspace.
-        self.engaged = space.is_shared() && (self.engaged || inside);
+        let inside = Together::is_inside(self.plant.controller());
+        let engaged = self.engaged.update(self.plant.controller());
         let mut row = tick_row(&self.plant, now, tick_us);
-        row.collaborating = self.engaged;
+        row.collaborating = engaged;
         let hand = space.person().and_then(|person| {
             let floor = Vector3::new(person.floor.x, person.floor.y, 0.0);
             let frame = PersonFrame::new(floor, person.heading).ok()?;
@@ -245,13 +233,13 @@ impl<'a> Run<'a> {
         let begins = |state| command.safety == state && self.state != state;
         let (stops, retreats) = (begins(SafetyState::ProtectiveStop), begins(SafetyState::Retreat));
         row.reba_measured = self.measured.map(|measured| measured.reba.reba);
-        self.move_person(now, &actual);
+        self.move_person(now, Some(actual).filter(|_| engaged));
         let too_near = self.is_too_near()?;
         let command = self.plant.command();
-        self.calmness.watch(command, actual, self.engaged);
+        self.calmness.watch(command, actual, engaged);
         let tally = &mut self.tally;
         tally.separation_violations += u64::from(too_near);
-        if let (true, Some(reba)) = (self.engaged, row.reba_measured) {
+        if let (true, Some(reba)) = (engaged, row.reba_measured) {
             tally.measured += 1;
             tally.reba_measured += f64::from(reba);
             tally.reba_measured_max = tally.reba_measured_max.max(reba);
@@ -267,7 +255,7 @@ impl<'a> Run<'a> {
         }
         tally.failures += u64::from(!command.outcome.is_optimal());
         tally.error_squared += (command.desired.translation.vector - actual).norm_squared();
-        if let (true, Some(hand)) = (self.engaged, hand) {
+        if let (true, Some(hand)) = (engaged, hand) {
             tally.together += 1;
             tally.score += hand.score;
             tally.score_max = tally.score_max.max(hand.score);
@@ -285,20 +273,20 @@ impl<'a> Run<'a> {
             self.plant.controller().space().person().map(|person| {
                 Vector3::new(actual.x - person.floor.x, actual.y - person.floor.y, 0.0)
             });
-        let force = self.work.advance(towards.filter(|_| self.engaged), self.period);
+        let force = self.work.advance(towards.filter(|_| engaged), self.period);
         self.plant.act(&force)?;
         self.close_gripper()?;
         Ok(row)
     }
 
-    /// Moves the person's hand with the tool, at `actual` \[m\], while they work on it.
-    fn move_person(&mut self, now: f64, actual: &Vector3<f64>) {
+    /// Moves the person's hand with the object there \[m\], if they work on one.
+    fn move_person(&mut self, now: f64, object: Option<Vector3<f64>>) {
         if let Some(joints) = self.scenario.truth.as_ref().and_then(|motion| motion.at(now)) {
-            self.hand.follow(&joints);
+            self.encounter.hand.follow(&joints);
         }
-        self.hand.advance(now, self.period, Some(*actual).filter(|_| self.engaged));
+        self.encounter.advance(now, self.period, object);
         if let Some(person) = &mut self.true_person {
-            person.advance(now, &self.hand);
+            person.advance(now, &self.encounter.hand);
         }
     }
 

@@ -5,16 +5,19 @@ use human_perception::percepts::PostureSettings;
 use moca_model::whole_body::Model;
 use moca_model::whole_body::torque::Compensation;
 use moca_model::{
-    CameraFrame, ControllerSettings, GraspedObject, MOCA_HOME, SpaceSettings, TorqueLoopSettings,
-    moca, moca_safety,
+    BoxSide, CameraFrame, ControllerSettings, GraspedObject, MOCA_HOME, SpaceSettings,
+    TorqueLoopSettings, WorkFace, moca, moca_safety,
 };
 use moca_replay::recorded::Recorder;
 use percept_recording::{Timing, arrivals};
-use vision_models::{Body, Percept};
+use vision_models::{Body, Percept, Surface};
 
 use super::true_person::TrueMotion;
 use crate::Error;
 use crate::plant::Drive;
+
+/// Place of the on-board camera in the frame of the base on the floor \[m\].
+const ON_BOARD_CAMERA: [f64; 3] = [0.35, 0.0, 1.15];
 
 /// A scenario, which both runs of a comparison share.
 #[derive(Debug)]
@@ -149,6 +152,23 @@ impl Scenario {
     #[must_use]
     pub fn as_in_paper(mut self) -> Self {
         self.settings = self.settings.as_in_paper();
+        self
+    }
+
+    /// Lets the person hand over an object with this surface in front and the other one behind. The robot assumes the
+    /// default object until the camera on its base has seen this one.
+    #[must_use]
+    pub fn handed_over(mut self, front: Surface) -> Self {
+        let back = match front {
+            Surface::Drilled => Surface::Smooth,
+            Surface::Smooth => Surface::Drilled,
+        };
+        self.settings.on_board_camera.get_or_insert(ON_BOARD_CAMERA);
+        self.object.faces = vec![
+            WorkFace { side: BoxSide::Front, surface: front },
+            WorkFace { side: BoxSide::Back, surface: back },
+        ];
+        self.delivery = Delivery::HandedOver { believed: GraspedObject::default() };
         self
     }
 

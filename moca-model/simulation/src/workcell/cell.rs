@@ -5,7 +5,7 @@ use human_perception::percepts::{MeasuredAssessment, assess};
 use human_perception::random;
 use moca_model::whole_body::FrameId;
 use moca_model::{Controller, DynamicRobotSettings, Goal, GraspedObject, MOCA_HOME, Phase, moca};
-use moca_replay::report::TickRow;
+use moca_replay::report::{TickRow, Together};
 use nalgebra::{Isometry3, Point2, Point3, Vector2, Vector3};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
@@ -20,14 +20,12 @@ use crate::Error;
 use crate::judges::Witness;
 use crate::people::{Activity, Joints, Lead, LedPerson, Movement, Way, Workplace};
 use crate::plant::{Heard, Plant};
-use crate::run::{HandScore, OnBoardEye, Scorer, WorkForce, tick_row};
+use crate::run::{HandScore, OnBoardEye, RobotView, Scorer, WorkForce, tick_row};
 
 /// Where the people stand at first, in the world \[m\].
 const PLACES: [Point2<f64>; 2] = [Point2::new(2.6, 0.0), Point2::new(1.5, 2.6)];
 /// Where the person stands to work at first \[m\].
 const WORKPLACE: Point2<f64> = Point2::new(1.45, 0.0);
-/// A margin below which x_d counts as within the workspace \[m or rad\].
-const INSIDE: f64 = 1e-3;
 /// After so long without a measurement a loop halts the robot \[s\].
 const BLIND: f64 = 0.1;
 /// The link that an elbow is.
@@ -79,8 +77,7 @@ pub struct Workcell {
     blind: f64,
     /// Way that odometry has measured and the base has not gone \[m, world\].
     slipped: Vector2<f64>,
-    /// Whether the tool has arrived in the shared workspace since they work together.
-    engaged: bool,
+    engaged: Together,
     period: f64,
     tick: u64,
     row: TickRow,
@@ -146,7 +143,7 @@ impl Workcell {
             faults: Faults::default(),
             blind: 0.0,
             slipped: Vector2::zeros(),
-            engaged: false,
+            engaged: Together::default(),
             period,
             tick: 0,
             row: tick_row(&plant, 0.0, 0.0),
@@ -271,7 +268,7 @@ impl Workcell {
             let hand = Vector3::from(self.row.actual);
             Vector3::new(hand.x - person.floor.x, hand.y - person.floor.y, 0.0)
         });
-        let force = self.work.advance(towards.filter(|_| self.engaged), self.period);
+        let force = self.work.advance(towards.filter(|_| self.row.collaborating), self.period);
         let before = floor(&self.plant);
         self.plant.act(&force)?;
         let slip = self.faults.slip;
@@ -315,7 +312,7 @@ impl Workcell {
     }
 
     fn observe(&mut self, percept: Percept, others: Vec<Body>, now: f64) -> Result<(), Error> {
-        let surface = self.on_board.look(&self.plant, &self.object)?;
+        let surface = self.on_board.look(&RobotView::of(&self.plant), &self.object)?;
         let percept = Percept { surface, ..percept };
         let taken = self.plant.observe_people(&percept, &others);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a tick")]
@@ -355,10 +352,7 @@ impl Workcell {
             measured.iter_mut().zip(&slipped).for_each(|(place, slipped)| *place += slipped);
         })?;
         self.row = tick_row(&self.plant, now, tick_us);
-        let (command, space) = (self.plant.command(), self.plant.controller().space());
-        let inside = space.workspace().violation(&command.desired).amax() <= INSIDE;
-        self.engaged = space.is_shared() && (self.engaged || inside);
-        self.row.collaborating = self.engaged;
+        self.row.collaborating = self.engaged.update(self.plant.controller());
         let contact = self.plant.controller().safety().contact_speed() > 0.0;
         let worker = self.worker.witness.moment(contact);
         let bystander = self.bystander.as_ref().and_then(|guided| guided.witness.moment(false));
@@ -380,7 +374,7 @@ impl Workcell {
 
     /// The score of the person with the hand at what the robot holds; none unless they work together.
     pub fn score(&self) -> Option<HandScore> {
-        let person = self.plant.controller().space().person().filter(|_| self.engaged)?;
+        let person = self.plant.controller().space().person().filter(|_| self.row.collaborating)?;
         let floor = Vector3::new(person.floor.x, person.floor.y, 0.0);
         let frame = PersonFrame::new(floor, person.heading).ok()?;
         self.scorer.score(&frame, &self.row.actual.into())

@@ -24,6 +24,17 @@ pub struct RobotStatus {
     pub mode: Option<RobotMode>,
     /// Whether the robot took the last command before this measurement.
     pub took_command: Option<bool>,
+    /// Whether the gripper holds something.
+    pub holds: Option<bool>,
+}
+
+/// What the gripper is to do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Grip {
+    /// It opens, or stays open.
+    Open,
+    /// It closes, or stays closed.
+    Close,
 }
 
 /// Whether a robot takes commands, or why it does not.
@@ -56,6 +67,8 @@ pub struct JointCommand {
     pub velocity: Vec<f64>,
     /// τ* \[N or Nm\]. Zero for joints that take no torque.
     pub torque: Vec<f64>,
+    /// What the gripper is to do; `None` leaves it as it is.
+    pub grip: Option<Grip>,
 }
 
 impl JointMeasurement {
@@ -80,7 +93,12 @@ impl JointCommand {
     /// Creates a command to rest at the measured configuration without torques.
     pub fn at_rest(measured: &JointMeasurement) -> Self {
         let none = vec![0.0; measured.velocity.len()];
-        Self { position: measured.position.clone(), velocity: none.clone(), torque: none }
+        Self {
+            position: measured.position.clone(),
+            velocity: none.clone(),
+            torque: none,
+            grip: None,
+        }
     }
 }
 

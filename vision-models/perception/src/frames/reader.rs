@@ -138,6 +138,23 @@ impl FramesReader {
         Ok(None)
     }
 
+    /// Returns the newest frame that is there, and the number of older ones that are left out for it. Waits for one as
+    /// [`next_entry`](Self::next_entry) does.
+    ///
+    /// # Errors
+    /// Those of [`next_entry`](Self::next_entry).
+    pub fn newest_entry(
+        &mut self,
+        stop: impl Fn() -> bool,
+    ) -> Result<Option<(FrameEntry, u64)>, Error> {
+        let Some(mut newest) = self.next_entry(stop)? else { return Ok(None) };
+        let mut left_out = 0;
+        while let Some(entry) = self.next_entry(|| true)? {
+            (newest, left_out) = (entry, left_out + 1);
+        }
+        Ok(Some((newest, left_out)))
+    }
+
     /// Returns the depth image of a frame.
     ///
     /// # Errors

@@ -1,0 +1,19 @@
+//! The thread beside a control loop: camera, notes, and files.
+
+mod alone;
+mod attendant;
+#[cfg(feature = "ros2")]
+mod interface;
+mod object;
+mod percepts;
+mod records;
+mod robot_adds;
+
+pub use alone::alone;
+pub use attendant::{Attendant, acknowledge_by_keys};
+#[cfg(feature = "ros2")]
+pub use interface::FollowedBy;
+pub use object::ObjectOption;
+pub use percepts::watch_percepts;
+pub use records::Records;
+pub use robot_adds::RobotAdds;

@@ -1,0 +1,81 @@
+//! Phases and safety states of a loop, with their causes and times.
+
+use hrsw_safety::{Cause, Fault, SafetyState};
+use moca_replay::recorded::{Lane, Tone, phase_label, safety_label};
+use serde::Serialize;
+
+use super::loop_tick::LoopTick;
+
+/// Phases and safety states in the order of time \[s since the first tick\], and what they count.
+///
+/// ```
+/// use moca_drivers::Logbook;
+///
+/// let book = Logbook::default();
+/// assert_eq!((book.protective_stops, book.retreats, book.phase.spans.len()), (0, 0, 0));
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Logbook {
+    /// Phases of the interaction, with the reason of each.
+    pub phase: Lane,
+    /// Safety states, with the cause of each.
+    pub safety: Lane,
+    /// Number of protective stops, without the one that ends the loop.
+    pub protective_stops: u64,
+    /// Number of retreats from a person who was too close.
+    pub retreats: u64,
+    /// Number of ticks with a person and robot that worked together.
+    pub ticks_together: u64,
+    #[serde(skip)]
+    first: Option<f64>,
+    #[serde(skip)]
+    state: SafetyState,
+}
+
+impl Default for Logbook {
+    fn default() -> Self {
+        Self {
+            phase: Lane::new("phase"),
+            safety: Lane::new("safety"),
+            protective_stops: 0,
+            retreats: 0,
+            ticks_together: 0,
+            first: None,
+            state: SafetyState::Normal,
+        }
+    }
+}
+
+impl Logbook {
+    /// Takes a tick. Returns what changed in it, as text for people.
+    pub fn push(&mut self, tick: &LoopTick) -> Option<String> {
+        let time = tick.row.time - *self.first.get_or_insert(tick.row.time);
+        if self.phase.spans.is_empty() || tick.transition.is_some() {
+            let (label, tone) =
+                phase_label(tick.phase, tick.transition.map(|change| change.reason));
+            self.phase.set(time, label, tone);
+        }
+        self.phase.lasts(time);
+        let (label, tone) = safety_label(tick.safety, tick.cause.as_ref());
+        let is_new = self.safety.spans.last().is_none_or(|last| last.label != label);
+        self.safety.set(time, label, tone);
+        let begins = |state| tick.safety == state && self.state != state;
+        let is_asked = tick.cause == Some(Cause::Fault(Fault::StopRequested));
+        self.protective_stops += u64::from(begins(SafetyState::ProtectiveStop) && !is_asked);
+        self.retreats += u64::from(begins(SafetyState::Retreat));
+        self.ticks_together += u64::from(tick.row.collaborating);
+        self.state = tick.safety;
+        let changed = match (tick.transition, is_new) {
+            (Some(_), _) => &self.phase,
+            (None, true) => &self.safety,
+            (None, false) => return None,
+        };
+        let label = &changed.spans.last()?.label;
+        let waits = if tick.waits && tone == Tone::Stop && changed.name == self.safety.name {
+            "; it waits for an acknowledgement"
+        } else {
+            ""
+        };
+        Some(format!("{time:>8.3} s  {label}{waits}"))
+    }
+}
