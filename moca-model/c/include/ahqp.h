@@ -1,4 +1,4 @@
-// Strict priorities for robots: hierarchical quadratic programmes, and inverse kinematics of any robot.
+// Strict priorities for robots: hierarchical quadratic programs, and inverse kinematics of any robot.
 //
 // Made by `cargo run --manifest-path moca-model/c/header/Cargo.toml`; do not edit. SI units, radians. A handle
 // is used by one thread at a time. Functions that return a status check pointers and sizes first.
