@@ -182,7 +182,9 @@ impl ActiveSet {
             0.0 => 0.0,
             violation => {
                 let free = self.data.norm_beside_bounds(id, &self.activity);
-                let certain = DOUBTFUL * free * self.max_norm;
+                // A bound may be the difference of numbers as large as x.
+                let of_bound = f64::EPSILON * self.data.norm(id);
+                let certain = (DOUBTFUL * free + of_bound) * self.max_norm;
                 let tolerance = self.settings.feasibility_tolerance * self.data.size(id, &self.x);
                 violation / tolerance.max(certain)
             }

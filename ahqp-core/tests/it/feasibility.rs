@@ -40,6 +40,27 @@ fn rows_that_tie_with_active_bounds_hold() {
     }
 }
 
+/// The bound of a row at zero bounds is what rounding leaves of numbers as large as x₀.
+#[test]
+fn a_bound_of_rounding_beside_large_variables_holds() {
+    let solve_with = |bound: f64| {
+        let mut hierarchy = Hierarchy::new(3).unwrap();
+        let infinity = f64::INFINITY;
+        hierarchy.set_bounds(&[-infinity, 0.0, 0.0], &[infinity; 3]).unwrap();
+        let towards = DVector::from_vec(vec![1e3, -1.0, -1.0]);
+        let identity = Rows::equalities(&DMatrix::identity(3, 3), &towards).unwrap();
+        hierarchy.push(Level::least_squares(identity)).unwrap();
+        let row = DMatrix::from_row_slice(1, 3, &[0.0, 1.0, 1.0]);
+        let row = Rows::equalities(&row, &DVector::from_element(1, bound)).unwrap();
+        hierarchy.push(Level::constraints_only(row)).unwrap();
+        solve(&hierarchy)
+    };
+    let x = solve_with(-1.1e-16).unwrap();
+    assert!((x[0] - 1e3).abs() < 1e-10 && x[1] == 0.0 && x[2] == 0.0, "{x:?}");
+    let contradiction = solve_with(-1e-9).unwrap_err();
+    assert!(matches!(contradiction, Error::Infeasible { .. }), "{contradiction}");
+}
+
 /// The bound of a row without coefficients can only be compared with the row's own unit.
 #[test]
 fn a_row_without_coefficients_holds_to_rounding() {

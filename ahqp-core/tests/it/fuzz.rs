@@ -142,11 +142,13 @@ fn violation(a: &[f64], lower: f64, upper: f64, x: &[f64]) -> f64 {
     value - value.clamp(lower, upper)
 }
 
-/// Returns the size of the numbers in a row at x, including bounds. Rounding is relative to it.
+/// Returns the size of the numbers in a row at x, including bounds. Rounding is relative to it. A row
+/// without coefficients has nothing to be compared with, and is judged in its own unit.
 fn size(a: &[f64], lower: f64, upper: f64, x: &[f64]) -> f64 {
     let largest = |values: &[f64]| values.iter().fold(0.0, |l, v| f64::max(l, v.abs()));
     let bound = |value: f64| if value.is_finite() { value.abs() } else { 0.0 };
-    largest(a) * largest(x) * a.len() as f64 + bound(lower).max(bound(upper))
+    let terms = if largest(a) > 0.0 { largest(a) * largest(x) * a.len() as f64 } else { 1.0 };
+    terms + bound(lower).max(bound(upper))
 }
 
 /// Expects an answer that is finite and within its bounds and constraints, whatever the data.

@@ -25,3 +25,4 @@ mod stack_changes;
 mod stacking;
 mod support;
 mod weights;
+mod written;

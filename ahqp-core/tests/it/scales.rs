@@ -110,49 +110,6 @@ struct Plan {
     seed: u64,
 }
 
-/// Rounding drops a row that immediately becomes active again, which must not go on until the
-/// iterations run out.
-#[test]
-fn a_row_that_comes_back_at_once_stays() {
-    let (nearness, seed) = (-7.254860562231021, 1177438555435173584);
-    let plan = Plan { variables: 7, levels: 3, bounded: false, nearness, units: 0.0, seed };
-    expect_proof(&plan.build()).unwrap();
-}
-
-/// Two of these rows differ by a millionth. Their violation is only known from x.
-#[test]
-fn rows_that_nearly_agree_hold_together() {
-    for (variables, levels, bounded, nearness, seed) in [
-        (4, 1, false, -4.527260890433921, 13370703833973326952),
-        (4, 1, true, -5.553165768240454, 16147082715180324371),
-        (2, 1, false, -5.589272138003114, 10128635463776656156),
-        (3, 4, false, -5.875111363629733, 14967759799544524393),
-    ] {
-        let plan = Plan { variables, levels, bounded, nearness, units: 0.0, seed };
-        expect_proof(&plan.build()).unwrap();
-    }
-}
-
-/// Three hard rows that nearly agree hold the objective's row, which is one of them. The
-/// multipliers of the other two are zero, and rounding makes them 1e-8. The least norm must still
-/// be chosen.
-#[test]
-fn unneeded_rows_leave_the_next_level_free() {
-    let seed = 4816265570775335485;
-    let nearness = -4.934751649731402;
-    let plan = Plan { variables: 3, levels: 1, bounded: true, nearness, units: 0.0, seed };
-    expect_proof(&plan.build()).unwrap();
-}
-
-/// Five hard rows are active in four dimensions. The one that depends on the others moves with
-/// them, and returns to its bound when one of them is dropped.
-#[test]
-fn a_dependent_hard_row_moves_with_the_others() {
-    let (seed, nearness) = (5330735831441724863, -5.70734108673939);
-    let plan = Plan { variables: 4, levels: 2, bounded: false, nearness, units: 0.0, seed };
-    expect_proof(&plan.build()).unwrap();
-}
-
 fn nearly_dependent() -> impl Strategy<Value = Plan> {
     (2..9_usize, 1..6_usize, any::<bool>(), -6.0..-1.0_f64, any::<u64>().no_shrink()).prop_map(
         |(variables, levels, bounded, nearness, seed)| Plan {

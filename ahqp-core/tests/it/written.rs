@@ -1,0 +1,142 @@
+//! Problems as data, in `written/*.txt`, and what must be true of them.
+//!
+//! A problem is written as `problem VARIABLES LEVELS`, a line `LOWER UPPER` for each variable, and
+//! its levels. A level is `constraints COUNT`, then `rows COUNT` or `quadratic COUNT`, each followed
+//! by its rows: coefficients, lower and upper bound. A row of a quadratic is one of the Hessian,
+//! followed by the entry of the gradient.
+
+use std::str::Lines;
+
+use ahqp_core::{Hierarchy, Level, Rows, Settings, Solver, Status, WarmStart};
+use nalgebra::{DMatrix, DVector};
+
+/// Reads the problems of a text.
+pub(crate) fn read(text: &str) -> Vec<Hierarchy> {
+    let mut lines = text.lines();
+    let mut problems = Vec::new();
+    while let Some(head) = lines.next() {
+        let [variables, levels] = counts(head, "problem");
+        let mut problem = Hierarchy::new(variables).unwrap();
+        for (variable, bounds) in numbers(&mut lines, variables).iter().enumerate() {
+            let (lower, upper) = problem.bounds_mut();
+            (lower[variable], upper[variable]) = (bounds[0], bounds[1]);
+        }
+        for _ in 0..levels {
+            let [count] = counts(lines.next().unwrap(), "constraints");
+            let constraints = rows(variables, &numbers(&mut lines, count));
+            let head = lines.next().unwrap();
+            let level = if head.starts_with("quadratic") {
+                let rows = numbers(&mut lines, variables);
+                let hessian = DMatrix::from_fn(variables, variables, |i, j| rows[i][j]);
+                let gradient = DVector::from_fn(variables, |i, _| rows[i][variables]);
+                Level::quadratic(&hessian, &gradient).unwrap()
+            } else {
+                let [count] = counts(head, "rows");
+                Level::least_squares(rows(variables, &numbers(&mut lines, count)))
+            };
+            problem.push(level.with_constraints(constraints)).unwrap();
+        }
+        problems.push(problem);
+    }
+    problems
+}
+
+fn counts<const COUNT: usize>(line: &str, word: &str) -> [usize; COUNT] {
+    let mut words = line.split(' ');
+    assert_eq!(words.next(), Some(word), "{line}");
+    [(); COUNT].map(|()| words.next().unwrap().parse().unwrap())
+}
+
+fn numbers(lines: &mut Lines<'_>, count: usize) -> Vec<Vec<f64>> {
+    let numbers = |line: &str| line.split(' ').map(|number| number.parse().unwrap()).collect();
+    lines.take(count).map(numbers).collect()
+}
+
+fn rows(variables: usize, of: &[Vec<f64>]) -> Rows {
+    let matrix = DMatrix::from_fn(of.len(), variables, |i, j| of[i][j]);
+    let column = |j: usize| DVector::from_fn(of.len(), |i, _| of[i][j]);
+    Rows::ranges(&matrix, &column(variables), &column(variables + 1)).unwrap()
+}
+
+/// Expects that the answer is certified, from nothing and from the answer itself.
+fn expect_proof(problem: &Hierarchy) {
+    let mut solver = Solver::new(problem, Settings::default()).unwrap();
+    for _ in 0..2 {
+        let solution = solver.solve(problem).unwrap();
+        assert_eq!(solution.status(), Status::Solved);
+        let x = solution.optimum().unwrap().to_vec();
+        let residuals = solver.certificate(problem).unwrap().residuals(problem, &x).unwrap();
+        assert!(residuals.worst() < 1e-8, "{residuals:?}");
+    }
+}
+
+/// Solves the problems one after the other, each by ticks of `max_iterations`. Expects that each is
+/// solved within twenty ticks, to what a solve without limit finds.
+fn expect_ticks(problems: &[Hierarchy], max_iterations: usize) {
+    let mut solver =
+        Solver::new(&problems[0], Settings { max_iterations, ..Settings::default() }).unwrap();
+    for problem in problems {
+        let ended = (0..20).find(|_| solver.solve(problem).unwrap().status() == Status::Solved);
+        assert!(ended.is_some(), "{:?}", solver.solution());
+        let x = solver.solution().unwrap().optimum().unwrap().to_vec();
+        let settings = Settings { warm_start: WarmStart::Cold, ..Settings::default() };
+        let mut complete = Solver::new(problem, settings).unwrap();
+        let complete = complete.solve(problem).unwrap().optimum().unwrap();
+        let difference = DVector::from_column_slice(&x) - DVector::from_column_slice(complete);
+        assert!(difference.amax() < 1e-7, "{x:?} {complete:?}");
+    }
+}
+
+/// Making the hard rows hold takes more iterations than one tick has. The next tick goes on from
+/// the point that the last one reached.
+#[test]
+fn a_tick_continues_where_the_last_one_ended() {
+    expect_ticks(&read(include_str!("written/budget_for_constraints.txt")), 10);
+}
+
+/// Three hard rows have the same coefficients, and rounding leaves a variable 1e-12 off its bound.
+#[test]
+fn a_variable_near_its_bound_still_counts() {
+    let problems = read(include_str!("written/bounds_off_by_rounding.txt"));
+    for problem in &problems {
+        expect_proof(problem);
+    }
+    expect_ticks(&problems, 15);
+}
+
+/// Rounding drops a row that immediately becomes active again, which must not go on until the
+/// iterations run out.
+#[test]
+fn a_row_that_comes_back_at_once_stays() {
+    for problem in read(include_str!("written/row_that_comes_back.txt")) {
+        expect_proof(&problem);
+    }
+}
+
+/// Two of these rows differ by a millionth. Their violation is only known from x.
+#[test]
+fn rows_that_nearly_agree_hold_together() {
+    for text in [
+        include_str!("written/nearly_agreeing.txt"),
+        include_str!("written/nearly_agreeing_bounded.txt"),
+        include_str!("written/nearly_agreeing_plane.txt"),
+        include_str!("written/nearly_agreeing_levels.txt"),
+    ] {
+        expect_proof(&read(text)[0]);
+    }
+}
+
+/// Three hard rows that nearly agree hold the objective's row, which is one of them. The
+/// multipliers of the other two are zero, and rounding makes them 1e-8. The least norm must still
+/// be chosen.
+#[test]
+fn unneeded_rows_leave_the_next_level_free() {
+    expect_proof(&read(include_str!("written/unneeded_rows.txt"))[0]);
+}
+
+/// Five hard rows are active in four dimensions. The one that depends on the others moves with
+/// them, and returns to its bound when one of them is dropped.
+#[test]
+fn a_dependent_hard_row_moves_with_the_others() {
+    expect_proof(&read(include_str!("written/dependent_hard_row.txt"))[0]);
+}
