@@ -5,8 +5,6 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
-#[cfg(feature = "ros2")]
-use std::sync::mpsc::Receiver;
 use std::thread;
 #[cfg(feature = "ros2")]
 use std::time::Duration;
@@ -25,7 +23,7 @@ use examples::settings::{RobotSettings, SettingsFile, with_settings};
 use examples::shipped;
 #[cfg(feature = "ros2")]
 use moca_drivers::ros2::{
-    RobotJoints, Ros2Report, Ros2Server, Ros2Side, RosDomain, SeenPeople, TopicReport,
+    RobotJoints, Ros2People, Ros2Report, Ros2Server, Ros2Side, RosDomain, SeenPeople, TopicReport,
 };
 use moca_drivers::{
     AnnouncedLaw, DriveReport, LinkReport, LockstepSide, SharedKey, SimulatedSide, UdpServer,
@@ -325,13 +323,13 @@ impl Options {
             }
             return Ok(Ending::Complete);
         }
-        let (mut robot, persons) = Ros2Side::join(
+        let (mut robot, people) = Ros2Side::join(
             RosDomain::of_environment()?,
             RobotJoints::moca(),
             self.interface.into(),
         )?;
         let driven = self.drive(session, scenario, &mut robot, clock, |attendant, ended, clock| {
-            seen_by_others(&persons, attendant, ended, clock);
+            seen_by_others(&people, attendant, ended, clock);
         });
         let messages = Ros2Report::from(&robot.close()?);
         let report = driven.inspect_err(|_| session.warn(&messages))?;
@@ -426,7 +424,7 @@ impl Options {
         }
         let records = self.output.as_deref();
         let records = records.map(|folder| Records::create(folder, scenario.map.stature()));
-        let ends = (ticks, frames);
+        let ends = (ticks, frames, law.acknowledgement());
         Ok((law, Attendant::new(session, scenario, ends, records.transpose()?)))
     }
 }
@@ -459,14 +457,18 @@ fn recorded(attendant: &mut Attendant<'_>, ended: &AtomicBool, mut clock: Monoto
 /// A camera of another node on the ROS 2 graph.
 #[cfg(feature = "ros2")]
 fn seen_by_others(
-    persons: &Receiver<SeenPeople>,
+    people: &Ros2People,
     attendant: &mut Attendant<'_>,
     ended: &AtomicBool,
     clock: MonotonicClock,
 ) {
     while !ended.load(Ordering::Acquire) {
         attendant.attend();
-        let Ok(SeenPeople { taken, body, others, action }) = persons.recv_timeout(WAKES) else {
+        people.tell(attendant.state());
+        if people.acknowledgements.try_recv().is_ok() {
+            attendant.acknowledge();
+        }
+        let Ok(SeenPeople { taken, body, others, action }) = people.seen.recv_timeout(WAKES) else {
             continue;
         };
         let age = taken.elapsed().map_or(0.0, |age| age.as_secs_f64());
