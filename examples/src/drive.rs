@@ -2,6 +2,7 @@
 
 mod alone;
 mod attendant;
+mod cameras;
 #[cfg(feature = "ros2")]
 mod interface;
 mod object;
@@ -11,6 +12,9 @@ mod robot_adds;
 
 pub use alone::alone;
 pub use attendant::{Attendant, acknowledge_by_keys};
+pub use cameras::recorded;
+#[cfg(feature = "ros2")]
+pub use cameras::seen_by_others;
 #[cfg(feature = "ros2")]
 pub use interface::FollowedBy;
 pub use object::ObjectOption;

@@ -5,57 +5,41 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
-#[cfg(feature = "ros2")]
-use std::sync::mpsc::Receiver;
 use std::thread;
-#[cfg(feature = "ros2")]
-use std::time::Duration;
 
 use anyhow::{Context, Result, anyhow, ensure};
 use clap::Parser;
 use ergo_map::{MapOptions, Person};
-#[cfg(feature = "ros2")]
-use examples::drive::FollowedBy;
 use examples::drive::{
-    Attendant, ObjectOption, Records, RobotAdds, acknowledge_by_keys, alone, watch_percepts,
+    Attendant, ObjectOption, Records, RobotAdds, acknowledge_by_keys, alone, recorded,
+    watch_percepts,
 };
+#[cfg(feature = "ros2")]
+use examples::drive::{FollowedBy, seen_by_others};
 use examples::maps::{build_map, read_map};
 use examples::program::{self, Ending, Json, Program, Quiet, Session};
 use examples::settings::{RobotSettings, SettingsFile, with_settings};
 use examples::shipped;
 #[cfg(feature = "ros2")]
-use moca_drivers::ros2::{
-    RobotJoints, Ros2Report, Ros2Server, Ros2Side, RosDomain, SeenPeople, TopicReport,
-};
+use moca_drivers::ros2::{RobotJoints, Ros2Report, Ros2Server, Ros2Side, RosDomain, TopicReport};
 use moca_drivers::{
     AnnouncedLaw, DriveReport, LinkReport, LockstepSide, SharedKey, SimulatedSide, UdpServer,
     UdpSide,
 };
-#[cfg(feature = "ros2")]
-use moca_model::CameraFrame;
 use moca_model::whole_body::control_loop::{
     Clock, ControlLoop, JointMeasurement, LoopSettings, ManualClock, MonotonicClock, RobotSide,
     Scheduling, StopCause,
 };
-use moca_model::{AnswerDelay, Controller, LoopController, TorqueController};
+use moca_model::{AnswerDelay, Controller, LoopController, MOCA_HOME, TorqueController};
 use moca_simulation::plant::RobotNoise;
 use moca_simulation::run::Scenario;
 use percept_recording::{self, IfPartial, Recording};
 use serde::Serialize;
-#[cfg(feature = "ros2")]
-use vision_models::Percept;
 
 /// Stature of a person whose recording gives none \[m\].
 const DEFAULT_STATURE: f64 = 1.75;
 /// Seed of the simulated robot's noise.
 const SEED: u64 = 1;
-/// Longest time between two looks at the ticks \[s\].
-const READS: f64 = 0.01;
-
-/// Longest time after which a camera without listeners notices the end of the loop.
-#[cfg(feature = "ros2")]
-const WAKES: Duration = Duration::from_millis(50);
-
 /// Moves MOCA in real time at 1 kHz beside a recorded person, and prints how well the deadlines were kept.
 ///
 /// The robot is simulated, in this process or behind UDP. `drive --serve` is such a robot, and shows what a driver of a
@@ -171,9 +155,12 @@ impl Program for Options {
             !self.lockstep || self.robot.is_some() || matches!(self.serve, Some(Some(_))),
             "--lockstep: only packets are a clock; give --robot or --serve as well"
         );
+        if let (Some(address), false) = (&self.serve, self.is_on_ros2()) {
+            return self.serve(session, address.as_deref(), key.as_ref());
+        }
         let mut scenario = self.scenario(session)?;
         self.compensate(&mut scenario)?;
-        let mut clock = MonotonicClock::new(1e-6 * self.spin);
+        let clock = MonotonicClock::new(1e-6 * self.spin);
         #[cfg(feature = "ros2")]
         if self.ros2 {
             return self.on_ros2(session, &scenario, clock);
@@ -185,22 +172,6 @@ impl Program for Options {
             }
         };
         let period = scenario.settings.period;
-        if let Some(address) = &self.serve {
-            let address = address.as_ref().context("--serve: give an address, HOST:PORT")?;
-            let robot = SimulatedSide::new(&scenario.start, period, RobotNoise::new(SEED))?;
-            let mut server = UdpServer::bind(address, robot, &scenario.start, key.as_ref())
-                .with_context(|| format!("--serve {address}"))?;
-            writeln!(session.output(), "a robot at {}; Ctrl-C ends it", server.address()?)?;
-            session.output().flush()?;
-            let interrupt = session.interrupt().clone();
-            if self.lockstep {
-                server.serve_in_lockstep(|| interrupt.requested())?;
-            } else {
-                server.serve(period, &mut clock, || interrupt.requested())?;
-            }
-            writeln!(session.output(), "{}", LinkReport::from(server.statistics()))?;
-            return Ok(Ending::Complete);
-        }
         if let Some(address) = &self.robot {
             let mut robot = UdpSide::connect(address, scenario.start.len(), key.as_ref())
                 .with_context(|| format!("--robot {address}"))?;
@@ -225,6 +196,45 @@ impl Program for Options {
 }
 
 impl Options {
+    /// Is the simulated robot until Ctrl-C.
+    fn serve(
+        &self,
+        session: &mut Session,
+        address: Option<&str>,
+        key: Option<&SharedKey>,
+    ) -> Result<Ending> {
+        let address = address.context("--serve: give an address, HOST:PORT")?;
+        let mut settings = RobotSettings::default();
+        if let Some((path, file)) = self.settings()? {
+            settings = file.over(&settings).with_context(|| path.display().to_string())?;
+        }
+        let period = settings.controller.period;
+        let robot = SimulatedSide::new(&MOCA_HOME, period, RobotNoise::new(SEED))?;
+        let mut server = UdpServer::bind(address, robot, &MOCA_HOME, key)
+            .with_context(|| format!("--serve {address}"))?;
+        writeln!(session.output(), "a robot at {}; Ctrl-C ends it", server.address()?)?;
+        session.output().flush()?;
+        let interrupt = session.interrupt().clone();
+        if self.lockstep {
+            server.serve_in_lockstep(|| interrupt.requested())?;
+        } else {
+            let mut clock = MonotonicClock::new(1e-6 * self.spin);
+            server.serve(period, &mut clock, || interrupt.requested())?;
+        }
+        writeln!(session.output(), "{}", LinkReport::from(server.statistics()))?;
+        Ok(Ending::Complete)
+    }
+
+    /// The settings file, if there is one, with its content.
+    fn settings(&self) -> Result<Option<(&PathBuf, SettingsFile)>> {
+        let read = |path: &PathBuf| {
+            let file = SettingsFile::read(path)?;
+            file.over(&RobotSettings::default()).map(|_| file)
+        };
+        let read = |path| Ok((path, read(path).with_context(|| path.display().to_string())?));
+        self.settings.as_ref().map(read).transpose()
+    }
+
     /// Sets the compensation of the robot, which must be stated for a robot that is not simulated here.
     fn compensate(&self, scenario: &mut Scenario) -> Result<()> {
         #[cfg(feature = "ros2")]
@@ -249,11 +259,18 @@ impl Options {
 
     /// Whether the robot is not simulated in this process.
     fn is_elsewhere(&self) -> bool {
-        #[cfg(feature = "ros2")]
-        let on_ros2 = self.ros2;
-        #[cfg(not(feature = "ros2"))]
-        let on_ros2 = false;
-        on_ros2 || self.robot.is_some()
+        self.is_on_ros2() || self.robot.is_some()
+    }
+
+    #[cfg(feature = "ros2")]
+    fn is_on_ros2(&self) -> bool {
+        self.ros2
+    }
+
+    #[cfg(not(feature = "ros2"))]
+    #[expect(clippy::unused_self, reason = "with the feature, it is asked")]
+    fn is_on_ros2(&self) -> bool {
+        false
     }
 
     /// The key of the packets, if they have one.
@@ -269,13 +286,8 @@ impl Options {
 
     /// The scenario that `follow` plays, for real time.
     fn scenario(&self, session: &Session) -> Result<Scenario> {
-        let settings = self.settings.as_ref().map(|path| {
-            let file = SettingsFile::read(path);
-            let file = file.and_then(|file| file.over(&RobotSettings::default()).map(|_| file));
-            file.with_context(|| path.display().to_string()).map(|file| (path, file))
-        });
         // Settings are read before the work.
-        let settings = settings.transpose()?;
+        let settings = self.settings()?;
         let Recording { header, percepts, others, .. } = match &self.recording {
             Some(path) => Recording::read(percept_recording::open(path)?, IfPartial::Refuse)
                 .with_context(|| path.display().to_string())?,
@@ -325,13 +337,13 @@ impl Options {
             }
             return Ok(Ending::Complete);
         }
-        let (mut robot, persons) = Ros2Side::join(
+        let (mut robot, people) = Ros2Side::join(
             RosDomain::of_environment()?,
             RobotJoints::moca(),
             self.interface.into(),
         )?;
         let driven = self.drive(session, scenario, &mut robot, clock, |attendant, ended, clock| {
-            seen_by_others(&persons, attendant, ended, clock);
+            seen_by_others(&people, attendant, ended, clock);
         });
         let messages = Ros2Report::from(&robot.close()?);
         let report = driven.inspect_err(|_| session.warn(&messages))?;
@@ -426,7 +438,7 @@ impl Options {
         }
         let records = self.output.as_deref();
         let records = records.map(|folder| Records::create(folder, scenario.map.stature()));
-        let ends = (ticks, frames);
+        let ends = (ticks, frames, law.acknowledgement());
         Ok((law, Attendant::new(session, scenario, ends, records.transpose()?)))
     }
 }
@@ -443,36 +455,6 @@ fn control_loop(scenario: &Scenario) -> Result<ControlLoop> {
     let period = scenario.settings.period;
     let times = LoopSettings { period, ..LoopSettings::default() };
     Ok(ControlLoop::new(times, JointMeasurement::at_rest(&scenario.model))?)
-}
-
-/// A camera that plays the recording in real time, and reads the ticks meanwhile.
-fn recorded(attendant: &mut Attendant<'_>, ended: &AtomicBool, mut clock: MonotonicClock) {
-    let mut camera = attendant.camera();
-    while !ended.load(Ordering::Acquire) {
-        attendant.attend();
-        let now = clock.now();
-        let (_, next) = camera.show(now, |frame| attendant.show(frame));
-        clock.sleep_until(next.min(now + READS));
-    }
-}
-
-/// A camera of another node on the ROS 2 graph.
-#[cfg(feature = "ros2")]
-fn seen_by_others(
-    persons: &Receiver<SeenPeople>,
-    attendant: &mut Attendant<'_>,
-    ended: &AtomicBool,
-    clock: MonotonicClock,
-) {
-    while !ended.load(Ordering::Acquire) {
-        attendant.attend();
-        let Ok(SeenPeople { taken, body, others, action }) = persons.recv_timeout(WAKES) else {
-            continue;
-        };
-        let age = taken.elapsed().map_or(0.0, |age| age.as_secs_f64());
-        let percept = Percept { time: clock.now() - age, body, action, surface: None };
-        attendant.see(CameraFrame::from(percept).with_others(&others));
-    }
 }
 
 /// The ending of a program whose loop ends by this cause.

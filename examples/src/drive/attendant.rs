@@ -22,6 +22,7 @@ pub struct Attendant<'a> {
     ticks: Ticks,
     frames: SyncSender<CameraFrame>,
     book: Logbook,
+    acknowledgement: Acknowledgement,
     scorer: Scorer<&'a ErgonomicsMap>,
     encounter: Encounter,
     robot: RobotView,
@@ -41,7 +42,7 @@ impl<'a> Attendant<'a> {
     pub fn new(
         session: &'a Session,
         scenario: &'a Scenario,
-        (ticks, frames): (Ticks, SyncSender<CameraFrame>),
+        (ticks, frames, acknowledgement): (Ticks, SyncSender<CameraFrame>, Acknowledgement),
         records: Option<Records>,
     ) -> Self {
         let robot = RobotView {
@@ -56,6 +57,7 @@ impl<'a> Attendant<'a> {
             ticks,
             frames,
             book: Logbook::default(),
+            acknowledgement,
             scorer: Scorer::new(&scenario.map),
             encounter: Encounter::new(scenario),
             robot,
@@ -88,6 +90,16 @@ impl<'a> Attendant<'a> {
                 keep(records, failure, written);
             }
         });
+    }
+
+    /// Acknowledges the stop that waits for it.
+    pub fn acknowledge(&self) {
+        self.acknowledgement.give();
+    }
+
+    /// The phase and the safety state, each with its cause.
+    pub fn state(&self) -> String {
+        self.book.state()
     }
 
     /// Shows the loop a recorded frame as its cameras see it.

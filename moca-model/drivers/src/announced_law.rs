@@ -11,6 +11,32 @@ use super::loop_tick::{TickSender, Ticks, tick_channel};
 
 /// A [`LoopController`] that tells people once, before the first command, which inputs are missing. It also keeps a log
 /// of its faults, and tells another thread what it does in each tick.
+///
+/// ```
+/// use ergo_map::ErgonomicsQuadratic;
+/// use moca_drivers::AnnouncedLaw;
+/// use moca_model::whole_body::control_loop::{ControlLaw, JointCommand, JointMeasurement};
+/// use moca_model::whole_body::torque::Compensation;
+/// use moca_model::{
+///     Controller, ControllerSettings, LoopController, MOCA_HOME, TorqueController, TorqueLoopSettings, moca,
+/// };
+/// use nalgebra::{Matrix3, Vector3};
+///
+/// let ergonomics = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0)?;
+/// let controller = Controller::new(moca()?, ergonomics, ControllerSettings::default(), &MOCA_HOME)?;
+/// let controller = TorqueController::new(controller, TorqueLoopSettings::new(Compensation::BARE))?;
+/// let (law, frames) = LoopController::new(controller);
+/// let (mut law, ticks) = AnnouncedLaw::new(law, |text: &str| assert!(text.contains("torques")));
+/// let measured = JointMeasurement::resting(MOCA_HOME.to_vec(), MOCA_HOME.len());
+/// let mut command = JointCommand::at_rest(&measured);
+/// law.step(0.001, &measured, &mut command)?;
+/// // Another thread reads what it did.
+/// let mut told = 0;
+/// ticks.read(|tick| told += u32::from(tick.row.q == MOCA_HOME));
+/// assert_eq!(told, 1);
+/// # drop(frames);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct AnnouncedLaw<F> {
     law: LoopController,

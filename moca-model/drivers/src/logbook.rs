@@ -47,6 +47,12 @@ impl Default for Logbook {
 }
 
 impl Logbook {
+    /// The phase and the safety state, each with its cause.
+    pub fn state(&self) -> String {
+        let last = |lane: &Lane| lane.spans.last().map_or("".into(), |span| span.label.clone());
+        format!("{}; {}", last(&self.phase), last(&self.safety))
+    }
+
     /// Takes a tick. Returns what changed in it, as text for people.
     pub fn push(&mut self, tick: &LoopTick) -> Option<String> {
         let time = tick.row.time - *self.first.get_or_insert(tick.row.time);

@@ -33,7 +33,7 @@ pub use perceived::{Perceived, SeenPeople};
 pub use refusal::Refusal;
 pub use report::{Ros2Report, TopicReport};
 pub use server::Ros2Server;
-pub use side::{Ros2Side, Ros2Statistics};
+pub use side::{Ros2People, Ros2Side, Ros2Statistics};
 pub use stamps::{StampWindow, Stamps};
 pub use statistics::{RefusalCount, TopicStatistics};
 pub use topic::{JointInterface, Topic};

@@ -3,8 +3,13 @@
 use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
+use std::time::Duration;
 
 use moca_drivers::SimulatedSide;
+use moca_drivers::ros2::messages::{Empty, Text};
+use moca_drivers::ros2::ros2_client::{
+    Context, ContextOptions, MessageTypeName, Name, NodeName, NodeOptions, QosProfile,
+};
 use moca_drivers::ros2::{JointInterface, RobotJoints, Ros2Server, Ros2Side, RosDomain, Topic};
 use moca_model::MOCA_HOME;
 use moca_model::whole_body::control_loop::{
@@ -82,6 +87,42 @@ fn a_loop_moves_a_robot_on_ros2() {
         let states = statistics.topics.iter().find(|topic| topic.topic == Topic::JointStates);
         assert!(states.unwrap().taken > 0);
     });
+}
+
+/// Another node acknowledges, and hears the state of the loop.
+#[test]
+fn graph_acknowledges_and_hears_the_state() {
+    // No other test uses this domain.
+    let domain = RosDomain::parse("78").unwrap();
+    let (side, people) =
+        Ros2Side::join(domain, RobotJoints::moca(), JointInterface::Effort).unwrap();
+    let options = ContextOptions::new().domain_id(domain.number());
+    let context = Context::with_options(options).unwrap();
+    let options = NodeOptions::new().enable_rosout(false).start_parameter_services(false);
+    let mut node = context.new_node(NodeName::new("/", "somebody").unwrap(), options).unwrap();
+    let topic = |name: &str, kind: &str, qos: &QosProfile| {
+        let kind = MessageTypeName::new("std_msgs", kind);
+        node.create_topic(&Name::parse(name).unwrap(), kind, qos).unwrap()
+    };
+    let acknowledge = topic("/acknowledge", "Empty", &QosProfile::publisher_default());
+    let state = topic("/control_state", "String", &QosProfile::subscription_default());
+    let acknowledge = node.create_publisher::<Empty>(&acknowledge, None).unwrap();
+    let state = node.create_subscription::<Text>(&state, None).unwrap();
+    let (mut acknowledged, mut heard) = (false, false);
+    for _ in 0..600 {
+        if acknowledged && heard {
+            break;
+        }
+        acknowledge.publish(Empty::default()).unwrap();
+        people.tell("apart; normal".to_owned());
+        thread::sleep(Duration::from_millis(50));
+        acknowledged |= people.acknowledgements.try_recv().is_ok();
+        heard |= matches!(state.take(), Ok(Some((text, _))) if text.data == "apart; normal");
+    }
+    assert!(acknowledged && heard, "acknowledged {acknowledged}, heard {heard}");
+    let topics = side.close().unwrap().topics;
+    let taken = topics.iter().find(|topic| topic.topic == Topic::Acknowledge).unwrap().taken;
+    assert!(taken > 0);
 }
 
 #[test]

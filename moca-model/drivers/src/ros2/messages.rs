@@ -28,6 +28,13 @@ pub struct Text {
     pub data: String,
 }
 
+/// `std_msgs/Empty`, which DDS gives a byte without meaning
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Empty {
+    /// Nothing.
+    pub structure_needs_at_least_one_member: u8,
+}
+
 /// `geometry_msgs/Vector3` and `geometry_msgs/Point`
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[allow(missing_docs)] // The names say it all.

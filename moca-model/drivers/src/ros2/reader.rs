@@ -11,7 +11,7 @@ use super::error::Ros2Error;
 use super::hand_over::Giver;
 use super::inbox::Inbox;
 use super::measurements::Measurements;
-use super::messages::{Float64MultiArray, JointState, Odometry, PoseArray, Text};
+use super::messages::{Empty, Float64MultiArray, JointState, Odometry, PoseArray, Text};
 use super::node::{Peers, RosNode};
 use super::perceived::{Perceived, SeenPeople};
 use super::side::WAKES;
@@ -28,10 +28,12 @@ pub(super) struct Reader {
     confidences: Inbox<Float64MultiArray>,
     bodies: Inbox<PoseArray>,
     actions: Inbox<Text>,
+    acknowledgements: Inbox<Empty>,
     measurements: Measurements,
     perceived: Perceived,
     measured: Measured,
     persons: SyncSender<SeenPeople>,
+    acknowledged: SyncSender<()>,
 }
 
 /// Queues for measurements (positions, velocities and torques of all joints) and for the status of the robot.
@@ -46,7 +48,7 @@ impl Reader {
         measurements: Measurements,
         interface: JointInterface,
         measured: Measured,
-        persons: SyncSender<SeenPeople>,
+        (persons, acknowledged): (SyncSender<SeenPeople>, SyncSender<()>),
     ) -> Result<Self, Ros2Error> {
         let topics = [
             Topic::JointStates,
@@ -55,8 +57,10 @@ impl Reader {
             Topic::BodyConfidences,
             Topic::BodyJoints,
             Topic::Action,
+            Topic::Acknowledge,
             Topic::BaseTwist,
             Topic::JointCommands(interface),
+            Topic::ControlState,
         ];
         let poll = Poll::new().map_err(|error| Ros2Error::create("a poll", &error))?;
         let mut reader = Self {
@@ -67,11 +71,13 @@ impl Reader {
             confidences: node.inbox(Topic::BodyConfidences)?,
             bodies: node.inbox(Topic::BodyJoints)?,
             actions: node.inbox(Topic::Action)?,
+            acknowledgements: node.inbox(Topic::Acknowledge)?,
             poll,
             measurements,
             perceived: Perceived::default(),
             measured,
             persons,
+            acknowledged,
         };
         let registry = reader.poll.registry();
         // All topics are drained whenever the thread wakes.
@@ -101,6 +107,7 @@ impl Reader {
             self.confidences.statistics,
             self.bodies.statistics,
             self.actions.statistics,
+            self.acknowledgements.statistics,
         ];
         let told = self.peers.topics().skip(came.len()).map(TopicStatistics::new);
         let mut statistics: Vec<_> = came.into_iter().chain(told).collect();
@@ -112,7 +119,7 @@ impl Reader {
 
     fn drain(&mut self) -> Result<(), Ros2Error> {
         self.peers.update();
-        let Self { peers, measurements, perceived, measured, persons, .. } = self;
+        let Self { peers, measurements, perceived, measured, persons, acknowledged, .. } = self;
         self.odometry
             .drain(peers, |odometry, now| measurements.take_odometry(odometry, now).map(Some))?;
         self.modes.drain(peers, |mode, now| measurements.take_mode(mode, now).map(|()| None))?;
@@ -129,6 +136,11 @@ impl Reader {
         })?;
         self.actions
             .drain(peers, |action, now| perceived.take_action(action, now).map(|()| None))?;
+        self.acknowledgements.drain(peers, |_, _| {
+            // One that waits already counts for both.
+            let _ = acknowledged.try_send(());
+            Ok(None)
+        })?;
         self.confidences.drain(peers, |confidences, _| {
             perceived.take_confidences(confidences).map(|()| None)
         })?;

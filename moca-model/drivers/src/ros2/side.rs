@@ -1,5 +1,6 @@
 //! A robot that is reached by ROS 2.
 
+use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, sync_channel};
@@ -11,17 +12,20 @@ use moca_model::whole_body::control_loop::{
     JointCommand, JointMeasurement, Received, RobotSide, RobotStatus,
 };
 
+use ros2_client::Publisher;
+
 use super::commands::{base_velocity, joint_values};
 use super::domain::RosDomain;
 use super::error::Ros2Error;
 use super::hand_over::{Giver, Taker, hand_over};
 use super::measurements::{Measurements, RobotJoints};
+use super::messages::Text;
 use super::node::RosNode;
 use super::outbox::{Outbox, Publishing};
 use super::perceived::SeenPeople;
 use super::reader::{Measured, Reader};
 use super::statistics::TopicStatistics;
-use super::topic::JointInterface;
+use super::topic::{JointInterface, Topic};
 
 /// Longest time after which the threads notice that they should end.
 pub(super) const WAKES: Duration = Duration::from_millis(50);
@@ -46,6 +50,29 @@ pub struct Ros2Side {
     ending: Ending,
     reader: JoinHandle<Result<Vec<TopicStatistics>, Ros2Error>>,
     publisher: JoinHandle<Publishing>,
+}
+
+/// What others on the graph see of people and acknowledge, and what they are told of the loop.
+pub struct Ros2People {
+    /// The people whom others see.
+    pub seen: Receiver<SeenPeople>,
+    /// Acknowledgements of stops.
+    pub acknowledgements: Receiver<()>,
+    state: Publisher<Text>,
+}
+
+impl fmt::Debug for Ros2People {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Ros2People").finish_non_exhaustive()
+    }
+}
+
+impl Ros2People {
+    /// Publishes phase and safety state of the loop.
+    pub fn tell(&self, state: String) {
+        // What nobody can be told, the next message says.
+        let _ = self.state.publish(Text { data: state });
+    }
 }
 
 /// Tells the threads to end, at the latest when the last copy is dropped.
@@ -78,7 +105,7 @@ pub struct Ros2Statistics {
 }
 
 impl Ros2Side {
-    /// Joins a domain as the node `moca_control`. Also returns the queue of the people whom others see.
+    /// Joins a domain as the node `moca_control`. Also returns what others on the graph see and say.
     ///
     /// # Errors
     /// [`Ros2Error::Create`]
@@ -86,7 +113,7 @@ impl Ros2Side {
         domain: RosDomain,
         joints: RobotJoints,
         interface: JointInterface,
-    ) -> Result<(Self, Receiver<SeenPeople>), Ros2Error> {
+    ) -> Result<(Self, Ros2People), Ros2Error> {
         let mut node = RosNode::join(domain, "moca_control")?;
         let (count, arm_joints) = (joints.count(), joints.arm().len());
         let (numbers, taken) = hand_over(3 * count);
@@ -94,9 +121,16 @@ impl Ros2Side {
         let measured = Measured { numbers, status };
         let (commands, outgoing) = hand_over(1 + count);
         let (persons, seen) = sync_channel(WAITING);
+        let (acknowledged, acknowledgements) = sync_channel(1);
+        let state = node.publisher(Topic::ControlState)?;
         let epoch = SystemTime::now();
-        let reader =
-            Reader::new(&mut node, Measurements::new(joints), interface, measured, persons)?;
+        let reader = Reader::new(
+            &mut node,
+            Measurements::new(joints),
+            interface,
+            measured,
+            (persons, acknowledged),
+        )?;
         let outbox = Outbox::new(node, interface, arm_joints, outgoing, epoch)?;
         let ending = Ending(Arc::new(AtomicBool::new(false)));
         let (reads, publishes) = (ending.0.clone(), ending.0.clone());
@@ -112,7 +146,7 @@ impl Ros2Side {
             reader: spawn("ros2-reader", move || reader.run(&reads))?,
             publisher: spawn("ros2-publisher", move || outbox.run(&publishes))?,
         };
-        Ok((side, seen))
+        Ok((side, Ros2People { seen, acknowledgements, state }))
     }
 
     /// Closes the connection and returns its counts.

@@ -29,10 +29,14 @@ pub enum Topic {
     BodyConfidences,
     /// Action of the person.
     Action,
+    /// Acknowledgement of a stop.
+    Acknowledge,
     /// Twist of the base.
     BaseTwist,
     /// Commands of the arm.
     JointCommands(JointInterface),
+    /// Phase and safety state of the loop.
+    ControlState,
 }
 
 impl Topic {
@@ -45,6 +49,8 @@ impl Topic {
             Self::BodyJoints => "/body_joints",
             Self::BodyConfidences => "/body_confidences",
             Self::Action => "/action",
+            Self::Acknowledge => "/acknowledge",
+            Self::ControlState => "/control_state",
             Self::BaseTwist => "/cmd_vel",
             Self::JointCommands(JointInterface::Effort) => "/forward_effort_controller/commands",
             Self::JointCommands(JointInterface::Velocity) => {
@@ -62,7 +68,8 @@ impl Topic {
             Self::JointStates => ("sensor_msgs", "JointState"),
             Self::Odometry => ("nav_msgs", "Odometry"),
             Self::BodyJoints => ("geometry_msgs", "PoseArray"),
-            Self::Action | Self::RobotMode => ("std_msgs", "String"),
+            Self::Action | Self::RobotMode | Self::ControlState => ("std_msgs", "String"),
+            Self::Acknowledge => ("std_msgs", "Empty"),
             Self::BaseTwist => ("geometry_msgs", "TwistStamped"),
             Self::BodyConfidences | Self::JointCommands(_) => ("std_msgs", "Float64MultiArray"),
         }
