@@ -33,14 +33,12 @@ use crate::shared_space::SharedSpace;
 use crate::singularity::{SINGULAR, manipulability};
 use crate::stack::{CollaborationStack, GoalTerms, Levels, StackInput, StackSettings};
 use base_drive::BaseDrive;
-use goal_share::{GoalConditions, GoalShare};
+use goal_share::{ACTIVATES_OVER, GoalConditions, GoalShare};
 use looking::SeenSurface;
 use turning::HandTurn;
 
 /// Time in which the robot slows down while nothing is seen, and speeds up again \[s\].
 const SLOWS_OVER: f64 = 0.5;
-/// Time in which ergonomics fade in and out \[s\].
-const ACTIVATES_OVER: f64 = 0.5;
 
 /// Ergonomic collaboration with a person: AHQP over the robot, the shared workspace and the
 /// person's ergonomics.

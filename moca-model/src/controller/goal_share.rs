@@ -1,5 +1,7 @@
 //! The share of ergonomics in the third level.
 
+/// Time in which ergonomics fade in and out as person and robot begin and stop to work together \[s\].
+pub(super) const ACTIVATES_OVER: f64 = 0.5;
 /// Times in which ergonomics fade out while separation is at its limit, and return afterwards \[s\].
 const HELD_WITHIN: f64 = 0.1;
 const BACK_WITHIN: f64 = 3.0;
