@@ -23,8 +23,8 @@ use crate::following_error::FollowingErrorLimit;
 use crate::grasped_object::{BoxSide, GraspedObject};
 use crate::interaction::{Interaction, Transition};
 use crate::motion_limits::{
-    Motion, TickTimes, admit_braking, brake, braking_limits, desired_limits, joint_limits,
-    write_intervals,
+    Motion, TickTimes, admit_braking, bound_held_acceleration, brake, braking_limits,
+    desired_limits, joint_limits, write_intervals,
 };
 use crate::robot::kinematics::Kinematics;
 use crate::robot::moca::{MOCA_AXIS_SPEED, MOCA_BASE_JOINTS};
@@ -247,9 +247,7 @@ impl Controller {
             self.space.forget();
             self.safety.forget();
         }
-        if let Some(fault) = tick.fault {
-            self.report(fault);
-        }
+        tick.fault.into_iter().for_each(|fault| self.report(fault));
         let period = self.settings.period;
         let before = std::mem::replace(&mut self.elapsed_before, tick.elapsed);
         let times = TickTimes::new(tick.elapsed, before, &self.settings);
@@ -344,6 +342,7 @@ impl Controller {
         let (base, arm) = motion.split_at(base);
         write_intervals(limits.0, base, scale, times, of_base);
         write_intervals(limits.1, arm, scale * slowed, times, of_arm);
+        bound_held_acceleration(arm.velocity, times.step, of_arm);
         if let Some(drive) = &self.base_drive {
             drive.write(&self.command.joint_velocity, times.step, joints, &mut self.gentle);
         }

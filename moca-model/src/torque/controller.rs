@@ -235,6 +235,7 @@ impl TorqueController {
         let desired = JointState { position: &law.desired, velocity: &law.desired_velocity };
         let state = JointState { position: &law.measured, velocity: &law.measured_velocity };
         let period = self.controller.settings().period;
+        self.impedance.limit_rate(self.prediction.rate_limit());
         if let Ok(torque) = self.impedance.torque(desired, state, &law.support, period) {
             self.torque.copy_from_slice(torque);
         }

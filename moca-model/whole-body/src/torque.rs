@@ -13,7 +13,7 @@ pub(crate) mod support;
 pub use contact_force::ContactForce;
 pub use control::{TorqueControl, TorqueSettings};
 pub use delay_probe::{DelayProbe, ProbeAnswer};
-pub use impedance::{ImpedanceSettings, JointImpedance, JointState};
+pub use impedance::{ImpedanceSettings, JointImpedance, JointState, RateLimit};
 pub use measurement_watch::{MeasurementFault, MeasurementWatch};
 pub use momentum_observer::{MomentumObserver, ObservedFriction, ObserverSettings};
 pub use prediction::StatePrediction;

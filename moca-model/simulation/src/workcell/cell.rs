@@ -6,7 +6,7 @@ use human_perception::random;
 use moca_model::whole_body::FrameId;
 use moca_model::{Controller, DynamicRobotSettings, Goal, GraspedObject, MOCA_HOME, Phase, moca};
 use moca_replay::report::{TickRow, Together};
-use nalgebra::{Isometry3, Point2, Point3, Vector2, Vector3};
+use nalgebra::{Isometry3, Point2, Point3, Rotation2, Vector2, Vector3};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use vision_models::{Body, Confidence, Keypoint, Percept, Tool};
@@ -37,6 +37,8 @@ const ROOM: f64 = 0.01;
 /// The way that somebody is moved to see how that changes the distance \[m\], and how much that must be.
 const SHIFT: f64 = 1e-5;
 const LEAST_SLOPE: f64 = 0.2;
+/// Directions aside that are tried on either side \[rad\].
+const ASIDE: [f64; 4] = [0.5, 1.0, 1.5, 2.0];
 /// The stream of movements on the spot.
 const MOVEMENTS: u64 = 430;
 
@@ -94,6 +96,7 @@ impl Guided {
     fn advance(&mut self, period: f64, workplace: &Workplace, judge: &Judge) {
         let (before, gap) = (self.person.clone(), judge.gap(&joints(&self.person), ROOM));
         self.person.advance(period, workplace);
+        let wanted = self.person.person().floor() - before.person().floor();
         let now = joints(&self.person);
         let lost = gap - judge.gap(&now, ROOM);
         if lost > 0.0 {
@@ -106,13 +109,26 @@ impl Guided {
             if away.norm() > LEAST_SLOPE {
                 self.person.slide(away / away.norm(), lost / away.norm());
             }
-            // What is above or below leaves no way aside.
             if judge.gap(&joints(&self.person), ROOM) < gap - SHIFT {
-                self.person = before;
-                self.person.bump();
+                self.step_aside(before, wanted, (gap, judge));
             }
         }
         self.witness.push(&joints(&self.person), false);
+    }
+
+    /// Goes from where they were in the direction nearest to the wanted one that does not lead into the robot. What is
+    /// above or below may leave none; they then stop.
+    fn step_aside(&mut self, before: LedPerson, wanted: Vector2<f64>, (gap, judge): (f64, &Judge)) {
+        self.person = before;
+        for turn in ASIDE.into_iter().flat_map(|turn| [turn, -turn]) {
+            let mut aside = self.person.clone();
+            aside.slide(Rotation2::new(turn) * wanted.normalize(), wanted.norm());
+            if wanted.norm() > 0.0 && judge.gap(&joints(&aside), ROOM) >= gap - SHIFT {
+                self.person = aside;
+                return;
+            }
+        }
+        self.person.bump();
     }
 }
 

@@ -17,10 +17,6 @@ const FAULT: u32 = 10;
 /// Number of ticks after which a loop halts a robot without measurements.
 const BLIND: u32 = 100;
 
-/// Allowance for torques that fade at 1000 Nm/s \[rad/s\], the same as in MuJoCo (`examples/mujoco/bounds.py`). A joint
-/// that accelerates by 11 rad/s² under 14 Nm becomes faster by up to twice as much meanwhile.
-const FADING: f64 = 0.04;
-
 /// The behaviour of a robot whose measurements stop at a moment.
 struct Outcome {
     /// Largest excess speed of a joint over 1.2 times its speed at the beginning plus 0.1 rad/s \[rad/s\].
@@ -99,7 +95,7 @@ fn no_joint_runs_away_when_measurements_stop() {
             let (mut worst, mut latest) = (f64::NEG_INFINITY, 0);
             for (moment, Outcome { excess, fault }) in outcomes.enumerate() {
                 let what = format!("{heard:?} for {ticks} ms at moment {moment}");
-                assert!(excess <= FADING, "{what}: {excess} rad/s too fast");
+                assert!(excess <= 0.0, "{what}: {excess} rad/s too fast");
                 match fault {
                     None => assert!(ticks < FAULT, "{what}: no fault"),
                     Some(tick) => assert!(ticks > BRIDGED && tick <= FAULT, "{what}: at {tick}"),

@@ -208,6 +208,7 @@ impl TorqueControl {
         let room = &self.room;
         let desired = JointState { position: &room.desired, velocity: &room.desired_velocity };
         let state = JointState { position: &room.measured, velocity: &room.measured_velocity };
+        self.impedance.limit_rate(self.prediction.rate_limit());
         self.impedance.torque(desired, state, &room.support, period)
     }
 

@@ -68,11 +68,22 @@ pub struct JointState<'a> {
     pub velocity: &'a [f64],
 }
 
+/// The way in which the changes of torques are limited.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum RateLimit {
+    /// Each torque changes at most at the torque rate.
+    #[default]
+    Each,
+    /// All changes are scaled by the same factor. Torques of coupled joints that balance each other then do so while
+    /// they fade.
+    Together,
+}
+
 /// Torques that make joints follow their desired motion like springs and dampers.
 ///
 /// τ = `K_qd` (q̇* − q̇) + `K_qp` (q* − q) + g(q) is joint impedance control with gravity compensation (Siciliano,
-/// Sciavicco, Villani, Oriolo, *Robotics*, 2009, Sec. 8.5.1). The change of each torque in a tick is limited, then its
-/// size. Torques are only returned if all are finite and within the limits.
+/// Sciavicco, Villani, Oriolo, *Robotics*, 2009, Sec. 8.5.1). The change of each torque in a tick is limited
+/// ([`RateLimit`]), then its size. Torques are only returned if all are finite and within the limits.
 /// [`TorqueControl`](crate::torque::TorqueControl) also keeps q* near q.
 ///
 /// ```
@@ -102,6 +113,7 @@ pub struct JointImpedance {
     /// Last returned torques \[Nm\]; without meaning before the first.
     sent: Vec<f64>,
     has_sent: bool,
+    rate_limit: RateLimit,
     /// Torques being computed \[Nm\].
     torque: Vec<f64>,
 }
@@ -123,6 +135,7 @@ impl JointImpedance {
             effort: limits.iter().map(|limit| limit.effort).collect(),
             sent: vec![0.0; joints],
             has_sent: false,
+            rate_limit: RateLimit::Each,
             torque: vec![0.0; joints],
         })
     }
@@ -151,6 +164,11 @@ impl JointImpedance {
         self.sent.copy_from_slice(&self.torque);
         self.has_sent = true;
         Ok(&self.sent)
+    }
+
+    /// Sets how the changes of torques are limited from now on; [`RateLimit::Each`] at first.
+    pub fn limit_rate(&mut self, rate_limit: RateLimit) {
+        self.rate_limit = rate_limit;
     }
 
     /// Forgets the last torque, so that the change of the next one counts from gravity.
@@ -206,6 +224,14 @@ impl JointImpedance {
     /// so that both limits hold.
     fn limit(&mut self, gravity: &[f64], step: f64) {
         let last = if self.has_sent { &self.sent } else { gravity };
+        if self.rate_limit == RateLimit::Together {
+            let changes = self.torque.iter().zip(last).map(|(torque, last)| (torque - last).abs());
+            let largest = changes.fold(0.0, f64::max);
+            let share = if largest > step { step / largest } else { 1.0 };
+            for (torque, last) in self.torque.iter_mut().zip(last) {
+                *torque = last + share * (*torque - last);
+            }
+        }
         for ((torque, last), effort) in self.torque.iter_mut().zip(last).zip(&self.effort) {
             let last = clamp(*last, *effort);
             *torque = clamp(last + clamp(*torque - last, step), *effort);

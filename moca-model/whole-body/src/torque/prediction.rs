@@ -1,6 +1,6 @@
 //! Prediction of joint states between measurements.
 
-use super::impedance::JointState;
+use super::impedance::{JointState, RateLimit};
 use crate::error::{Error, check_size};
 
 /// Age up to which a measurement has full weight \[s\]. It leaves the largest gains that are stable at any delay a margin
@@ -9,6 +9,9 @@ const IN_FULL: f64 = 2.5e-3;
 /// Age up to which joints are predicted from measurements, and the time in which the weight then fades to zero \[s\].
 const LOST: f64 = 8e-3;
 const FADE: f64 = 4e-3;
+/// Time in which the weight returns after measurements were overdue \[s\]. It is the time in which such joints come to
+/// rest.
+const RETURN: f64 = 0.2;
 /// Time constant with which joints without measurements are brought to rest \[s\]. Commanded accelerations could need
 /// torques that the torque rate cannot follow, and the joints would lag differently.
 const BRAKING: f64 = 0.2;
@@ -22,7 +25,8 @@ const REMEMBERED: usize = 16;
 /// brought to rest, â = −v̂ / 0.2 s. The predictions are v̂ = v + ∫ â dt and q̂ = q + ∫ v̂ dt.
 ///
 /// The weight w says how far the measurement can be trusted. It is 1 up to an age of 2.5 ms, then 2.5 ms over the age, and
-/// falls to 0 from 8 to 12 ms. Springs and dampers on the predicted state are weighted by it
+/// falls to 0 from 8 to 12 ms. After measurements were overdue it returns within 0.2 s, since q̇* has changed otherwise
+/// than q̇. Springs and dampers on the predicted state are weighted by it
 /// ([`towards`](Self::towards)), because a damper on an old velocity is a constant push. The model provides the
 /// remaining share 1 − w of M(q̂) â + C(q̂, v̂) v̂.
 ///
@@ -39,6 +43,12 @@ const REMEMBERED: usize = 16;
 /// }
 /// assert!((prediction.velocity()[0] - 0.96).abs() < 1e-12);
 /// assert!((prediction.weight() - 0.625).abs() < 1e-12);
+/// // A measurement after 9 ms of silence does not count in full at once.
+/// for tick in 5..=9 {
+///     prediction.update(measured, &[0.9], 1e-3 * f64::from(tick), 5e-3, 1e-3)?;
+/// }
+/// prediction.update(measured, &[0.9], 0.0, 5e-3, 1e-3)?;
+/// assert!(prediction.weight() < 0.3);
 /// # Ok::<(), whole_body::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
@@ -61,6 +71,8 @@ pub struct StatePrediction {
     age: f64,
     /// Whether the next measurement is overdue.
     is_overdue: bool,
+    /// Upper bound of the weight.
+    trust: f64,
 }
 
 /// The weight of a measurement of this age \[s\], 0 to 1. It is 0 if the age is NaN.
@@ -85,6 +97,7 @@ impl StatePrediction {
             began: false,
             age: 0.0,
             is_overdue: false,
+            trust: 1.0,
         }
     }
 
@@ -108,6 +121,11 @@ impl StatePrediction {
         self.remember(commanded);
         self.age = if age > 0.0 { age } else { 0.0 };
         self.is_overdue = self.age > awaited.min(LOST);
+        self.trust = if self.is_overdue {
+            self.trust.min(weight(self.age))
+        } else {
+            (self.trust + period / RETURN).min(1.0)
+        };
         self.accelerate(period);
         if self.is_overdue {
             let joints = self.position.iter_mut().zip(&mut self.velocity).zip(&self.acceleration);
@@ -175,7 +193,12 @@ impl StatePrediction {
 
     /// The weight of the measurement, 0 to 1.
     pub fn weight(&self) -> f64 {
-        weight(self.age)
+        weight(self.age).min(self.trust)
+    }
+
+    /// The way in which torques change: together while measurements do not have full weight.
+    pub fn rate_limit(&self) -> RateLimit {
+        if self.weight() < 1.0 { RateLimit::Together } else { RateLimit::Each }
     }
 
     /// The desired value of a spring or damper, weighted with the measurement: between `predicted` and `desired`.

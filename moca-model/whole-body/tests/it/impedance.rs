@@ -4,7 +4,7 @@ use approx::assert_abs_diff_eq;
 use proptest::prelude::*;
 use whole_body::Error;
 use whole_body::robot::JointLimits;
-use whole_body::torque::{ImpedanceSettings, JointImpedance, JointState};
+use whole_body::torque::{ImpedanceSettings, JointImpedance, JointState, RateLimit};
 
 const EFFORT: [f64; 7] = [87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0];
 const DT: f64 = 0.001;
@@ -60,6 +60,30 @@ proptest! {
             }
             last = Some(torque);
         }
+    }
+
+    #[test]
+    fn torques_that_change_together_keep_their_balance(
+        first in seven(10.0), last in seven(10.0), rate in prop_oneof![Just(1000.0), Just(f64::INFINITY)],
+    ) {
+        let settings = ImpedanceSettings { torque_rate: rate, ..ImpedanceSettings::default() };
+        let mut impedance = panda(settings).unwrap();
+        impedance.limit_rate(RateLimit::Together);
+        let rest = JointState { position: &[0.0; 7], velocity: &[0.0; 7] };
+        impedance.torque(rest, rest, &first, DT).unwrap();
+        // Nothing is left after 20 ms, and until then each torque has the same share of its way.
+        let mut share = 0.0;
+        for _ in 0..20 {
+            let torque = impedance.torque(rest, rest, &last, DT).unwrap();
+            let ways = torque.iter().zip(first.iter().zip(&last));
+            let shares: Vec<f64> = ways.map(|(now, (first, last))| (now - first) / (last - first)).collect();
+            prop_assert!(shares[0] >= share - 1e-9);
+            share = shares[0];
+            for ((other, first), last) in shares.iter().zip(&first).zip(&last) {
+                prop_assert!(((other - share) * (last - first)).abs() < 1e-9);
+            }
+        }
+        prop_assert!((share - 1.0).abs() < 1e-9);
     }
 
     #[test]
