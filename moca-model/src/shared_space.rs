@@ -56,7 +56,7 @@ enum Carrier {
 
 impl SharedSpace {
     /// Assumed distance of a robot that works with a standing person from the nearest part that it must not touch
-    /// \[m\]. With it the robot kept its place best in the walks of `experiment following`.
+    /// \[m\]. The robot kept its place best with this value in the walks of `experiment following`.
     ///
     /// When the person walks away and separation needs more at their speed, the workspace falls behind by the
     /// difference ([`FollowingDistance`]).
