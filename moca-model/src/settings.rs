@@ -178,7 +178,8 @@ pub struct ControllerSettings {
     pub intention: IntentionSettings,
     /// Limits on the distance between commanded and measured state.
     pub following_error: FollowingErrorSettings,
-    /// Separation from people and from the robot itself.
+    /// Separation from people and from the robot itself. Its confidence and standard deviation of joints also count for
+    /// the person's frame.
     pub safety: SafetySettings,
 }
 
