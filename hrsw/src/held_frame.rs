@@ -2,8 +2,6 @@
 
 use nalgebra::{SVector, Vector1, Vector2};
 
-use crate::error::{Error, positive};
-
 /// Time constant of the mean place of a person who stands, several periods of body sway \[s\].
 const MEAN: f64 = 1.0;
 /// A person who is slower stands still \[m/s\].
@@ -27,35 +25,6 @@ const ELSEWHERE: f64 = 3.0;
 /// Speed at which a held frame moves to a new place \[zones/s\].
 const PLACING: f64 = 0.7;
 
-/// Largest distance between the mean frame of a person who stands and the held frame.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
-#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
-pub struct HoldSettings {
-    /// Distance on the floor \[m\]. Default 0.07.
-    pub position: f64,
-    /// Difference in heading \[rad\]. Default 0.13.
-    pub heading: f64,
-}
-
-impl Default for HoldSettings {
-    fn default() -> Self {
-        Self { position: 0.07, heading: 0.13 }
-    }
-}
-
-impl HoldSettings {
-    /// Checks the ranges.
-    ///
-    /// # Errors
-    /// [`Error::Value`] names the first setting that is not positive and finite.
-    pub fn validate(&self) -> Result<(), Error> {
-        positive("the zone of positions of a held frame", self.position)?;
-        positive("the zone of headings of a held frame", self.heading)?;
-        Ok(())
-    }
-}
-
 /// Place and heading of a person on the floor, or their rates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FloorMotion {
@@ -73,24 +42,21 @@ pub struct FloorMotion {
 /// follows again when the person leaves the zone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeldFrame {
-    settings: HoldSettings,
     position: Hold<2>,
     heading: Hold<1>,
 }
 
 impl HeldFrame {
-    /// Creates a frame that follows.
-    ///
-    /// # Errors
-    /// [`Error::Value`] if a setting is out of range.
-    pub fn new(settings: HoldSettings) -> Result<Self, Error> {
-        settings.validate()?;
-        Ok(Self { settings, position: Hold::FOLLOWING, heading: Hold::FOLLOWING })
-    }
+    /// Largest distance on the floor between the held frame and the mean frame of a person who
+    /// stands \[m\]. Body sway and leaning stay within it, and the tool can reach that far.
+    pub const POSITION: f64 = 0.07;
+    /// Largest difference in heading between the two \[rad\].
+    pub const HEADING: f64 = 0.13;
 
-    /// Follows from now on, until the person stands still.
-    pub fn follow(&mut self) {
-        (self.position, self.heading) = (Hold::FOLLOWING, Hold::FOLLOWING);
+    /// Creates a frame that follows until the person stands still.
+    #[must_use]
+    pub const fn following() -> Self {
+        Self { position: Hold::FOLLOWING, heading: Hold::FOLLOWING }
     }
 
     /// Returns true if both place and heading are held.
@@ -109,13 +75,13 @@ impl HeldFrame {
         stops: FloorMotion,
         period: f64,
     ) -> (FloorMotion, FloorMotion) {
-        let zone = Zone { width: self.settings.position, slow: SLOW, ahead: AHEAD };
+        let zone = Zone { width: Self::POSITION, slow: SLOW, ahead: AHEAD };
         let seen_at = Seen { place: seen.position, rate: rate.position };
         let (position, velocity) = self.position.advance(&seen_at, stops.position, &zone, period);
         // Angles are in the branch of the heading that is seen.
         let near = |angle: f64| seen.heading + wrapped(angle - seen.heading);
         self.heading.map(near);
-        let zone = Zone { width: self.settings.heading, slow: SLOW_TURN, ahead: AHEAD_TURN };
+        let zone = Zone { width: Self::HEADING, slow: SLOW_TURN, ahead: AHEAD_TURN };
         let vector = |value: f64| Vector1::new(value);
         let seen_at = Seen { place: vector(seen.heading), rate: vector(rate.heading) };
         let stops = vector(near(stops.heading));

@@ -58,7 +58,7 @@ mod workspace;
 
 pub use anchor::{Anchor, AnchorSettings};
 pub use error::Error;
-pub use held_frame::{FloorMotion, HeldFrame, HoldSettings};
+pub use held_frame::{FloorMotion, HeldFrame};
 pub use motion::{FollowerSettings, FrameFollower};
 pub use moving::{Attachment, MovingSettings, MovingWorkspace};
 pub use nalgebra;

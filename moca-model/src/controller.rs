@@ -29,8 +29,8 @@ use crate::motion_limits::{
 use crate::robot::kinematics::Kinematics;
 use crate::robot::moca::{MOCA_AXIS_SPEED, MOCA_BASE_JOINTS};
 use crate::settings::{ControllerSettings, Goal};
-use crate::shared_space::SharedSpace;
-use crate::singularity::{SINGULAR, manipulability};
+use crate::shared_space::{POSITION_ROWS, SharedSpace};
+use crate::singularity::{SINGULAR, manipulability, speed_scale};
 use crate::stack::{CollaborationStack, GoalTerms, Levels, StackInput, StackSettings};
 use base_drive::BaseDrive;
 use goal_share::{ACTIVATES_OVER, GoalConditions, GoalShare};
@@ -39,6 +39,8 @@ use turning::HandTurn;
 
 /// Time in which the robot slows down while nothing is seen, and speeds up again \[s\].
 const SLOWS_OVER: f64 = 0.5;
+/// Age of the newest body from which on the robot comes to rest \[s\]. The person has then been lost for a second.
+const RESTS_AFTER: f64 = 1.5;
 
 /// Ergonomic collaboration with a person: AHQP over the robot, the shared workspace and the
 /// person's ergonomics.
@@ -67,7 +69,7 @@ pub struct Controller {
     robot: Kinematics,
     settings: ControllerSettings,
     ergonomics: ErgonomicsQuadratic,
-    /// Manipulability at the posture; `None` if the robot is singular everywhere or there.
+    /// Manipulability at the posture; `None` if the robot is singular there or has the paper's levels.
     usual_manipulability: Option<f64>,
     clock: LoopClock,
     following_error: FollowingErrorLimit,
@@ -145,8 +147,7 @@ impl Controller {
         let rest = vec![0.0; n];
         let softening = Softening {
             margin: settings.space.margin,
-            position_rows: settings.space.position_rows,
-            orientation_rows: settings.space.orientation_rows,
+            position_rows: POSITION_ROWS,
             ..Softening::default()
         };
         let stack = StackSettings {
@@ -170,7 +171,7 @@ impl Controller {
             _ => None,
         };
         let usual = manipulability(robot.jacobian());
-        let usual_manipulability = Some(usual).filter(|usual| *usual > SINGULAR);
+        let slows = settings.levels == Levels::Extended && usual > SINGULAR;
         robot.update(configuration)?;
         let tool = *robot.world_from_tool();
         let joint_limits = joint_limits(robot.model())?;
@@ -211,7 +212,7 @@ impl Controller {
             keeps_separation: true,
             at_limit: false,
             goal_share: GoalShare::NONE,
-            usual_manipulability,
+            usual_manipulability: slows.then_some(usual),
             clock,
             robot,
             settings,
@@ -299,7 +300,7 @@ impl Controller {
     /// Lowers the speed scale to zero when nothing has been seen for too long, and raises it again otherwise.
     fn advance_speed(&mut self, elapsed: f64) {
         let step = elapsed / SLOWS_OVER;
-        let seen = !self.space.is_shared() || self.space.age() <= self.settings.rest_after;
+        let seen = !self.space.is_shared() || self.space.age() <= RESTS_AFTER;
         self.speed = (self.speed + if seen { step } else { -step }).clamp(0.0, 1.0);
     }
 
@@ -364,10 +365,8 @@ impl Controller {
     /// from a person.
     fn singularity_scale(&self) -> f64 {
         let leaves = self.command.safety == SafetyState::Retreat;
-        let known = self.settings.singularity.filter(|_| !leaves).zip(self.usual_manipulability);
-        known.map_or(1.0, |(settings, usual)| {
-            settings.speed_scale(manipulability(self.robot.jacobian()) / usual)
-        })
+        let usual = self.usual_manipulability.filter(|_| !leaves);
+        usual.map_or(1.0, |usual| speed_scale(manipulability(self.robot.jacobian()) / usual))
     }
 
     /// Updates the acceleration from the change of q̇* in `step` \[s\]. If q̇* had to change for longer, the limit is

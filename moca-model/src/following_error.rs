@@ -29,26 +29,11 @@ pub struct FollowingErrorSettings {
     pub prismatic: f64,
     /// |q* − q| of joints that turn \[rad\]. Default 0.1.
     pub revolute: f64,
-    /// ‖p_d − p_a‖ \[m\]. Default 0.1.
-    pub position: f64,
-    /// The angle of R_d R_aᵀ \[rad\], below half a turn. Default 0.3.
-    pub rotation: f64,
-    /// How fast joints give way to a force that is too large, as a share of their largest speeds \[-\]. Default 0.1.
-    pub give_way_speed: f64,
-    /// How far the tool gives way \[m\]; then the arm keeps its place. Default 0.2.
-    pub give_way_travel: f64,
 }
 
 impl Default for FollowingErrorSettings {
     fn default() -> Self {
-        Self {
-            prismatic: 0.2,
-            revolute: 0.1,
-            position: 0.1,
-            rotation: 0.3,
-            give_way_speed: 0.1,
-            give_way_travel: 0.2,
-        }
+        Self { prismatic: 0.2, revolute: 0.1 }
     }
 }
 
@@ -61,20 +46,10 @@ impl FollowingErrorSettings {
         for (name, value) in [
             ("following_error.prismatic", self.prismatic),
             ("following_error.revolute", self.revolute),
-            ("following_error.position", self.position),
-            ("following_error.give_way_travel", self.give_way_travel),
         ] {
             if !(value > 0.0 && value.is_finite()) {
                 return Err(Error::Setting { name, value, expected: "positive and finite" });
             }
-        }
-        if !(self.give_way_speed > 0.0 && self.give_way_speed <= 1.0) {
-            let (name, value) = ("following_error.give_way_speed", self.give_way_speed);
-            return Err(Error::Setting { name, value, expected: "above 0 and at most 1" });
-        }
-        if !(self.rotation > 0.0 && self.rotation < std::f64::consts::PI) {
-            let (name, value) = ("following_error.rotation", self.rotation);
-            return Err(Error::Setting { name, value, expected: "above 0 and below half a turn" });
         }
         Ok(())
     }
@@ -83,6 +58,15 @@ impl FollowingErrorSettings {
 /// Share of its following-error limit beyond which a joint counts as pressed against something, once the robot has come
 /// to rest after a following error \[-\].
 const PRESSED: f64 = 0.5;
+/// Largest ‖p_d − p_a‖ \[m\] and angle of R_d R_aᵀ \[rad\]. The desired pose leads by its speed over K_p, at most a sixth
+/// of them with the defaults.
+const POSITION: f64 = 0.1;
+const ROTATION: f64 = 0.3;
+/// How fast joints give way to a force that is too large, as a share of their largest speeds \[-\]. A short force then
+/// moves the arm little.
+const GIVE_WAY_SPEED: f64 = 0.1;
+/// How far the tool gives way \[m\]; then the arm keeps its place.
+const GIVE_WAY_TRAVEL: f64 = 0.2;
 
 /// Holds q* to q, and x_d to x_a.
 ///
@@ -98,7 +82,6 @@ const PRESSED: f64 = 0.5;
 /// travelled the allowed distance.
 #[derive(Debug, Clone)]
 pub(crate) struct FollowingErrorLimit {
-    settings: FollowingErrorSettings,
     joints: Resynchronisation,
     /// How far each joint may give way in a period \[m or rad\].
     steps: Vec<f64>,
@@ -121,10 +104,10 @@ impl FollowingErrorLimit {
         };
         let lengths = model.joints().iter().map(|joint| length(joint.kind)).collect();
         let limits = model.limits().iter();
-        let step = settings.give_way_speed * period;
+        let step = GIVE_WAY_SPEED * period;
         let steps = limits.map(|limits| limits.velocity * step).collect();
         let joints = Resynchronisation::new(lengths)?;
-        Ok(Self { settings, joints, steps, gives_way: false, was_reached: false, begin: None })
+        Ok(Self { joints, steps, gives_way: false, was_reached: false, begin: None })
     }
 
     /// Holds the commanded configuration to the measured one; `follow` says of each joint whether it follows
@@ -181,7 +164,7 @@ impl FollowingErrorLimit {
         tool: &Vector3<f64>,
     ) {
         let begin = self.begin.get_or_insert(*tool);
-        let ended = (tool - *begin).norm() >= self.settings.give_way_travel;
+        let ended = (tool - *begin).norm() >= GIVE_WAY_TRAVEL;
         let joints = command.joint_position.iter_mut().zip(configuration).zip(follow);
         let bounds = self.steps.iter().zip(self.joints.lengths());
         for (((desired, measured), follows), (step, length)) in joints.zip(bounds) {
@@ -208,29 +191,28 @@ impl FollowingErrorLimit {
     /// Holds the desired pose to the tool's: at it while the joints are resynchronised, else within
     /// the following-error limit.
     pub(crate) fn clamp_pose(
-        &self,
         desired: &mut Isometry3<f64>,
         actual: &Isometry3<f64>,
         following: Following,
     ) {
         match following {
-            Following::Follows => self.pull(desired, actual),
+            Following::Follows => Self::pull(desired, actual),
             _ => *desired = *actual,
         }
     }
 
     /// Moves the desired pose to within the following-error limit of the actual one.
-    fn pull(&self, desired: &mut Isometry3<f64>, actual: &Isometry3<f64>) {
+    fn pull(desired: &mut Isometry3<f64>, actual: &Isometry3<f64>) {
         let gap = desired.translation.vector - actual.translation.vector;
         let length = gap.norm();
-        if length > self.settings.position {
-            let near = gap * (self.settings.position / length);
+        if length > POSITION {
+            let near = gap * (POSITION / length);
             desired.translation.vector = actual.translation.vector + near;
         }
         let turn = rotation_log(&(desired.rotation * actual.rotation.inverse()));
         let angle = turn.norm();
-        if angle > self.settings.rotation {
-            let near = turn * (self.settings.rotation / angle);
+        if angle > ROTATION {
+            let near = turn * (ROTATION / angle);
             desired.rotation = UnitQuaternion::from_scaled_axis(near) * actual.rotation;
         }
     }

@@ -93,27 +93,23 @@ impl Default for GraspedObject {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct HandSettings {
-    /// Distance without a hand tool \[m\]. Default 0.
-    pub bare: f64,
     /// Distance with a drill \[m\]. Default 0.2.
     pub drill: f64,
     /// Distance with a polisher \[m\]. Default 0.12.
     pub polisher: f64,
-    /// Assumed speed of the hand when the hand tool changes \[m/s\]. Default 0.25.
-    pub speed: f64,
 }
 
 impl Default for HandSettings {
     fn default() -> Self {
-        Self { bare: 0.0, drill: 0.2, polisher: 0.12, speed: 0.25 }
+        Self { drill: 0.2, polisher: 0.12 }
     }
 }
 
 impl HandSettings {
-    /// The distance with this hand tool, or without one \[m\].
+    /// The distance with this hand tool \[m\]. A bare hand is at the surface.
     pub fn distance(&self, tool: Option<Tool>) -> f64 {
         match tool {
-            None => self.bare,
+            None => 0.0,
             Some(Tool::Drill) => self.drill,
             Some(Tool::Polisher) => self.polisher,
         }
@@ -124,19 +120,12 @@ impl HandSettings {
     /// # Errors
     /// [`Error::Setting`] names the first that is negative or not finite.
     pub fn validate(&self) -> Result<(), Error> {
-        for (name, value) in
-            [("hand.bare", self.bare), ("hand.drill", self.drill), ("hand.polisher", self.polisher)]
-        {
+        for (name, value) in [("hand.drill", self.drill), ("hand.polisher", self.polisher)] {
             if !(value >= 0.0 && value.is_finite()) {
                 return Err(Error::Setting { name, value, expected: "finite and not negative" });
             }
         }
-        let (name, value) = ("hand.speed", self.speed);
-        if value > 0.0 && value.is_finite() {
-            Ok(())
-        } else {
-            Err(Error::Setting { name, value, expected: "positive and finite" })
-        }
+        Ok(())
     }
 }
 

@@ -4,6 +4,10 @@ use vision_models::{Intention, RecognisedAction};
 
 use crate::error::Error;
 
+/// Confidence with which an action confirms the present intention, if it is less than what begins one \[-\]. A recogniser
+/// that hesitates does not end it.
+const CONFIRMS: f64 = 0.4;
+
 /// Thresholds and times of the intention filter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
@@ -11,8 +15,6 @@ use crate::error::Error;
 pub struct IntentionSettings {
     /// Least confidence with which an action may change the intention \[-\]. Default 0.6.
     pub enter: f64,
-    /// Least confidence with which an action confirms the present intention \[-\]. Default 0.4.
-    pub keep: f64,
     /// Time for which a new intention must be seen before it replaces the present one \[s\]. Default 0.2.
     pub dwell: f64,
     /// Time for which the person must be seen apart before working together ends \[s\]. Default 0.6.
@@ -21,7 +23,7 @@ pub struct IntentionSettings {
 
 impl Default for IntentionSettings {
     fn default() -> Self {
-        Self { enter: 0.6, keep: 0.4, dwell: 0.2, release: 0.6 }
+        Self { enter: 0.6, dwell: 0.2, release: 0.6 }
     }
 }
 
@@ -31,14 +33,9 @@ impl IntentionSettings {
     /// # Errors
     /// [`Error::Setting`] names the first that is out of its range.
     pub fn validate(&self) -> Result<(), Error> {
-        for (name, value) in [("intention.enter", self.enter), ("intention.keep", self.keep)] {
-            if !(0.0..=1.0).contains(&value) {
-                return Err(Error::Setting { name, value, expected: "between 0 and 1" });
-            }
-        }
-        if self.keep > self.enter {
-            let expected = "at most intention.enter";
-            return Err(Error::Setting { name: "intention.keep", value: self.keep, expected });
+        if !(0.0..=1.0).contains(&self.enter) {
+            let (name, value) = ("intention.enter", self.enter);
+            return Err(Error::Setting { name, value, expected: "between 0 and 1" });
         }
         for (name, value) in [("intention.dwell", self.dwell), ("intention.release", self.release)]
         {
@@ -100,7 +97,7 @@ impl IntentionFilter {
         let seen = Intention::from(action.action);
         let confidence = action.confidence.value();
         if seen == self.present {
-            if confidence >= self.settings.keep {
+            if confidence >= self.settings.enter.min(CONFIRMS) {
                 self.since = None;
             }
             return;

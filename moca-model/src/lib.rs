@@ -93,7 +93,7 @@ pub use robot::moca_safety::moca_safety;
 pub use settings::{ControllerSettings, DesiredMotion, Goal, SpaceSettings};
 pub use shared_space::SharedSpace;
 pub use simulation::SimulatedRobot;
-pub use singularity::{SingularitySettings, manipulability};
+pub use singularity::manipulability;
 pub use stack::{
     CollaborationStack, GoalTerms, Levels, PostureSettings, StackInput, StackSettings,
 };

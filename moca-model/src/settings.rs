@@ -2,10 +2,9 @@
 
 use ahqp_core::{Budget, Stacking};
 use ergo_map::{Person, Region, Side};
-use hrsw::{Bounds, FollowerSettings, HoldSettings};
+use hrsw::Bounds;
 use hrsw_safety::{ClockSettings, SafetySettings};
 use nalgebra::{UnitQuaternion, Vector3, Vector6};
-use vision_models::TrackerSettings;
 
 use crate::error::Error;
 use crate::following_error::FollowingErrorSettings;
@@ -14,29 +13,12 @@ use crate::intention::IntentionSettings;
 use crate::motion_limits::MecanumBase;
 use crate::robot::moca::{MOCA_BASE_JOINTS, MOCA_HOME, MOCA_TOOL};
 use crate::robot::moca_safety::moca_safety;
-use crate::singularity::SingularitySettings;
 use crate::stack::{Levels, PostureSettings};
 
 /// Largest gain \[1/s\]. Above it a tracking error would overshoot within a period, at any usual period.
 const HIGHEST_GAIN: f64 = 1e3;
 /// Longest horizon \[s\].
 const LONGEST_HORIZON: f64 = 100.0;
-/// Largest number of rows of one kind, with which a hierarchy is still solved in time.
-const MOST_ROWS: usize = 1000;
-
-/// Returns an error unless the number of rows is within its range, before memory is allocated for them.
-///
-/// # Errors
-/// [`Error::Setting`].
-pub(crate) fn check_count(name: &'static str, count: usize) -> Result<(), Error> {
-    if count > MOST_ROWS {
-        #[expect(clippy::cast_precision_loss, reason = "it is shown")]
-        let value = count as f64;
-        return Err(Error::Setting { name, value, expected: "at most 1000" });
-    }
-    Ok(())
-}
-
 /// The objective of the third level while person and robot work together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
@@ -87,20 +69,9 @@ pub struct SpaceSettings {
     pub turn: Vector3<f64>,
     /// Distance by which the workspace leads the person in their walking direction \[m\]. Default 0.08.
     pub lead: f64,
-    /// Assumed distance of a robot that works with a standing person from the nearest part that it must not touch
-    /// \[m\]. Default 0.4, with which the robot kept its place best in the walks of `experiment following`.
-    ///
-    /// When the person walks away and separation needs more at their speed, the workspace falls behind by the
-    /// difference ([`FollowingDistance`](hrsw_safety::FollowingDistance)). Larger values keep the workspace nearer to
-    /// the person and the robot farther back in it.
-    pub clearance: f64,
     /// Distance by which the tool is kept within the workspace \[m or rad\]. It covers the uncertainty of the person's
     /// place, and is at most half of the narrowest range. Default 0.02.
     pub margin: f64,
-    /// Room for rows of the position. A change between two kinds of shape needs the rows of both. Default 6, a box.
-    pub position_rows: usize,
-    /// Room for rows of the orientation. Default 6, a box.
-    pub orientation_rows: usize,
 }
 
 impl SpaceSettings {
@@ -121,10 +92,7 @@ impl Default for SpaceSettings {
             tool: UnitQuaternion::from_axis_angle(&Vector3::y_axis(), half_turn),
             turn: Vector3::repeat(0.35),
             lead: 0.08,
-            clearance: 0.4,
             margin: 0.02,
-            position_rows: 6,
-            orientation_rows: 6,
         }
     }
 }
@@ -196,9 +164,6 @@ pub struct ControllerSettings {
     pub on_board_camera: Option<[f64; 3]>,
     /// The wheel limit, for robots whose first three joints are a mecanum base. Default MOCA's.
     pub base: Option<MecanumBase>,
-    /// Slowdown of joints near singular configurations; `None` for no slowdown. It excludes the joints of a
-    /// [`base`](Self::base). Default that of [`SingularitySettings`].
-    pub singularity: Option<SingularitySettings>,
     /// Posture of the last level.
     pub posture: PostureSettings,
     /// Levels of the stack besides those of safety. Default all.
@@ -211,19 +176,10 @@ pub struct ControllerSettings {
     pub budget: Budget,
     /// Thresholds of the intention filter.
     pub intention: IntentionSettings,
-    /// The body tracker. The default is that of vision-models with joints known to 0.02 m, which matches Z_d of
-    /// [`SafetySettings`].
-    pub tracker: TrackerSettings,
-    /// Filter of the person's frame.
-    pub follower: FollowerSettings,
-    /// Conditions under which the frame is held still for a person who stands.
-    pub hold: HoldSettings,
-    /// Age of the newest body from which on the robot comes to rest \[s\]. Before that, the workspace is frozen once
-    /// the tracker has lost the person. Default 1.5.
-    pub rest_after: f64,
     /// Limits on the distance between commanded and measured state.
     pub following_error: FollowingErrorSettings,
-    /// Separation from people and from the robot itself.
+    /// Separation from people and from the robot itself. Its confidence and standard deviation of joints also count for
+    /// the person's frame.
     pub safety: SafetySettings,
 }
 
@@ -243,7 +199,6 @@ impl Default for ControllerSettings {
             hand: HandSettings::default(),
             on_board_camera: None,
             base: Some(MecanumBase::default()),
-            singularity: Some(SingularitySettings::default()),
             posture: PostureSettings {
                 configuration: MOCA_HOME.to_vec(),
                 gain: base(0.0, 1.0),
@@ -253,10 +208,6 @@ impl Default for ControllerSettings {
             stacking: Stacking::default(),
             budget: Budget::default(),
             intention: IntentionSettings::default(),
-            tracker: TrackerSettings { position_sigma: 0.02, ..TrackerSettings::default() },
-            follower: FollowerSettings::default(),
-            hold: HoldSettings::default(),
-            rest_after: 1.5,
             following_error: FollowingErrorSettings::default(),
             safety: moca_safety(),
         }
@@ -284,8 +235,7 @@ impl ControllerSettings {
             levels: Levels::Paper,
             horizon: self.period,
             space: SpaceSettings { lead: 0.0, margin: 0.0, ..self.space },
-            hand: HandSettings { bare: 0.0, drill: 0.0, polisher: 0.0, ..self.hand },
-            singularity: None,
+            hand: HandSettings { drill: 0.0, polisher: 0.0 },
             safety: self.safety.off(),
             ..self
         }
@@ -311,18 +261,14 @@ impl ControllerSettings {
             ("desired.acceleration", desired.acceleration),
             ("desired.angular_velocity", desired.angular_velocity),
             ("desired.angular_acceleration", desired.angular_acceleration),
-            ("rest_after", self.rest_after),
         ] {
             if !(value > 0.0 && value.is_finite()) {
                 return Err(Error::Setting { name, value, expected: "positive and finite" });
             }
         }
-        for (name, value) in
-            [("space.lead", self.space.lead), ("space.clearance", self.space.clearance)]
-        {
-            if !(value >= 0.0 && value.is_finite()) {
-                return Err(Error::Setting { name, value, expected: "finite and not negative" });
-            }
+        let (name, value) = ("space.lead", self.space.lead);
+        if !(value >= 0.0 && value.is_finite()) {
+            return Err(Error::Setting { name, value, expected: "finite and not negative" });
         }
         if let Some(&value) = self.gain.iter().find(|gain| !(0.0..=HIGHEST_GAIN).contains(*gain)) {
             return Err(Error::Setting { name: "gain", value, expected: "from 0 to 1000 1/s" });
@@ -335,12 +281,6 @@ impl ControllerSettings {
             base.validate()?;
         }
         let space = &self.space;
-        for (name, rows) in [
-            ("space.position_rows", space.position_rows),
-            ("space.orientation_rows", space.orientation_rows),
-        ] {
-            check_count(name, rows)?;
-        }
         Bounds::new(space.min, space.max)?;
         Bounds::symmetric(space.turn)?;
         let narrowest = (0.5 * (space.max - space.min)).min().min(space.turn.min());
@@ -350,9 +290,6 @@ impl ControllerSettings {
             return Err(Error::Setting { name: "space.margin", value: space.margin, expected });
         }
         self.hand.validate()?;
-        if let Some(singularity) = &self.singularity {
-            singularity.validate()?;
-        }
         let camera = self.on_board_camera.unwrap_or_default();
         if let Some(&value) = camera.iter().find(|value| !value.is_finite()) {
             return Err(Error::Setting { name: "on_board_camera", value, expected: "finite" });

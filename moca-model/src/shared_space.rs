@@ -2,12 +2,14 @@
 
 use ergo_map::PersonFrame;
 use hrsw::{
-    Attachment, Bounds, FloorMotion, FrameFollower, HeldFrame, MovingSettings, MovingWorkspace,
-    OrientationShape, PositionShape, Workspace,
+    Attachment, Bounds, FloorMotion, FollowerSettings, FrameFollower, HeldFrame, MovingSettings,
+    MovingWorkspace, OrientationShape, PositionShape, Workspace,
 };
 use hrsw_safety::FollowingDistance;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3, Vector6};
-use vision_models::{BodyTracker, Intention, Percept, StatureEstimate, TrackedPerson};
+use vision_models::{
+    BodyTracker, Intention, Percept, StatureEstimate, TrackedPerson, TrackerSettings,
+};
 
 use crate::error::Error;
 use crate::intention::IntentionFilter;
@@ -15,6 +17,10 @@ use crate::settings::ControllerSettings;
 
 /// Distance of the workspace from the person's frame, beside its lead, up to which it is in place \[m, rad\].
 const IN_PLACE: f64 = 0.05;
+/// Room for rows of the position: a change from a box to a polytope with 14 faces.
+pub(crate) const POSITION_ROWS: usize = 20;
+/// Least speed of the workspace over that of the desired pose, so that the workspace is not the slower one \[-\].
+const FASTER: f64 = 1.2;
 
 /// Tracks the person, filters their intention, and moves the shared workspace with them.
 ///
@@ -33,7 +39,6 @@ pub struct SharedSpace {
     moving: MovingWorkspace,
     assigned: Option<Attachment>,
     carrier: Carrier,
-    room: (usize, usize),
     lead: f64,
     /// Distance behind a person who walks away; `None` if no distances are kept.
     following_distance: Option<FollowingDistance>,
@@ -50,6 +55,13 @@ enum Carrier {
 }
 
 impl SharedSpace {
+    /// Assumed distance of a robot that works with a standing person from the nearest part that it must not touch
+    /// \[m\]. The robot kept its place best with this value in the walks of `experiment following`.
+    ///
+    /// When the person walks away and separation needs more at their speed, the workspace falls behind by the
+    /// difference ([`FollowingDistance`]).
+    pub const CLEARANCE: f64 = 0.4;
+
     /// Creates a space that nobody shares, around the tool's present pose.
     ///
     /// # Errors
@@ -63,24 +75,32 @@ impl SharedSpace {
         let origin = tool.translation.vector - rotation * centre;
         let frame = Isometry3::from_parts(Translation3::from(origin), rotation);
         let workspace = Workspace::new(frame, bounds, turn)?.with_reference(space.tool);
-        let moving = MovingSettings { frame: settings.follower, ..MovingSettings::default() };
-        let separation = Some(&settings.safety.separation).filter(|_| settings.safety.pairs > 0);
-        let following =
-            separation.map(|terms| FollowingDistance::new(*terms, space.clearance)).transpose()?;
+        let follower = FollowerSettings::default();
+        let speed = follower.speed.max(FASTER * settings.desired.velocity);
+        let follower = FollowerSettings { speed, ..follower };
+        let moving = MovingSettings { frame: follower, ..MovingSettings::default() };
+        let safety = &settings.safety;
+        let following = FollowingDistance::new(safety.separation, Self::CLEARANCE)?;
+        // The tracker sees at least what counts for safety.
+        let tracker = TrackerSettings::default();
+        let tracker = TrackerSettings {
+            least_confidence: tracker.least_confidence.min(safety.person.least_confidence),
+            position_sigma: safety.person.position_sigma,
+            ..tracker
+        };
         let level = Vector3::new(centre.x, centre.y, 0.0);
         Ok(Self {
-            tracker: BodyTracker::new(settings.tracker.clone())?,
+            tracker: BodyTracker::new(tracker)?,
             intention: IntentionFilter::new(settings.intention)?,
-            hold: HeldFrame::new(settings.hold)?,
+            hold: HeldFrame::following(),
             drift: Vector6::zeros(),
-            frame: FrameFollower::new(Isometry3::identity(), settings.follower)?,
+            frame: FrameFollower::new(Isometry3::identity(), follower)?,
             person: None,
             moving: MovingWorkspace::new(workspace, moving)?,
             assigned: None,
             carrier: Carrier::Nothing,
-            room: (space.position_rows, space.orientation_rows),
             lead: space.lead,
-            following_distance: following,
+            following_distance: safety.keeps_distances().then_some(following),
             bearing: level.try_normalize(1e-9).unwrap_or_else(Vector3::x),
         })
     }
@@ -122,28 +142,30 @@ impl SharedSpace {
     /// Changes the shape of positions over `duration` \[s\].
     ///
     /// # Errors
-    /// [`Error::Workspace`] for a change that needs more rows than there are in
-    /// [`SpaceSettings`](crate::SpaceSettings), or a duration that is not positive.
+    /// [`Error::Workspace`] for a change that needs more than 20 rows, or a duration that is not positive. A change
+    /// between two kinds of shape needs the rows of both.
     pub fn reshape_position(&mut self, shape: &PositionShape, duration: f64) -> Result<(), Error> {
         let present = self.moving.workspace().position_shape();
         let needed = match (present, shape) {
             (PositionShape::Box(_), PositionShape::Box(_)) => 6,
             _ => present.row_count() + shape.row_count(),
         };
-        check_room("rows of the position", needed, self.room.0)?;
+        if needed > POSITION_ROWS {
+            let (what, most) = ("rows of the position", POSITION_ROWS);
+            return Err(hrsw::Error::TooMany { what, got: needed, most }.into());
+        }
         Ok(self.moving.reshape_position(shape, duration)?)
     }
 
     /// Changes the shape of orientations over `duration` \[s\].
     ///
     /// # Errors
-    /// As [`reshape_position`](Self::reshape_position), and for angles near half a turn.
+    /// [`Error::Workspace`] for a duration that is not positive, and for angles near half a turn.
     pub fn reshape_orientation(
         &mut self,
         shape: &OrientationShape,
         duration: f64,
     ) -> Result<(), Error> {
-        check_room("rows of the orientation", shape.row_count(), self.room.1)?;
         Ok(self.moving.reshape_orientation(shape, duration)?)
     }
 
@@ -158,7 +180,7 @@ impl SharedSpace {
         if let Some(person) = usable {
             if !seen_before {
                 self.frame.reset(person.world_from_person())?;
-                self.hold.follow();
+                self.hold = HeldFrame::following();
             }
             let (target, twist) = self.hold(&person, period);
             self.frame.retarget(target, twist)?;
@@ -320,8 +342,4 @@ impl SharedSpace {
         let origin = pose.translation.vector + pose.rotation * self.following_distance();
         Ok(PersonFrame::new(origin, forward.y.atan2(forward.x))?)
     }
-}
-
-fn check_room(what: &'static str, got: usize, most: usize) -> Result<(), Error> {
-    if got > most { Err(hrsw::Error::TooMany { what, got, most }.into()) } else { Ok(()) }
 }

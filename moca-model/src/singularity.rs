@@ -1,63 +1,19 @@
-//! Slowdown near singular configurations.
+//! Slowdown near singular configurations. There a small motion of the tool needs large joint motions, and the arm would
+//! oscillate at its limits.
 
 use nalgebra::{Matrix6, Matrix6xX};
-
-use crate::error::Error;
 
 /// Manipulability below which a posture counts as singular; it is then rounding.
 pub(crate) const SINGULAR: f64 = 1e-6;
 
-/// Slowdown of joints near singular configurations. There a small motion of the tool needs large joint motions, and the
-/// arm would oscillate at its limits.
-///
-/// The measure is [`manipulability`] over its value at the [posture](crate::PostureSettings). MOCA has hardly any with
-/// a stretched arm. A robot that is singular at its posture is not slowed down, such as one with fewer than six joints.
-///
-/// ```
-/// use moca_model::SingularitySettings;
-///
-/// let settings = SingularitySettings { share: 0.5, slowest: 0.1 };
-/// assert_eq!(settings.speed_scale(0.8), 1.0);
-/// assert_eq!(settings.speed_scale(0.25), 0.5);
-/// assert_eq!(settings.speed_scale(0.01), 0.1);
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
-#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
-pub struct SingularitySettings {
-    /// Share of the posture's manipulability below which the joints slow down in proportion to it. Default 0.35.
-    pub share: f64,
-    /// Least share of their speeds that the joints keep, above 0. Default 0.05.
-    pub slowest: f64,
-}
+/// Share of the posture's manipulability below which joints slow down. MOCA has less only with a nearly stretched arm.
+const SLOWS_BELOW: f64 = 0.35;
+/// Least share of their speeds that joints keep, so that they can leave a singular configuration.
+const SLOWEST: f64 = 0.05;
 
-impl Default for SingularitySettings {
-    fn default() -> Self {
-        Self { share: 0.35, slowest: 0.05 }
-    }
-}
-
-impl SingularitySettings {
-    /// Checks the ranges.
-    ///
-    /// # Errors
-    /// [`Error::Setting`] names the one that is out of range.
-    pub fn validate(&self) -> Result<(), Error> {
-        for (name, value) in
-            [("singularity.share", self.share), ("singularity.slowest", self.slowest)]
-        {
-            if !(value > 0.0 && value <= 1.0) {
-                return Err(Error::Setting { name, value, expected: "above 0, at most 1" });
-            }
-        }
-        Ok(())
-    }
-
-    /// The share of their speeds that the joints may use at this share of the posture's manipulability. NaN counts as
-    /// singular.
-    pub fn speed_scale(&self, share: f64) -> f64 {
-        if share > 0.0 { (share / self.share).clamp(self.slowest, 1.0) } else { self.slowest }
-    }
+/// The share of their speeds that joints may use at this share of the posture's manipulability. NaN counts as singular.
+pub(crate) fn speed_scale(share: f64) -> f64 {
+    if share > 0.0 { (share / SLOWS_BELOW).clamp(SLOWEST, 1.0) } else { SLOWEST }
 }
 
 /// Yoshikawa's manipulability w = √det(J Jᵀ), 0 in singular configurations up to rounding (Int. J. Robotics Research
@@ -75,4 +31,18 @@ pub(crate) fn manipulability_behind(jacobian: &Matrix6xX<f64>, first: usize) -> 
         gram.ger(1.0, &column, &column, 1.0);
     }
     gram.cholesky().map_or(0.0, |factor| factor.l_dirty().diagonal().product())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn joints_slow_down_with_the_manipulability() {
+        for (share, scale) in
+            [(0.8, 1.0), (0.175, 0.5), (0.01, 0.05), (0.0, 0.05), (f64::NAN, 0.05)]
+        {
+            assert!((speed_scale(share) - scale).abs() < 1e-12, "{share}");
+        }
+    }
 }

@@ -57,8 +57,6 @@ impl RobotSettings {
         let Self { controller, torque } = self;
         controller.validate()?;
         controller.intention.validate()?;
-        controller.tracker.validate()?;
-        controller.follower.validate()?;
         controller.safety.validate()?;
         torque.validate()
     }

@@ -60,9 +60,6 @@ pub enum Error {
     Hierarchy(#[from] ahqp_core::Error),
 }
 
-/// Largest number of rows of one kind with which a hierarchy is solved in time.
-const MOST_ROWS: usize = 1000;
-
 pub(crate) fn positive(what: &'static str, got: f64) -> Result<f64, Error> {
     if got > 0.0 && got.is_finite() {
         Ok(got)
@@ -77,16 +74,6 @@ pub(crate) fn not_negative(what: &'static str, got: f64) -> Result<f64, Error> {
     } else {
         Err(Error::Value { what, got, wanted: "finite and not negative" })
     }
-}
-
-/// Checks a number of rows before memory is allocated for them.
-pub(crate) fn check_count(what: &'static str, count: usize) -> Result<(), Error> {
-    if count > MOST_ROWS {
-        #[expect(clippy::cast_precision_loss, reason = "it is shown")]
-        let got = count as f64;
-        return Err(Error::Value { what, got, wanted: "at most 1000" });
-    }
-    Ok(())
 }
 
 pub(crate) fn check_size(what: &'static str, got: usize, wanted: usize) -> Result<(), Error> {

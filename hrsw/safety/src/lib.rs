@@ -11,14 +11,20 @@
 //! use ahqp_core::AugmentedState;
 //! use hrsw_safety::nalgebra::{Matrix6xX, Point3, Vector3};
 //! use hrsw_safety::{
-//!     Age, Capsule, JointMotion, RobotBody, RobotLimits, Safety, SafetyInput, SafetySettings, SafetyState,
+//!     Age, Capsule, JointMotion, LinkCapsule, RobotBody, RobotLimits, Safety, SafetyInput,
+//!     SafetySettings, SafetyState,
 //! };
 //! use vision_models::{Body, Body25, Confidence, Keypoint, Percept};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let state = AugmentedState { joints: 2, task: 6, slack: 6 };
 //! let limits = RobotLimits { accelerations: &[2.0, 2.0], speed: 1.0 }; // m/s², m/s
-//! let mut safety = Safety::new(state, SafetySettings::default(), &limits, 1e-3)?;
+//! let carriage = Capsule::sphere(Vector3::new(0.0, 0.0, 0.2), 0.2)?;
+//! let lift = Capsule::new(Vector3::new(0.0, 0.0, 0.4), Vector3::new(0.0, 0.0, 1.0), 0.1)?;
+//! let bodies = [("lift", lift), ("carriage", carriage)]
+//!     .map(|(link, capsule)| LinkCapsule { link: link.to_owned(), capsule });
+//! let settings = SafetySettings { bodies: bodies.to_vec(), ..SafetySettings::default() };
+//! let mut safety = Safety::new(state, settings, &limits, 1e-3)?;
 //!
 //! // A camera frame: the trunk of somebody 2 m ahead.
 //! let confidence = Confidence::new(0.9)?;
@@ -29,8 +35,6 @@
 //! safety.observe(&Percept { time: 0.0, body: Some(body), action: None, surface: None })?;
 //!
 //! // Each tick: where the robot's two bodies are, and how its joints move them.
-//! let carriage = Capsule::sphere(Vector3::new(0.0, 0.0, 0.2), 0.2)?;
-//! let lift = Capsule::new(Vector3::new(0.0, 0.0, 0.4), Vector3::new(0.0, 0.0, 1.0), 0.1)?;
 //! let bodies = [RobotBody { capsule: lift, joints: 2 }, RobotBody { capsule: carriage, joints: 1 }];
 //! let mut jacobian = Matrix6xX::zeros(2);
 //! (jacobian[(0, 0)], jacobian[(2, 1)]) = (1.0, 1.0); // along x, and up
@@ -49,7 +53,7 @@
 //! assert!(safety.nearest().is_none_or(|pair| pair.room() > 0.0));
 //! assert_eq!(safety.supervisor().state(), SafetyState::Normal);
 //! let rows = safety.bound(&motion)?; // levels of a stack of tasks
-//! assert_eq!(rows.separation.len(), SafetySettings::default().pairs);
+//! assert_eq!(rows.separation.len(), 40); // the pairs that may need a row
 //!
 //! // Without frames the robot stops.
 //! let late = SafetyInput { now: 1.0, age: Age::new(1.0)?, ..input };

@@ -15,12 +15,18 @@ use crate::safety_state::SafetyState;
 use crate::separation::SeparationSettings;
 use crate::settings::SafetySettings;
 use crate::speed_cap::SpeedCap;
-use crate::supervisor::{Observation, Supervisor, SupervisorSettings};
+use crate::supervisor::{Observation, Supervisor};
 
 /// Rate at which the contact speed rises and falls when working together begins and ends \[m/s²\].
 const CONTACT_ACCELERATION: f64 = 1.0;
+/// Number of pairs of a robot's and a person's body that get a row. The robot brakes if more are at
+/// their limits.
+const PAIRS: usize = 40;
 /// Number of pairs of the robot's own bodies that get a row.
 const OWN_ROWS: usize = 6;
+/// Margin between the robot's own bodies \[m\]. Within a period they approach by some millimetres at
+/// most.
+const OWN_MARGIN: f64 = 0.03;
 /// Deceleration of the arm before a self-collision \[m/s²\].
 const OWN_DECELERATION: f64 = 2.0;
 
@@ -115,11 +121,10 @@ impl Safety {
         let accelerations = limits.accelerations;
         check_size("the accelerations of the joints", accelerations.len(), state.joints)?;
         let full_speed = positive("the full speed of the robot", limits.speed)?;
-        let SupervisorSettings { tolerance, hysteresis, .. } = settings.supervisor;
-        let separation = ApproachRows::new(state, settings.separation, settings.pairs)?
-            .watching(tolerance + hysteresis);
-        let margin = settings.own_margin;
-        let between = SeparationSettings::between_own_bodies(period, OWN_DECELERATION, margin);
+        let pairs = if settings.keeps_distances() { PAIRS } else { 0 };
+        let separation =
+            ApproachRows::new(state, settings.separation, pairs)?.watching(Supervisor::HYSTERESIS);
+        let between = SeparationSettings::between_own_bodies(period, OWN_DECELERATION, OWN_MARGIN);
         let own_rows = if settings.own_pairs.is_empty() { 0 } else { OWN_ROWS };
         let own = ApproachRows::new(state, between, own_rows)?;
         let count = settings.bodies.len();

@@ -1,7 +1,7 @@
 //! Settings of the separation from people.
 
 use crate::body_region::ContactLimits;
-use crate::error::{Error, check_count, not_negative, positive};
+use crate::error::{Error, not_negative, positive};
 use crate::link_capsule::LinkCapsule;
 use crate::separation::SeparationSettings;
 use crate::speed_cap::SpeedCap;
@@ -47,8 +47,6 @@ pub struct SafetySettings {
     /// Terms of the protective distance. Default: those of [`SeparationSettings`] with C = 0.05 m,
     /// since every part of the body is tracked, and with the braking of the robot's base.
     pub separation: SeparationSettings,
-    /// Number of pairs of a robot's and a person's body that get a row. Default 40.
-    pub pairs: usize,
     /// Limits of a contact with a part of the person. Default: those of [`ContactLimits`],
     /// quasi-static.
     pub contact: ContactLimits,
@@ -57,19 +55,16 @@ pub struct SafetySettings {
     pub contact_speed: f64,
     /// Cap on the tool's speed relative to the person. Default: that of [`SpeedCap`].
     pub speed_cap: SpeedCap,
-    /// Rules by which the robot stops and recovers. Default: those of [`SupervisorSettings`], with
-    /// no tolerance and a hysteresis of 0.03 m. The dwell time is 0.2 s, the reduced share of the
-    /// speed one half, and the ramp 0.25 s.
+    /// Rules by which the robot stops and recovers. Default: those of [`SupervisorSettings`].
     pub supervisor: SupervisorSettings,
     /// How the person's body is computed.
     pub person: PersonBodySettings,
     /// Capsules of the robot, best from the gripper to the base: the nearest are then found first.
-    /// Default: those of the robot, none if the robot is not known.
+    /// A robot without capsules keeps no distance from people. Default: those of the robot, none if
+    /// the robot is not known.
     pub bodies: Vec<LinkCapsule>,
     /// Pairs of these capsules that are kept apart, by index. Default: those of the robot.
     pub own_pairs: Vec<(usize, usize)>,
-    /// Margin between the robot's own bodies \[m\]. Default 0.03.
-    pub own_margin: f64,
 }
 
 /// Settings of a robot without capsules, since these depend on the robot.
@@ -77,22 +72,13 @@ impl Default for SafetySettings {
     fn default() -> Self {
         Self {
             separation: SeparationSettings { intrusion: 0.05, ..SeparationSettings::default() },
-            pairs: 40,
             contact: ContactLimits::default(),
             contact_speed: 0.25,
             speed_cap: SpeedCap::default(),
-            supervisor: SupervisorSettings {
-                tolerance: 0.0,
-                hysteresis: 0.03,
-                dwell: 0.2,
-                reduced_scale: 0.5,
-                ramp: 0.25,
-                ..SupervisorSettings::default()
-            },
+            supervisor: SupervisorSettings::default(),
             person: PersonBodySettings::default(),
             bodies: Vec::new(),
             own_pairs: Vec::new(),
-            own_margin: 0.03,
         }
     }
 }
@@ -106,12 +92,11 @@ impl SafetySettings {
     /// use hrsw_safety::SafetySettings;
     ///
     /// let off = SafetySettings::default().off();
-    /// assert!(off.pairs == 0 && off.validate().is_ok());
+    /// assert!(!off.keeps_distances() && off.validate().is_ok());
     /// ```
     #[must_use]
     pub fn off(self) -> Self {
         Self {
-            pairs: 0,
             bodies: Vec::new(),
             own_pairs: Vec::new(),
             supervisor: SupervisorSettings {
@@ -123,6 +108,11 @@ impl SafetySettings {
         }
     }
 
+    /// Returns true if the robot has capsules, and so keeps distances from people.
+    pub fn keeps_distances(&self) -> bool {
+        !self.bodies.is_empty()
+    }
+
     /// Checks the ranges.
     ///
     /// # Errors
@@ -131,18 +121,13 @@ impl SafetySettings {
         self.separation.validate()?;
         self.speed_cap.validate()?;
         self.supervisor.validate()?;
-        check_count("safety.pairs", self.pairs)?;
         for (name, value) in [
             ("safety.person.forget_after", self.person.forget_after),
             ("safety.person.position_sigma", self.person.position_sigma),
         ] {
             positive(name, value)?;
         }
-        for (name, value) in
-            [("safety.contact_speed", self.contact_speed), ("safety.own_margin", self.own_margin)]
-        {
-            not_negative(name, value)?;
-        }
+        not_negative("safety.contact_speed", self.contact_speed)?;
         if !(0.0..=1.0).contains(&self.person.least_confidence) {
             let (what, got) = ("safety.person.least_confidence", self.person.least_confidence);
             return Err(Error::Value { what, got, wanted: "between 0 and 1" });

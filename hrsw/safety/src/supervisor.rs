@@ -2,7 +2,7 @@
 
 use crate::age::Age;
 use crate::approach::Nearest;
-use crate::error::{Error, not_negative, positive};
+use crate::error::{Error, positive};
 use crate::fault::Fault;
 
 use crate::safety_state::SafetyState;
@@ -47,21 +47,11 @@ impl Cause {
 /// A robot that is no faster than this towards a person does not approach \[m/s\].
 const CREEP: f64 = 0.02;
 
-/// Thresholds and times of the changes of state.
+/// Thresholds of the changes of state.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct SupervisorSettings {
-    /// Violation of the protective distance that is tolerated for noise before the robot retreats
-    /// \[m\]. Default 0.02.
-    pub tolerance: f64,
-    /// Time for which the violation must last \[s\], since one frame alone may show a head nearer.
-    /// Until then the robot does not approach. Default 0.12: two frames and a little.
-    pub retreat_after: f64,
-    /// Additional room that is needed for recovery \[m\]. Default 0.1.
-    pub hysteresis: f64,
-    /// Time for which the cause must be gone before recovery \[s\]. Default 0.5.
-    pub dwell: f64,
     /// Age of the last percept above which speed is reduced \[s\]. Default 0.3.
     pub reduced_age: f64,
     /// Age of the last percept above which the robot stops \[s\]. Default 0.8.
@@ -69,12 +59,6 @@ pub struct SupervisorSettings {
     /// True if every protective stop must be acknowledged before the robot recovers. Some faults
     /// always require it, see [`Fault::waits`]. Default false.
     pub acknowledge: bool,
-    /// Share of the speed in the reduced state \[-\]. Default 0.3.
-    pub reduced_scale: f64,
-    /// Share of the speed in retreat \[-\]. Default 0.15: less than 0.25 m/s for a base of 1.5 m/s.
-    pub retreat_scale: f64,
-    /// Time of the ramp from full speed to zero, and back \[s\]. Default 0.5.
-    pub ramp: f64,
     /// Force from outside above which the robot stops and gives way \[N\], see
     /// [`Supervisor::set_external_force`]. Default 60, below the lowest limit of a region of the
     /// body in a quasi-static contact: 65 N on the face.
@@ -83,19 +67,7 @@ pub struct SupervisorSettings {
 
 impl Default for SupervisorSettings {
     fn default() -> Self {
-        Self {
-            tolerance: 0.02,
-            retreat_after: 0.12,
-            hysteresis: 0.1,
-            dwell: 0.5,
-            reduced_age: 0.3,
-            stop_age: 0.8,
-            acknowledge: false,
-            reduced_scale: 0.3,
-            retreat_scale: 0.15,
-            ramp: 0.5,
-            contact_force: 60.0,
-        }
+        Self { reduced_age: 0.3, stop_age: 0.8, acknowledge: false, contact_force: 60.0 }
     }
 }
 
@@ -105,24 +77,11 @@ impl SupervisorSettings {
     /// # Errors
     /// [`Error::Value`] names the first setting that is out of its range.
     pub fn validate(&self) -> Result<(), Error> {
-        not_negative("supervisor.tolerance", self.tolerance)?;
-        not_negative("supervisor.retreat_after", self.retreat_after)?;
-        not_negative("supervisor.hysteresis", self.hysteresis)?;
-        not_negative("supervisor.dwell", self.dwell)?;
         positive("supervisor.reduced_age", self.reduced_age)?;
-        positive("supervisor.ramp", self.ramp)?;
         positive("supervisor.contact_force", self.contact_force)?;
         if self.stop_age.is_nan() || self.stop_age < self.reduced_age {
             let (name, expected) = ("supervisor.stop_age", "at least supervisor.reduced_age");
             return Err(Error::Value { what: name, got: self.stop_age, wanted: expected });
-        }
-        for (name, value) in [
-            ("supervisor.reduced_scale", self.reduced_scale),
-            ("supervisor.retreat_scale", self.retreat_scale),
-        ] {
-            if !(0.0..=1.0).contains(&value) {
-                return Err(Error::Value { what: name, got: value, wanted: "between 0 and 1" });
-            }
         }
         Ok(())
     }
@@ -187,6 +146,23 @@ enum Pressure {
 }
 
 impl Supervisor {
+    /// Time for which a violation of the protective distance must last before the robot retreats
+    /// \[s\]: two frames and a little, since one frame alone may show a head nearer. Until then the
+    /// robot does not approach.
+    pub const RETREAT_AFTER: f64 = 0.12;
+    /// Additional room that is needed for recovery \[m\]: more than the 0.02 m to which a camera
+    /// knows joints.
+    pub const HYSTERESIS: f64 = 0.03;
+    /// Time for which the cause must be gone before recovery \[s\]: four frames of a camera.
+    pub const DWELL: f64 = 0.2;
+    /// Share of the speed in the reduced state \[-\].
+    pub const REDUCED_SCALE: f64 = 0.5;
+    /// Share of the speed in retreat \[-\]: less than 0.25 m/s for a base of 1.5 m/s.
+    pub const RETREAT_SCALE: f64 = 0.15;
+    /// Time of the ramp from full speed to zero, and back \[s\]. Joints that cannot follow it brake at
+    /// their limits.
+    pub const RAMP: f64 = 0.25;
+
     /// Creates a supervisor in the normal state, at full speed.
     ///
     /// # Errors
@@ -298,12 +274,11 @@ impl Supervisor {
         if observation.nearest.is_some_and(|pair| pair.room().is_nan()) {
             self.report(Fault::BadData);
         }
-        let tolerance = self.settings.tolerance;
-        let violation = observation.nearest.filter(|pair| pair.room() < -tolerance);
+        let violation = observation.nearest.filter(|pair| pair.room() < 0.0);
         self.violated_for = if violation.is_some() { self.violated_for + period } else { 0.0 };
         let is_glimpse = self.state < SafetyState::Retreat
             && self.violated_for > 0.0
-            && self.violated_for < self.settings.retreat_after;
+            && self.violated_for < Self::RETREAT_AFTER;
         let nearest = observation.nearest.filter(|_| !is_glimpse);
         let observation = &Observation { nearest, ..*observation };
         let demanded = self.demand(observation, 0.0);
@@ -315,10 +290,10 @@ impl Supervisor {
             Some((state, cause)) if state >= self.state => self.enter(state, cause),
             _ if self.state != SafetyState::Normal && !faulty => {
                 self.urgent &= self.state == SafetyState::ProtectiveStop;
-                let cautious = self.demand(observation, self.settings.hysteresis);
+                let cautious = self.demand(observation, Self::HYSTERESIS);
                 let better = cautious.is_none_or(|(state, _)| state < self.state);
                 self.clear_for = if better { self.clear_for + period } else { 0.0 };
-                if self.clear_for >= self.settings.dwell && !self.waits {
+                if self.clear_for >= Self::DWELL && !self.waits {
                     self.recover(demanded.map(|(_, cause)| cause));
                 }
             }
@@ -326,11 +301,11 @@ impl Supervisor {
         }
         let goal = match self.state {
             SafetyState::Normal => 1.0,
-            SafetyState::Reduced => self.settings.reduced_scale,
-            SafetyState::Retreat => self.settings.retreat_scale,
+            SafetyState::Reduced => Self::REDUCED_SCALE,
+            SafetyState::Retreat => Self::RETREAT_SCALE,
             SafetyState::ProtectiveStop => 0.0,
         };
-        let step = period / self.settings.ramp;
+        let step = period / Self::RAMP;
         self.scale += (goal - self.scale).clamp(-step, step);
     }
 
@@ -372,7 +347,7 @@ impl Supervisor {
         if age.seconds() > settings.stop_age {
             return Some((ProtectiveStop, Cause::Stale { age }));
         }
-        if let Some(pair) = nearest.filter(|_| room < extra - settings.tolerance) {
+        if let Some(pair) = nearest.filter(|_| room < extra) {
             return Some((Retreat, Cause::TooClose(pair)));
         }
         (age.seconds() > settings.reduced_age).then_some((Reduced, Cause::Stale { age }))

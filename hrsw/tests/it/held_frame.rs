@@ -1,6 +1,6 @@
 //! A frame that is held while a person stands.
 
-use hrsw::{FloorMotion, FollowerSettings, FrameFollower, HeldFrame, HoldSettings};
+use hrsw::{FloorMotion, FollowerSettings, FrameFollower, HeldFrame};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector2, Vector3, Vector6};
 use proptest::prelude::*;
 
@@ -17,7 +17,7 @@ impl Held {
         let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), start.heading);
         let pose = Isometry3::from_parts(Translation3::from(start.position.push(0.0)), turn);
         Self {
-            frame: HeldFrame::new(HoldSettings::default()).unwrap(),
+            frame: HeldFrame::following(),
             follower: FrameFollower::new(pose, FollowerSettings::default()).unwrap(),
         }
     }
@@ -92,7 +92,7 @@ proptest! {
             }
             if time > 6.5 {
                 prop_assert!(held.frame.is_held() && held.speed() < 0.06, "{}", held.speed());
-                prop_assert!(off < HoldSettings::default().position + 0.01, "{off} m off");
+                prop_assert!(off < HeldFrame::POSITION + 0.01, "{off} m off");
             }
         }
     }
@@ -101,7 +101,6 @@ proptest! {
 /// A person who moves away slowly is followed slowly.
 #[test]
 fn it_moves_when_the_mean_leaves_the_zone() {
-    let settings = HoldSettings::default();
     let mut held = Held::at(REST);
     let mut fastest = 0.0_f64;
     for tick in 0..20_000 {
@@ -112,7 +111,7 @@ fn it_moves_when_the_mean_leaves_the_zone() {
         fastest = fastest.max(held.speed());
     }
     let off = (floor(held.follower.pose()).position.x - 0.15).abs();
-    assert!(off <= settings.position, "{off} m off");
+    assert!(off <= HeldFrame::POSITION, "{off} m off");
     assert!(fastest <= 0.05 + 0.03, "{fastest} m/s");
 }
 
@@ -127,11 +126,4 @@ fn two_wrong_frames_do_not_move_it() {
         held.step(seen, rate);
         assert!(tick < 1000 || held.frame.is_held() && held.speed() < 1e-9, "{tick}");
     }
-}
-
-#[test]
-fn wrong_settings_are_refused_by_name() {
-    let wrong = HoldSettings { position: 0.0, ..HoldSettings::default() };
-    let error = HeldFrame::new(wrong).unwrap_err().to_string();
-    assert!(error.contains("zone of positions"), "{error}");
 }

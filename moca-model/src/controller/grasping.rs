@@ -8,6 +8,9 @@ use super::turning::HandTurn;
 use crate::error::Error;
 use crate::grasped_object::{BoxSide, GraspedObject};
 
+/// Assumed speed of the person's hand when the hand tool changes \[m/s\], a slow reach.
+const HAND_SPEED: f64 = 0.25;
+
 impl Controller {
     /// Sets the object that the tool holds. Ergonomics and workspace then refer to the person's hand, which is behind
     /// their own tool. The object's mass counts. It is kept apart from people and from the robot, as the robot's bodies
@@ -68,7 +71,7 @@ impl Controller {
         if way == Vector3::zeros() {
             return Ok(());
         }
-        let step = way.cap_magnitude(self.settings.hand.speed * elapsed);
+        let step = way.cap_magnitude(HAND_SPEED * elapsed);
         self.robot.set_hand(self.robot.tool_from_hand() + step)?;
         let desired = &mut self.command.desired;
         desired.translation.vector += desired.rotation * step;

@@ -4,6 +4,7 @@ use hrsw_safety::Fault;
 use whole_body::torque::Following;
 
 use super::Controller;
+use crate::following_error::FollowingErrorLimit;
 use crate::robot::moca::MOCA_BASE_JOINTS;
 
 /// Time constant with which the commanded place of the base approaches the measured one \[s\]. It is long against the
@@ -50,7 +51,7 @@ impl Controller {
             self.report(Fault::FollowingError);
         }
         let (desired, actual) = (&mut self.command.desired, self.robot.world_from_hand());
-        self.following_error.clamp_pose(desired, &actual, following);
+        FollowingErrorLimit::clamp_pose(desired, &actual, following);
         true
     }
 

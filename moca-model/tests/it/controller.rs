@@ -1,6 +1,7 @@
 //! The controller in a loop with the simulated robot and a person who stands, walks or disappears.
 
 use ergo_map::ErgonomicsQuadratic;
+use hrsw::HeldFrame;
 use hrsw_safety::Fault;
 use moca_model::{
     Controller, ControllerSettings, DesiredMotion, Error, Goal, Intention, MOCA_HOME, Outcome,
@@ -208,9 +209,8 @@ fn jump_of_the_person_is_followed_within_limits() {
     }
     let best = Vector3::new(0.42, -0.1, 1.1);
     // The frame is held where it came to rest, within its zone.
-    let zone = ControllerSettings::default().hold;
     let off = (run.hand_in(&place(10.0)) - best).norm();
-    assert!(off < zone.position + zone.heading * best.norm(), "{off} m");
+    assert!(off < HeldFrame::POSITION + HeldFrame::HEADING * best.norm(), "{off} m");
 }
 
 proptest! {

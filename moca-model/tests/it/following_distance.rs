@@ -67,7 +67,7 @@ fn workspace_falls_behind_a_departing_person() {
     for speed in [0.2, 0.4, 0.6, 0.8] {
         // The person is seen T_r late. S_p is that for T_r = 0.15 s, a = 0.5 m/s² and C + Z_d + Z_r = 0.11 m.
         let away = speed * outward.x;
-        let needed = 2.0 * 0.15 * away + away * away + 0.11 - space.clearance;
+        let needed = 2.0 * 0.15 * away + away * away + 0.11 - 0.4;
         let expected = (outward * needed.max(0.0)).push(0.0);
         let [walking, standing] = places(&settings, [-speed, 0.0]);
         assert!((walking - expected).norm() < 0.02, "{speed} m/s: {walking:?}, not {expected:?}");

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use hrsw_safety::Supervisor;
 use moca_model::ControllerSettings;
 use moca_model::whole_body::control_loop::LoopSettings;
 
@@ -115,9 +116,9 @@ fn thresholds_are_those_of_the_defaults() {
     for (text, number) in [
         ("no plausible frame for {} s; a fault | at once | half", supervisor.reduced_age),
         ("no plausible frame for {} s; a fault | at once | stands", supervisor.stop_age),
-        ("leaves at {} of its speeds", supervisor.retreat_scale),
-        ("there have been {} m more room", supervisor.hysteresis),
-        ("the cause has been gone for {} s |", supervisor.dwell),
+        ("leaves at {} of its speeds", Supervisor::RETREAT_SCALE),
+        ("there have been {} m more room", Supervisor::HYSTERESIS),
+        ("the cause has been gone for {} s |", Supervisor::DWELL),
         ("nearer than {} m plus what is not known of its speed times its age", unknown),
     ] {
         let text = text.replace("{}", &number.to_string());

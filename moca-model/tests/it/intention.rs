@@ -72,7 +72,7 @@ proptest! {
 fn settings_out_of_range_are_named() {
     let bad = [
         IntentionSettings { enter: f64::NAN, ..IntentionSettings::default() },
-        IntentionSettings { keep: 0.9, ..IntentionSettings::default() },
+        IntentionSettings { release: f64::INFINITY, ..IntentionSettings::default() },
         IntentionSettings { dwell: -1.0, ..IntentionSettings::default() },
     ];
     for settings in bad {

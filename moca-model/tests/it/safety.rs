@@ -1,7 +1,9 @@
 //! The controller keeps its distance from people, and its bodies contain the robot.
 
+use std::f64::consts::TAU;
+
 use ergo_map::ErgonomicsQuadratic;
-use hrsw::{Attachment, Bounds};
+use hrsw::Attachment;
 use hrsw_safety::{Cause, LinkCapsule, PersonBody, SafetySettings, SafetyState};
 use moca_model::{Controller, ControllerSettings, Error, MOCA_HOME, SimulatedRobot};
 use moca_model::{moca_safety, whole_body};
@@ -213,8 +215,17 @@ fn bad_safety_settings_are_named() {
     let mut controller =
         Controller::new(model.clone(), ergonomics, ControllerSettings::default(), &MOCA_HOME)
             .unwrap();
-    let half = Bounds::symmetric(Vector3::repeat(0.1)).unwrap();
-    let turned = hrsw::OrientedBox::new(Isometry3::identity(), half).unwrap();
-    let error = controller.space_mut().reshape_position(&turned.into(), 1.0).unwrap_err();
-    assert!(error.to_string().contains("12"), "{error}");
+    // A prism with this number of sides has two faces more, and the box has six.
+    let mut change_to_prism = |sides: u32| {
+        let corner = |index| {
+            let angle = f64::from(index) * TAU / f64::from(sides);
+            [-0.1, 0.1].map(|z| Vector3::new(0.1 * angle.cos(), 0.1 * angle.sin(), z))
+        };
+        let corners: Vec<_> = (0..sides).flat_map(corner).collect();
+        let prism = hrsw::Polytope::hull(&corners).unwrap();
+        controller.space_mut().reshape_position(&prism.into(), 1.0)
+    };
+    let error = change_to_prism(13).unwrap_err();
+    assert!(error.to_string().contains("21"), "{error}");
+    assert!(change_to_prism(12).is_ok());
 }

@@ -3,8 +3,7 @@
 use ergo_map::ErgonomicsQuadratic;
 use hrsw::Attachment;
 use moca_model::{
-    Controller, ControllerSettings, Error, MOCA_HOME, SimulatedRobot, SingularitySettings,
-    manipulability, moca_safety,
+    Controller, ControllerSettings, Levels, MOCA_HOME, SimulatedRobot, manipulability, moca_safety,
 };
 use nalgebra::{Isometry3, Matrix3, Matrix6xX, Vector3};
 use proptest::prelude::*;
@@ -30,17 +29,13 @@ fn measure(jacobian: &Matrix6xX<f64>) -> f64 {
     jacobian.clone().svd(false, false).singular_values.iter().product()
 }
 
-fn controller(singularity: Option<SingularitySettings>) -> Result<Controller, Error> {
+/// Sets a target for the tool 2 m above its reach, for 8 s.
+fn reach(levels: Levels) -> Reach {
+    let mut robot = SimulatedRobot::new(&MOCA, &MOCA_HOME).unwrap();
     let ergonomics = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
     let safety = moca_safety().off();
-    let settings = ControllerSettings { safety, singularity, ..ControllerSettings::default() };
-    Controller::new(MOCA.clone(), ergonomics, settings, &MOCA_HOME)
-}
-
-/// Sets a target for the tool 2 m above its reach, for 8 s.
-fn reach(singularity: Option<SingularitySettings>) -> Reach {
-    let mut robot = SimulatedRobot::new(&MOCA, &MOCA_HOME).unwrap();
-    let mut controller = controller(singularity).unwrap();
+    let settings = ControllerSettings { safety, levels, ..ControllerSettings::default() };
+    let mut controller = Controller::new(MOCA.clone(), ergonomics, settings, &MOCA_HOME).unwrap();
     let workspace = controller.space().workspace();
     let (position, rotation) = (workspace.position(), workspace.world_from_workspace().rotation);
     let middle = (position.min() + position.max()) * 0.5;
@@ -76,15 +71,14 @@ fn reach(singularity: Option<SingularitySettings>) -> Reach {
     reach
 }
 
-/// An arm that cannot reach its workspace oscillates at the end of its reach. The slowdown nearly stops that, and the
-/// tool comes as near.
+/// An arm that cannot reach its workspace oscillates at the end of its reach. The slowdown, which the paper's levels do
+/// without, nearly stops that, and the tool comes as near.
 #[test]
 fn arm_is_slow_at_its_reach_limit() {
-    let settings = SingularitySettings::default();
-    let (with, without) = (reach(Some(settings)), reach(None));
-    assert!(with.nearness < settings.share * settings.slowest, "{}", with.nearness);
-    assert!(with.fastest <= settings.slowest + 1e-9, "{}", with.fastest);
-    assert!(without.fastest > 5.0 * settings.slowest, "{}", without.fastest);
+    let (with, without) = (reach(Levels::Extended), reach(Levels::Paper));
+    assert!(with.nearness < 0.35 * 0.05, "{}", with.nearness);
+    assert!(with.fastest <= 0.05 + 1e-9, "{}", with.fastest);
+    assert!(without.fastest > 5.0 * 0.05, "{}", without.fastest);
     assert!(with.height > without.height - 0.001, "{} m, {} m", with.height, without.height);
 }
 
@@ -100,19 +94,7 @@ proptest! {
 }
 
 #[test]
-fn shares_that_are_none_are_refused() {
-    let good = SingularitySettings::default();
-    for (bad, name) in [
-        (SingularitySettings { share: 0.0, ..good }, "singularity.share"),
-        (SingularitySettings { share: f64::INFINITY, ..good }, "singularity.share"),
-        (SingularitySettings { slowest: 0.0, ..good }, "singularity.slowest"),
-        (SingularitySettings { slowest: 1.1, ..good }, "singularity.slowest"),
-        (SingularitySettings { slowest: f64::NAN, ..good }, "singularity.slowest"),
-    ] {
-        let error = controller(Some(bad)).unwrap_err();
-        assert!(error.to_string().contains(name), "{error}");
-    }
-    assert_eq!(good.speed_scale(f64::NAN), good.slowest);
+fn dependent_or_unknown_rows_have_no_manipulability() {
     // The rows depend on each other, or contain numbers that are not finite.
     let mut jacobian = Matrix6xX::repeat(7, 1.0);
     assert!(manipulability(&jacobian) < 1e-12);

@@ -61,7 +61,7 @@ impl Held {
             angular_acceleration: 20.0,
         };
         let defaults = ControllerSettings::default();
-        let settings = ControllerSettings { safety, desired, singularity: None, ..defaults };
+        let settings = ControllerSettings { safety, desired, ..defaults };
         let ergonomics =
             ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
         let controller = Controller::new(MOCA.clone(), ergonomics, settings, &MOCA_HOME).unwrap();

@@ -57,7 +57,7 @@ fn every_state_is_as_in_the_book() {
                     assert!(drive.fastest() < 1e-9);
                 } else {
                     drive.run(0.4);
-                    assert!(share(&drive) <= settings.reduced_scale + 1e-9);
+                    assert!(share(&drive) <= 0.5 + 1e-9);
                 }
                 drive.camera = true;
                 drive.run(2.0);
@@ -77,7 +77,7 @@ fn every_state_is_as_in_the_book() {
                 let (mut last, mut nearest) = (drive.distance(), 0.0_f64);
                 while drive.state() == SafetyState::Retreat {
                     drive.step();
-                    assert!(share(&drive) <= settings.retreat_scale + 1e-9, "{:?}", drive.velocity);
+                    assert!(share(&drive) <= 0.15 + 1e-9, "{:?}", drive.velocity);
                     nearest = nearest.min(drive.distance() - last);
                     last = drive.distance();
                     if drive.time() > 20.0 {

@@ -7,7 +7,7 @@ use super::{
     keypoints::{Body, Body25, Keypoint},
     seen::Seen,
     segment::{BodySegment, ENDS},
-    settings::{ACQUIRE_FRAMES, TrackerSettings, outlier_distance},
+    settings::{ACQUIRE_FRAMES, moving, outlier_distance},
 };
 use crate::confidence::Confidence;
 
@@ -61,15 +61,10 @@ impl JointFilter {
     }
 
     /// Returns the velocity of a joint at the time `now` (s), if it was seen recently.
-    pub(super) fn velocity(
-        &self,
-        joint: Body25,
-        now: f64,
-        settings: &TrackerSettings,
-    ) -> Option<JointVelocity> {
+    pub(super) fn velocity(&self, joint: Body25, now: f64) -> Option<JointVelocity> {
         let followed = self.joints[joint.index()]?;
         let elapsed = (now - followed.time).max(0.0);
-        let filter = followed.filter.advanced(&settings.joint(joint).moving(elapsed));
+        let filter = followed.filter.advanced(&moving(joint).moving(elapsed));
         let (mean, covariance) = (filter.velocity(), filter.velocity_covariance());
         (elapsed <= COAST).then_some(JointVelocity { mean, covariance })
     }
@@ -82,14 +77,13 @@ impl JointFilter {
         seen: &Seen<'_>,
         time: f64,
         walking: Vector2<f64>,
-        settings: &TrackerSettings,
         length: impl Fn(BodySegment) -> Option<f64>,
     ) -> Body {
         let doubted = doubted(seen, length);
         let mut out = Body::default();
         let joints = Body25::ALL.into_iter().zip(&mut self.joints).zip(doubted);
         for ((joint, followed), doubted) in joints {
-            let motion = settings.joint(joint);
+            let motion = moving(joint);
             let measured = seen.place(joint).zip(body.get(joint)).filter(|_| !doubted);
             if let Some((at, keypoint)) = measured {
                 if body.covariance(joint).is_none() {

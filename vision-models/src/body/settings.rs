@@ -35,6 +35,9 @@ pub(super) const ACQUIRE_RADIUS: f64 = 0.3;
 /// Largest age of the last measurement at which the person counts as tracked (s): a little more
 /// than two frames.
 pub(super) const TRACKED_AGE: f64 = 0.12;
+/// Largest age up to which a pose is predicted at constant velocity (s). Within it a walking person
+/// seldom changes their speed, and ten frames may be lost.
+pub(super) const COAST_LIMIT: f64 = 0.5;
 /// Drift of a standing person: spectral densities of the velocity (m²/s) and of the turning rate
 /// (rad²/s).
 const DRIFT: f64 = 3e-6;
@@ -46,7 +49,7 @@ const TURNING_DRIFT: f64 = 1e-5;
 /// ```
 /// use vision_models::TrackerSettings;
 ///
-/// let settings = TrackerSettings { coast_limit: 0.3, ..TrackerSettings::default() };
+/// let settings = TrackerSettings { least_confidence: 0.5, ..TrackerSettings::default() };
 /// assert!(settings.validate().is_ok());
 /// let wrong = TrackerSettings { position_sigma: f64::NAN, ..settings };
 /// assert!(wrong.validate().unwrap_err().to_string().contains("position_sigma"));
@@ -62,14 +65,11 @@ pub struct TrackerSettings {
     pub position_sigma: f64,
     /// Standard deviation of the measured heading, if covariances are unknown (rad). Default 0.08.
     pub heading_sigma: f64,
-    /// Largest age up to which the pose is predicted at constant velocity (s). Beyond it the person
-    /// is lost. Default and maximum 0.5.
-    pub coast_limit: f64,
 }
 
 impl Default for TrackerSettings {
     fn default() -> Self {
-        Self { least_confidence: 0.3, position_sigma: 0.03, heading_sigma: 0.08, coast_limit: 0.5 }
+        Self { least_confidence: 0.3, position_sigma: 0.03, heading_sigma: 0.08 }
     }
 }
 
@@ -89,27 +89,7 @@ impl TrackerSettings {
         let scale = |name, value| in_range(name, value, 1e-6, 1e6, "a value in [1e-6, 1e6]");
         in_range("least_confidence", self.least_confidence, 0.0, 1.0, "a value in [0, 1]")?;
         scale("position_sigma", self.position_sigma)?;
-        scale("heading_sigma", self.heading_sigma)?;
-        in_range("coast_limit", self.coast_limit, TRACKED_AGE, 0.5, "a time in [0.12, 0.5] s")
-    }
-
-    /// Returns the motion of a person who stands or walks.
-    pub(super) fn walking(&self) -> Motion {
-        motion(WALKING, DRIFT, MAX_SPEED, self.coast_limit)
-    }
-
-    /// Returns the motion of a joint.
-    pub(super) fn joint(&self, joint: Body25) -> Motion {
-        use Body25::{LeftElbow, LeftKnee, LeftWrist, RightElbow, RightKnee, RightWrist};
-        let of_limb = |share| (share * LIMB_DENSITY, 2.0 * MAX_SPEED);
-        let (density, max_speed) = match joint {
-            _ if TRUNK.contains(&joint) => (TRUNK_DENSITY, MAX_SPEED),
-            LeftElbow | RightElbow => of_limb(0.4),
-            LeftWrist | RightWrist => of_limb(1.0),
-            LeftKnee | RightKnee => of_limb(0.8),
-            _ => of_limb(1.5),
-        };
-        motion(density, 0.0, max_speed, self.coast_limit)
+        scale("heading_sigma", self.heading_sigma)
     }
 
     /// Returns a measured heading. An unknown variance is replaced by the standard deviation of one
@@ -119,6 +99,25 @@ impl TrackerSettings {
         let variance = variance.unwrap_or(self.heading_sigma.powi(2));
         Measurement { position: [angle].into(), covariance: [[variance]].into(), lasting }
     }
+}
+
+/// Returns the motion of a person who stands or walks.
+pub(super) fn walking() -> Motion {
+    motion(WALKING, DRIFT, MAX_SPEED, COAST_LIMIT)
+}
+
+/// Returns the motion of a joint.
+pub(super) fn moving(joint: Body25) -> Motion {
+    use Body25::{LeftElbow, LeftKnee, LeftWrist, RightElbow, RightKnee, RightWrist};
+    let of_limb = |share| (share * LIMB_DENSITY, 2.0 * MAX_SPEED);
+    let (density, max_speed) = match joint {
+        _ if TRUNK.contains(&joint) => (TRUNK_DENSITY, MAX_SPEED),
+        LeftElbow | RightElbow => of_limb(0.4),
+        LeftWrist | RightWrist => of_limb(1.0),
+        LeftKnee | RightKnee => of_limb(0.8),
+        _ => of_limb(1.5),
+    };
+    motion(density, 0.0, max_speed, COAST_LIMIT)
 }
 
 /// Returns the motion of a heading.

@@ -6,8 +6,8 @@ use super::{
     filter::Measurement,
     seen::Heading,
     settings::{
-        ACQUIRE_FRAMES, ACQUIRE_RADIUS, MAX_SPEED, TrackerSettings, jump_distance,
-        outlier_distance, turning,
+        ACQUIRE_FRAMES, ACQUIRE_RADIUS, COAST_LIMIT, MAX_SPEED, TrackerSettings, jump_distance,
+        outlier_distance, turning, walking,
     },
     two_models::TwoModels,
 };
@@ -36,14 +36,9 @@ pub(super) struct Candidate {
 
 impl Track {
     /// Creates a track at rest with this heading, unwrapped.
-    pub(super) fn starting_at(
-        floor: &Measurement<2>,
-        heading: &Measurement<1>,
-        time: f64,
-        settings: &TrackerSettings,
-    ) -> Self {
+    pub(super) fn starting_at(floor: &Measurement<2>, heading: &Measurement<1>, time: f64) -> Self {
         Self {
-            floor: TwoModels::starting_at(floor, &settings.walking()),
+            floor: TwoModels::starting_at(floor, &walking()),
             floor_time: time,
             heading: TwoModels::starting_at(heading, &turning()),
             heading_time: time,
@@ -57,9 +52,8 @@ impl Track {
         &mut self,
         floors: impl Iterator<Item = Measurement<2>>,
         time: f64,
-        settings: &TrackerSettings,
     ) -> Result<(), f64> {
-        let (motion, elapsed) = (settings.walking(), time - self.floor_time);
+        let (motion, elapsed) = (walking(), time - self.floor_time);
         let expected = self.floor.advanced(elapsed, &motion);
         let (mut taken, mut nearest) = (None::<Measurement<2>>, f64::INFINITY);
         for floor in floors {
@@ -85,7 +79,7 @@ impl Track {
     ) -> bool {
         let motion = turning();
         let since = time - self.heading_time;
-        let elapsed = since.min(settings.coast_limit);
+        let elapsed = since.min(COAST_LIMIT);
         let expected = self.heading.advanced(elapsed, &motion);
         let angle = nearest_branch(heading.angle, expected.position().x);
         let measured = settings.heading(angle, heading.variance);
@@ -98,7 +92,7 @@ impl Track {
             let (frames, nearest) = (frames.saturating_add(1), nearest.min(distance));
             jumped = nearest > jump_distance();
             let lasting = frames >= ACQUIRE_FRAMES;
-            if !(lasting && (jumped || since > settings.coast_limit)) {
+            if !(lasting && (jumped || since > COAST_LIMIT)) {
                 self.turned = Some((frames, nearest));
                 return false;
             }
@@ -119,10 +113,9 @@ impl Candidate {
         heading: Option<Heading>,
         time: f64,
         distance: f64,
-        settings: &TrackerSettings,
     ) -> Self {
         match before {
-            Some(before) if before.agrees_with(&floor.position, time, settings) => Self {
+            Some(before) if before.agrees_with(&floor.position, time) => Self {
                 floor,
                 heading: heading.or(before.heading),
                 time,
@@ -133,10 +126,10 @@ impl Candidate {
         }
     }
 
-    fn agrees_with(&self, floor: &Vector2<f64>, time: f64, settings: &TrackerSettings) -> bool {
+    fn agrees_with(&self, floor: &Vector2<f64>, time: f64) -> bool {
         let elapsed = time - self.time;
         let reach = ACQUIRE_RADIUS + MAX_SPEED * elapsed;
-        elapsed <= settings.coast_limit && (floor - self.floor.position).norm() <= reach
+        elapsed <= COAST_LIMIT && (floor - self.floor.position).norm() <= reach
     }
 
     /// Returns the person's position and heading, if they were seen there for enough frames.

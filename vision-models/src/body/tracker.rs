@@ -10,7 +10,7 @@ use super::{
     pose::{TrackStatus, TrackedPerson},
     seen::{Facing, Heading, Seen},
     segment::BodySegment,
-    settings::{TRACKED_AGE, TURN_LIMIT, TrackerSettings, turning},
+    settings::{COAST_LIMIT, TRACKED_AGE, TURN_LIMIT, TrackerSettings, turning, walking},
     track::{Candidate, Track, nearest_branch},
     two_models::TwoModels,
 };
@@ -52,6 +52,10 @@ pub struct BodyTracker {
 }
 
 impl BodyTracker {
+    /// Age of the last measurement up to which the person's motion goes on as measured (s). Beyond
+    /// it the person is lost.
+    pub const COAST_LIMIT: f64 = COAST_LIMIT;
+
     /// Creates a tracker without a person.
     ///
     /// # Errors
@@ -95,14 +99,11 @@ impl BodyTracker {
         let (floors, heading) = (seen.floors(&lean, facing), seen.heading());
         let best = seen.best_floor(facing);
 
-        let track = self
-            .track
-            .as_mut()
-            .filter(|track| time - track.floor_time <= self.settings.coast_limit);
+        let track = self.track.as_mut().filter(|track| time - track.floor_time <= COAST_LIMIT);
         let outlier = match (track, best) {
             (Some(track), Some(_)) => {
                 let floors = floors.into_iter().flatten();
-                track.take_floor(floors, time, &self.settings).err()
+                track.take_floor(floors, time).err()
             }
             (Some(_), None) => None,
             (None, _) => Some(f64::INFINITY),
@@ -137,24 +138,23 @@ impl BodyTracker {
 
     /// Returns the person's pose at the time `now` (s), or `None` if no person is tracked yet. A
     /// time before the last measurement gives the pose of that measurement. If it is earlier by
-    /// more than `tracked_age`, a clock is wrong and the person counts as lost.
+    /// more than 0.12 s, a clock is wrong and the person counts as lost.
     pub fn predict(&self, now: f64) -> Option<TrackedPerson> {
-        let settings = &self.settings;
         let track = self.track.as_ref()?;
         let age = age_at(now, track.floor_time, TRACKED_AGE);
         let heading_age = age_at(now, track.heading_time, TRACKED_AGE);
         let status = if age <= TRACKED_AGE {
             TrackStatus::Tracked
-        } else if age <= settings.coast_limit {
+        } else if age <= COAST_LIMIT {
             TrackStatus::Coasting
         } else {
             TrackStatus::Lost
         };
-        let coasted = extrapolated(now, track.floor_time, settings.coast_limit);
-        let advanced = track.floor.advanced(coasted, &settings.walking());
+        let coasted = extrapolated(now, track.floor_time);
+        let advanced = track.floor.advanced(coasted, &walking());
         let moving = if status == TrackStatus::Lost { 0.0 } else { 1.0 };
         let turning = if heading_age > TURN_LIMIT { 0.0 } else { 1.0 };
-        let heading = self.heading(track, now);
+        let heading = Self::heading(track, now);
         Some(TrackedPerson {
             floor: Point2::from(advanced.position()),
             heading: heading.position().x,
@@ -170,12 +170,12 @@ impl BodyTracker {
 
     /// Returns the direction that the person faces at the time `now` (s), if it is known.
     pub(super) fn facing(&self, now: f64) -> Option<Facing> {
-        let heading = self.heading(self.track.as_ref()?, now);
+        let heading = Self::heading(self.track.as_ref()?, now);
         Some(Facing { angle: heading.position().x, variance: heading.position_covariance().x })
     }
 
-    fn heading(&self, track: &Track, now: f64) -> TwoModels<1> {
-        let age = extrapolated(now, track.heading_time, self.settings.coast_limit);
+    fn heading(track: &Track, now: f64) -> TwoModels<1> {
+        let age = extrapolated(now, track.heading_time);
         track.heading.advanced(age, &turning())
     }
 
@@ -203,22 +203,21 @@ impl BodyTracker {
         time: f64,
         distance: f64,
     ) {
-        let settings = &self.settings;
-        let candidate = Candidate::seen(self.candidate, floor, heading, time, distance, settings);
+        let candidate = Candidate::seen(self.candidate, floor, heading, time, distance);
         self.candidate = Some(candidate);
         if let Some((floor, heading)) = candidate.accepted() {
             // The heading stays near the previous one, so that it never jumps by a whole turn.
             let angle = self
                 .predict(time)
                 .map_or(heading.angle, |old| nearest_branch(heading.angle, old.heading));
-            let heading = settings.heading(angle, heading.variance);
+            let heading = self.settings.heading(angle, heading.variance);
             let (jumped, lost) = (candidate.is_jump(), distance.is_infinite());
             if self.track.is_some() && (jumped || lost) {
                 self.identity.doubt();
                 self.lean = Lean::default();
             }
             self.jumps += u64::from(jumped);
-            self.track = Some(Track::starting_at(&floor, &heading, time, settings));
+            self.track = Some(Track::starting_at(&floor, &heading, time));
             self.candidate = None;
         }
     }
@@ -231,10 +230,10 @@ fn age_at(now: f64, then: f64, tolerance: f64) -> f64 {
     if age >= -tolerance { age.max(0.0) } else { f64::INFINITY }
 }
 
-/// Returns how long a motion measured at `then` is continued until `now`: at most `limit`, and
-/// `limit` if `now` is not a number.
-fn extrapolated(now: f64, then: f64, limit: f64) -> f64 {
-    if now < then { 0.0 } else { (now - then).min(limit) }
+/// Returns how long a motion measured at `then` is continued until `now`: at most for
+/// [`COAST_LIMIT`], and for it if `now` is not a number.
+fn extrapolated(now: f64, then: f64) -> f64 {
+    if now < then { 0.0 } else { (now - then).min(COAST_LIMIT) }
 }
 
 /// Checks that a time is finite and later than the previous one.

@@ -317,7 +317,7 @@ fn wrong_settings_are_refused_by_name() {
     for (name, settings) in [
         ("least_confidence", TrackerSettings { least_confidence: 1.5, ..base() }),
         ("position_sigma", TrackerSettings { position_sigma: 0.0, ..base() }),
-        ("coast_limit", TrackerSettings { coast_limit: 0.6, ..base() }),
+        ("heading_sigma", TrackerSettings { heading_sigma: f64::NAN, ..base() }),
     ] {
         match BodyTracker::new(settings) {
             Err(Error::Value { what, .. }) => assert_eq!(what, name),
@@ -386,20 +386,19 @@ proptest! {
 
     #[test]
     fn coasting_is_bounded(walk in any_walk(), after in 0.0..1e6_f64) {
-        let settings = TrackerSettings::default();
         let mut tracker = tracker();
         for (frame, &(floor, heading)) in (0..).zip(&walk) {
             tracker.update(&percept(FRAME * f64::from(frame), standing_at(floor, heading))).unwrap();
         }
         let last = FRAME * (walk.len() - 1) as f64;
         let (seen, later) = (tracker.predict(last).unwrap(), tracker.predict(last + after).unwrap());
-        let reach = 3.0 * settings.coast_limit;
+        let reach = 3.0 * BodyTracker::COAST_LIMIT;
         prop_assert!((later.floor - seen.floor).norm() <= reach + 1e-9);
         prop_assert!(
             (later.heading - seen.heading).abs()
                 <= 4.0 * 0.1 + 1e-9
         );
-        prop_assert_eq!(later.status == TrackStatus::Lost, later.age > settings.coast_limit);
+        prop_assert_eq!(later.status == TrackStatus::Lost, later.age > BodyTracker::COAST_LIMIT);
     }
 
     /// A motion of the whole world moves the pose with it.

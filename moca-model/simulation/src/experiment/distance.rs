@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use moca_model::ControllerSettings;
+use moca_model::{ControllerSettings, SharedSpace};
 use nalgebra::{Rotation2, Vector2};
 use serde::{Deserialize, Serialize};
 
@@ -46,12 +46,12 @@ impl FollowingDistance {
     /// Creates the distance of these settings; `None` if no distances from people are kept.
     pub fn new(settings: &ControllerSettings) -> Option<Self> {
         let (space, terms) = (&settings.space, &settings.safety.separation);
-        (settings.safety.pairs > 0).then(|| Self {
+        settings.safety.keeps_distances().then(|| Self {
             outward: (space.min + space.max).xy().normalize(),
             reaction_time: terms.reaction_time,
             deceleration: terms.base.map_or(terms.deceleration, |base| base.deceleration),
             constant: terms.intrusion + terms.human_uncertainty + terms.robot_uncertainty
-                - space.clearance,
+                - SharedSpace::CLEARANCE,
         })
     }
 

@@ -185,7 +185,7 @@ impl Scenario {
 
     /// Returns true if distances from people are kept.
     pub fn has_separation(&self) -> bool {
-        !self.settings.safety.bodies.is_empty()
+        self.settings.safety.keeps_distances()
     }
 
     /// Lets the robot follow velocities exactly and at once.

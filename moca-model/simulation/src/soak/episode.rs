@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use ergo_map::ErgonomicsQuadratic;
 use human_perception::random;
 use moca_model::whole_body::Model;
-use moca_model::{Controller, ControllerSettings, Goal, GraspedObject, MOCA_HOME, SpaceSettings};
+use moca_model::{Controller, ControllerSettings, Goal, GraspedObject, MOCA_HOME};
 use nalgebra::{Matrix3, Vector2, Vector3};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
@@ -13,7 +13,7 @@ use vision_models::{Body, Percept, Tool};
 
 use super::disturbance::{Disturbance, Disturbances};
 use super::monitor::{Monitor, Tick};
-use super::task::{POSITION_ROWS, Task};
+use super::task::Task;
 use super::witnessed::Witnessed;
 use crate::Error;
 use crate::judges::body;
@@ -90,10 +90,8 @@ impl Episode {
         let start = start(model, &mut draw);
         let goal = if draw.random_bool(0.8) { Goal::Ergonomics } else { Goal::LeastMotion };
         let PlantSettings { drive, controller, torques } = robot.clone();
-        let position_rows = controller.space.position_rows.max(POSITION_ROWS);
-        let space = SpaceSettings { position_rows, ..controller.space };
         let object = GraspedObject::default();
-        let settings = ControllerSettings { goal, space, ..controller };
+        let settings = ControllerSettings { goal, ..controller };
         let robot = Vector2::new(start[0], start[1]);
         let camera = CameraSettings {
             largest_error: LARGEST_ERROR,

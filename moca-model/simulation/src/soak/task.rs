@@ -12,9 +12,6 @@ use rand_chacha::ChaCha8Rng;
 
 use crate::Error;
 
-/// Room for a change between any two of the shapes below.
-pub(super) const POSITION_ROWS: usize = 20;
-
 #[derive(Clone, Debug)]
 pub(super) struct Task {
     draw: ChaCha8Rng,

@@ -84,13 +84,12 @@ fn the_same_case_twice_gives_the_same_bits() {
 /// who is seen T_r late.
 #[test]
 fn a_hand_that_lags_is_a_steady_error() {
-    let mut on = ControllerSettings::default();
-    on.space.clearance = 0.25;
+    let on = ControllerSettings::default();
     let off = ControllerSettings { safety: moca_safety().off(), ..on.clone() };
     let outward = (on.space.min + on.space.max).xy().normalize();
-    // The clearance is 0.25 m; T_r = 0.15 s, a = 0.5 m/s², C + Z_d + Z_r = 0.11 m.
+    // The clearance is 0.4 m; T_r = 0.15 s, a = 0.5 m/s², C + Z_d + Z_r = 0.11 m.
     let away = 0.5 * outward.x;
-    let asked = outward * (2.0 * 0.15 * away + away * away + 0.11 - 0.25);
+    let asked = outward * (2.0 * 0.15 * away + away * away + 0.11 - 0.4);
     let rest = (Vector2::new(0.1, 0.0) - asked).norm();
     for (settings, steady) in [(on, rest), (off, 0.1)] {
         let error = lagging(FollowingDistance::new(&settings));

@@ -8,7 +8,7 @@ use super::super::lengths::{SegmentLength, StatureEstimate};
 use super::super::pose::TrackedPerson;
 use super::super::seen::{Facing, Seen};
 use super::super::segment::BodySegment;
-use super::super::settings::TrackerSettings;
+use super::super::settings::{COAST_LIMIT, TrackerSettings};
 use super::super::tracker::BodyTracker;
 use crate::body::people::settings::PeopleSettings;
 use crate::error::Error;
@@ -98,7 +98,7 @@ impl PersonTrack {
 
     /// Returns the velocity of a joint at the time `now` (s), if it was seen recently.
     pub fn velocity(&self, joint: Body25, now: f64) -> Option<JointVelocity> {
-        self.joints.velocity(joint, now, self.tracker.settings())
+        self.joints.velocity(joint, now)
     }
 
     /// Returns the person's stature, if enough segments were measured.
@@ -143,13 +143,12 @@ impl PersonTrack {
         let interval = time - self.last;
         let percept = Percept { time, body: Some(body.clone()), action: None, surface: None };
         self.tracker.update(&percept)?;
-        let settings = self.tracker.settings();
-        let seen = Seen::new(body, settings, interval);
+        let seen = Seen::new(body, self.tracker.settings(), interval);
         let floor = seen.best_floor(self.tracker.facing(time));
         self.expected = floor.map(|floor| floor.position).or(self.expected);
         let length = |segment| self.tracker.segment(segment).map(|known| known.length);
         let walking = self.tracker.predict(time).map(|person| person.velocity).unwrap_or_default();
-        self.body = self.joints.update(body, &seen, time, walking, settings, length);
+        self.body = self.joints.update(body, &seen, time, walking, length);
         self.measured = body.clone();
         (self.first, self.last) = (self.first.min(time), time);
         self.claimed = true;
@@ -167,8 +166,7 @@ impl PersonTrack {
     /// Returns true if the person was not seen for long, or was lost before the track was accepted.
     pub(super) fn is_gone(&self, time: f64, settings: &PeopleSettings) -> bool {
         let unseen = time - self.last;
-        let coast = self.tracker.settings().coast_limit;
-        unseen > settings.keep || (unseen > coast && self.tracker.predict(time).is_none())
+        unseen > settings.keep || (unseen > COAST_LIMIT && self.tracker.predict(time).is_none())
     }
 
     pub(super) fn is_seen(&self, time: f64) -> bool {

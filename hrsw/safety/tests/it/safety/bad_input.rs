@@ -77,9 +77,9 @@ fn bad_safety_input_is_named() {
     assert!(SpeedCap { full: 0.1, ..SpeedCap::default() }.validate().is_err());
     assert!(SpeedCap::default().validate().is_ok());
     let bad = [
-        SupervisorSettings { dwell: -1.0, ..SupervisorSettings::default() },
+        SupervisorSettings { reduced_age: -1.0, ..SupervisorSettings::default() },
         SupervisorSettings { stop_age: 0.0, ..SupervisorSettings::default() },
-        SupervisorSettings { reduced_scale: 2.0, ..SupervisorSettings::default() },
+        SupervisorSettings { contact_force: 0.0, ..SupervisorSettings::default() },
     ];
     for settings in bad {
         let error = Supervisor::new(settings).unwrap_err();

@@ -168,7 +168,6 @@ fn quick(mut scenario: Scenario) -> Scenario {
     settings.desired = DesiredMotion { velocity: MOCA_AXIS_SPEED, ..settings.desired };
     // The horizon is the time of braking from there.
     settings.horizon = MOCA_AXIS_SPEED / (settings.desired.acceleration / 3.0_f64.sqrt());
-    settings.follower.speed = 1.2 * MOCA_AXIS_SPEED;
     scenario
 }
 
