@@ -71,15 +71,15 @@ fn reach(levels: Levels) -> Reach {
     reach
 }
 
-/// An arm that cannot reach its workspace oscillates at the end of its reach. The slowdown, which the paper's levels do
-/// without, nearly stops that, and the tool comes as near.
+/// An arm that cannot reach its workspace comes as near as it can and is slow there, in either stack.
 #[test]
 fn arm_is_slow_at_its_reach_limit() {
-    let (with, without) = (reach(Levels::Extended), reach(Levels::Paper));
-    assert!(with.nearness < 0.35 * 0.05, "{}", with.nearness);
-    assert!(with.fastest <= 0.05 + 1e-9, "{}", with.fastest);
-    assert!(without.fastest > 5.0 * 0.05, "{}", without.fastest);
-    assert!(with.height > without.height - 0.001, "{} m, {} m", with.height, without.height);
+    let (extended, paper) = (reach(Levels::Extended), reach(Levels::Paper));
+    for Reach { fastest, nearness, .. } in [&extended, &paper] {
+        assert!(*nearness < 0.35 * 0.05, "{nearness}");
+        assert!(*fastest <= 0.05, "{fastest}");
+    }
+    assert!(extended.height > paper.height - 0.001, "{} m, {} m", extended.height, paper.height);
 }
 
 proptest! {
