@@ -7,7 +7,7 @@ use vision_models_fuzz::within;
 
 fuzz_target!(|bytes: &[u8]| {
     let (file, mut network) = (bytes.to_vec(), None);
-    within(4 * bytes.len() + (256 << 10), || network = TensorFlowLite::from_bytes(file).ok());
+    within(6 * bytes.len() + (256 << 10), || network = TensorFlowLite::from_bytes(file).ok());
     if let Some(network) = network {
         drop(network.load(Options::default()));
     }
