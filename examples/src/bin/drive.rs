@@ -21,6 +21,8 @@ use examples::program::{self, Ending, Json, Program, Quiet, Session};
 use examples::settings::{RobotSettings, SettingsFile, with_settings};
 use examples::shipped;
 #[cfg(feature = "ros2")]
+use moca_drivers::TopicNames;
+#[cfg(feature = "ros2")]
 use moca_drivers::ros2::{RobotJoints, Ros2Report, Ros2Server, Ros2Side, RosDomain, TopicReport};
 use moca_drivers::{
     AnnouncedLaw, DriveReport, LinkReport, LockstepSide, SharedKey, SimulatedSide, UdpServer,
@@ -321,12 +323,16 @@ impl Options {
         scenario: &Scenario,
         mut clock: MonotonicClock,
     ) -> Result<Ending> {
+        let topics = match self.settings()? {
+            Some((_, file)) => file.over(&RobotSettings::default())?.topics,
+            None => TopicNames::default(),
+        };
         if let Some(address) = &self.serve {
             ensure!(address.is_none(), "--ros2 --serve: give no address");
             let period = scenario.settings.period;
             let robot = SimulatedSide::new(&scenario.start, period, RobotNoise::new(SEED))?;
             let mut server =
-                Ros2Server::join(RosDomain::of_environment()?, robot, &scenario.start)?;
+                Ros2Server::join(RosDomain::of_environment()?, &topics, robot, &scenario.start)?;
             writeln!(session.output(), "a robot on ROS 2; Ctrl-C ends it")?;
             session.output().flush()?;
             let interrupt = session.interrupt().clone();
@@ -339,6 +345,7 @@ impl Options {
         }
         let (mut robot, people) = Ros2Side::join(
             RosDomain::of_environment()?,
+            &topics,
             RobotJoints::moca(),
             self.interface.into(),
         )?;

@@ -3,8 +3,10 @@
 mod bytes;
 mod commands;
 mod graph;
+mod images;
 mod measurements;
 mod perceived;
+mod perception;
 
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 

@@ -26,6 +26,7 @@ use super::perceived::SeenPeople;
 use super::reader::{Measured, Reader};
 use super::statistics::TopicStatistics;
 use super::topic::{JointInterface, Topic};
+use crate::TopicNames;
 
 /// Longest time after which the threads notice that they should end.
 pub(super) const WAKES: Duration = Duration::from_millis(50);
@@ -77,10 +78,10 @@ impl Ros2People {
 
 /// Tells the threads to end, at the latest when the last copy is dropped.
 #[derive(Debug)]
-struct Ending(Arc<AtomicBool>);
+pub(super) struct Ending(pub(super) Arc<AtomicBool>);
 
 impl Ending {
-    fn begin(&self) {
+    pub(super) fn begin(&self) {
         self.0.store(true, Ordering::Release);
     }
 }
@@ -111,10 +112,11 @@ impl Ros2Side {
     /// [`Ros2Error::Create`]
     pub fn join(
         domain: RosDomain,
+        names: &TopicNames,
         joints: RobotJoints,
         interface: JointInterface,
     ) -> Result<(Self, Ros2People), Ros2Error> {
-        let mut node = RosNode::join(domain, "moca_control")?;
+        let mut node = RosNode::join(domain, "moca_control", names)?;
         let (count, arm_joints) = (joints.count(), joints.arm().len());
         let (numbers, taken) = hand_over(3 * count);
         let (status, said) = hand_over(1);
@@ -167,7 +169,7 @@ impl Ros2Side {
     }
 }
 
-fn spawn<T: Send + 'static>(
+pub(super) fn spawn<T: Send + 'static>(
     name: &str,
     run: impl FnOnce() -> T + Send + 'static,
 ) -> Result<JoinHandle<T>, Ros2Error> {
