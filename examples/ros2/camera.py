@@ -18,7 +18,7 @@ import numpy
 from PIL import Image as Picture
 
 import graph
-from messages import CameraInfo, Header, Image, Time
+from messages import CameraInfo, Header, Image, PoseArray, Time
 
 WIDTH, HEIGHT = 640, 480
 FOCAL = 615.0
@@ -79,6 +79,8 @@ def listen(over: Event, seen: Queue) -> None:
     people = []
     while not over.is_set():
         for message in bodies.take(N=64):
+            if not isinstance(message, PoseArray):
+                continue  # the publisher has gone
             now = time.time_ns()
             joints = sum(1 for pose in message.poses if pose.position.x == pose.position.x)
             people.append((message.header.stamp.nanoseconds(), now, joints))

@@ -3,6 +3,7 @@
 mod bytes;
 mod commands;
 mod graph;
+mod gripper;
 mod images;
 mod measurements;
 mod perceived;

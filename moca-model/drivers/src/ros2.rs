@@ -10,6 +10,7 @@ mod commands;
 mod domain;
 mod error;
 mod frame_pairs;
+mod gripper;
 mod hand_over;
 mod inbox;
 mod measurements;

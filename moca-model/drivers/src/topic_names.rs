@@ -44,6 +44,8 @@ pub struct TopicNames {
     pub velocity_commands: String,
     /// Positions of the arm (`std_msgs/Float64MultiArray`).
     pub position_commands: String,
+    /// Action that opens and closes the gripper (`control_msgs/GripperCommand`).
+    pub gripper: String,
     /// Phase and safety state of the loop (`std_msgs/String`).
     pub control_state: String,
     /// Colour images of the camera that sees the people (`sensor_msgs/Image`).
@@ -75,6 +77,7 @@ impl Default for TopicNames {
             effort_commands: name("/forward_effort_controller/commands"),
             velocity_commands: name("/forward_velocity_controller/commands"),
             position_commands: name("/forward_position_controller/commands"),
+            gripper: name("/franka_gripper/gripper_action"),
             control_state: name("/control_state"),
             colour: name("/camera/camera/color/image_raw"),
             depth: name("/camera/camera/aligned_depth_to_color/image_raw"),

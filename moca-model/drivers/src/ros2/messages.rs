@@ -237,6 +237,35 @@ pub struct CameraInfo {
     pub roi: RegionOfInterest,
 }
 
+/// Goal of the action `control_msgs/GripperCommand`
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct GripperCommand {
+    /// Place of a finger \[m\].
+    pub position: f64,
+    /// Largest effort \[N\].
+    pub max_effort: f64,
+}
+
+impl ros2_client::Message for GripperCommand {}
+
+/// Result of the action `control_msgs/GripperCommand`
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct GripperResult {
+    /// Place of a finger \[m\].
+    pub position: f64,
+    /// Effort \[N\].
+    pub effort: f64,
+    /// True if the fingers push at their largest effort and do not move.
+    pub stalled: bool,
+    /// True if the fingers are where they should be.
+    pub reached_goal: bool,
+}
+
+impl ros2_client::Message for GripperResult {}
+
+/// Feedback of the action `control_msgs/GripperCommand`, which is like its result
+pub type GripperFeedback = GripperResult;
+
 /// Bytes as one block. Serde would take a list of bytes one by one.
 mod bytes {
     use std::fmt;

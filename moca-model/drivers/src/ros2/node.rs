@@ -2,18 +2,20 @@
 
 use std::collections::HashMap;
 
+use ros2_client::action::{ActionClient, ActionClientQosPolicies};
 use ros2_client::dds::rustdds::DomainParticipantStatusListener;
 use ros2_client::dds::rustdds::dds::statusevents::{DomainParticipantStatusEvent, StatusEvented};
 use ros2_client::qos::{History, WhenFull};
 use ros2_client::{
-    Context, ContextOptions, Gid, MessageTypeName, Name, Node, NodeName, NodeOptions, Publisher,
-    QosProfile,
+    ActionTypeName, Context, ContextOptions, Gid, MessageTypeName, Name, Node, NodeName,
+    NodeOptions, Publisher, QosProfile, ServiceMapping,
 };
 use serde::{Serialize, de::DeserializeOwned};
 
 use super::domain::RosDomain;
 use super::error::Ros2Error;
 use super::inbox::Inbox;
+use super::messages::{GripperCommand, GripperFeedback, GripperResult};
 use super::refusal::Refusal;
 use super::statistics::TopicStatistics;
 use super::topic::Topic;
@@ -76,6 +78,29 @@ impl RosNode {
             .create_subscription(&handle, None)
             .map_err(|error| Ros2Error::create(topic.name(&self.names), &error))?;
         Ok(Inbox::new(subscription, TopicStatistics::new(topic, &self.names)))
+    }
+
+    /// Creates the client of the gripper's action.
+    pub(super) fn gripper(
+        &mut self,
+    ) -> Result<ActionClient<GripperCommand, GripperResult, GripperFeedback>, Ros2Error> {
+        let name = &self.names.gripper;
+        let failed = |reason: String| Ros2Error::create(name, &reason);
+        let action = Name::parse(name).map_err(|error| failed(error.to_string()))?;
+        let kind = ActionTypeName::new("control_msgs", "GripperCommand");
+        // Services of ROS are reliable.
+        let reliable = QosProfile::publisher_default()
+            .reliability_reliable(WhenFull::Fail)
+            .history(History::KeepLast { depth: 10 });
+        let qos = ActionClientQosPolicies {
+            goal_service: reliable.clone(),
+            result_service: reliable.clone(),
+            cancel_service: reliable.clone(),
+            feedback_subscription: reliable.clone(),
+            status_subscription: reliable,
+        };
+        let made = self.node.create_action_client(ServiceMapping::Enhanced, &action, &kind, qos);
+        made.map_err(|error| failed(error.to_string()))
     }
 
     /// Returns the other users of these topics.
