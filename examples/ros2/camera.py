@@ -14,7 +14,6 @@ import tempfile
 import time
 from multiprocessing import Event, Process, Queue
 
-import numpy
 from PIL import Image as Picture
 
 import graph
@@ -55,8 +54,7 @@ def show(images: list, rate: float, over: Event, sent: Queue) -> None:
     participant = graph.participant()
     names = ["color/camera_info", "color/image_raw", "aligned_depth_to_color/image_raw"]
     info, colour, depth = (graph.writer(participant, f"/camera/camera/{name}") for name in names)
-    units = numpy.full(WIDTH * HEIGHT, int(1000 * DISTANCE), "<u2").tobytes()
-    depths = list(units)
+    depths = list(int(1000 * DISTANCE).to_bytes(2, "little") * (WIDTH * HEIGHT))
     k = [FOCAL, 0.0, PLACE["cx"], 0.0, FOCAL, PLACE["cy"], 0.0, 0.0, 1.0]
     due, stamps = time.monotonic(), []
     while not over.is_set():
@@ -95,14 +93,14 @@ def main() -> int:
     parser.add_argument("--duration", type=float, default=30.0, help="how long [s]; default 30")
     parser.add_argument("--rate", type=float, default=20.0, help="of the camera [Hz]; default 20")
     parser.add_argument("--limit", type=float, default=120.0, help="age of 95 in 100 [ms]; default 120")
-    parser.add_argument("networks", nargs="+", help="options of perceive, after --")
+    parser.add_argument("joints", nargs="+", help="options of perceive for joints and networks, after --")
     options = parser.parse_args()
     images = pictures(options.images, 40)
     over, sent, seen = Event(), Queue(), Queue()
     load = os.getloadavg()[0]
     with tempfile.TemporaryDirectory() as folder:
         (pathlib.Path(folder) / "camera.json").write_text(json.dumps(PLACE))
-        command = [options.perceive, folder, "--live", "--ros2", "--wait=20", "--json", "--quiet", *options.networks]
+        command = [options.perceive, folder, "--live", "--ros2", "--wait=20", "--json", "--quiet", *options.joints]
         perceive = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
         parts = [Process(target=show, args=(images, options.rate, over, sent)), Process(target=listen, args=(over, seen))]
         for part in parts:
@@ -117,9 +115,7 @@ def main() -> int:
         for part in parts:
             part.join()
     report = json.loads(output.splitlines()[-1])
-    taken = {stamp: written for stamp, written in stamps}
-    near = lambda stamp: min(taken, key=lambda other: abs(other - stamp))
-    ages = sorted(1e-6 * (now - near(stamp)) for stamp, now, _ in people)
+    ages = sorted(1e-6 * (now - stamp) for stamp, now, _ in people) or [float("nan")]
     p50, p95, most = (ages[min(int(share * len(ages)), len(ages) - 1)] for share in (0.5, 0.95, 1.0))
     writing = sorted(1e-6 * (written - stamp) for stamp, written in stamps)
     live = report["live"]

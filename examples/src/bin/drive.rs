@@ -101,7 +101,7 @@ struct Options {
     /// Move the tool around a small circle, as the first motion of a robot. There is no camera, so nobody may be near.
     #[arg(long, conflicts_with_all = ["recording", "object", "serve"])]
     circle: bool,
-    /// Write what the loop sees and does into this folder: recording.jsonl, which `follow` plays, ticks.csv and drive.svg.
+    /// Write what the loop sees and does into this folder: recording.jsonl, which `follow` plays, ticks.csv and drive.svg, and drive.mcap if built with the feature `mcap`.
     #[arg(long, short, value_name = "FOLDER")]
     output: Option<PathBuf>,
     /// Acknowledge a stop with Enter, so that the robot goes on. It stands for good otherwise.
@@ -444,7 +444,7 @@ impl Options {
             acknowledge_by_keys(session, law.acknowledgement())?;
         }
         let records = self.output.as_deref();
-        let records = records.map(|folder| Records::create(folder, scenario.map.stature()));
+        let records = records.map(|folder| Records::create(folder, scenario));
         let ends = (ticks, frames, law.acknowledgement());
         Ok((law, Attendant::new(session, scenario, ends, records.transpose()?)))
     }

@@ -68,6 +68,8 @@ impl LiveWriter {
         // The camera's clock may be a little ahead.
         self.latencies.push(Duration::try_from_secs_f64(now - taken).unwrap_or_default());
         perceived.timing.arrived = Some(now.max(taken));
+        #[cfg(not(feature = "ros2"))]
+        let _ = people;
         match &mut self.sink {
             Sink::File(writer) => {
                 let Perceived { percept, others, timing, .. } = &*perceived;
@@ -84,8 +86,12 @@ impl LiveWriter {
     /// A place where nothing can be written any more.
     pub fn finish(self, late: u64) -> Result<LiveReport> {
         let Self { sink, mut latencies } = self;
-        if let Sink::File(writer) = sink {
-            writer.finish()?;
+        match sink {
+            Sink::File(writer) => {
+                writer.finish()?;
+            }
+            #[cfg(feature = "ros2")]
+            Sink::Ros2(_) => {}
         }
         latencies.sort_unstable();
         let p95 = latencies.get(latencies.len() * 95 / 100).copied().unwrap_or_default();

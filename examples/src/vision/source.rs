@@ -62,10 +62,12 @@ impl Source {
     /// # Errors
     /// A folder without them.
     pub fn check_surfaces(&self) -> Result<()> {
-        if let Self::Folder(folder) = self {
-            let images = folder.reader.surfaces();
-            ensure!(images.is_dir(), "{}: there are no images of a surface", images.display());
-        }
+        let images = match self {
+            Self::Folder(folder) => folder.reader.surfaces(),
+            #[cfg(feature = "ros2")]
+            Self::Ros2(_) => return Ok(()),
+        };
+        ensure!(images.is_dir(), "{}: there are no images of a surface", images.display());
         Ok(())
     }
 

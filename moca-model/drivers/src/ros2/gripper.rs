@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
+use std::time::{Duration, Instant};
 
 use moca_model::whole_body::control_loop::Grip;
 use ros2_client::action::{ActionClient, GoalId};
@@ -15,6 +16,9 @@ use super::node::RosNode;
 const OPEN: f64 = 0.04;
 /// Largest effort of a finger \[N\].
 const EFFORT: f64 = 30.0;
+
+/// Time after which a goal without an answer is sent again.
+const ANSWERS: Duration = Duration::from_secs(1);
 
 /// Codes of what is wanted, and of what the gripper holds.
 const NOTHING: u8 = 0;
@@ -73,8 +77,8 @@ pub(super) struct Gripper {
 /// Stages of a goal.
 #[derive(Clone, Copy)]
 enum Stage {
-    /// Sent, and not answered yet.
-    Sent(RmwRequestId, GoalId),
+    /// Sent at this moment, and not answered yet.
+    Sent(RmwRequestId, GoalId, Instant),
     /// Accepted; the result comes as the answer to this request.
     Accepted(RmwRequestId),
     /// Over.
@@ -87,7 +91,7 @@ impl Gripper {
     }
 
     /// Sends what is newly wanted, and takes the answers that have come. A goal that cannot be sent is tried again at the
-    /// next call.
+    /// next call, and one without an answer after a second.
     pub(super) fn update(&mut self) {
         let wanted = self.state.wanted();
         if let Some(close) = wanted
@@ -97,18 +101,20 @@ impl Gripper {
             let goal = GripperCommand { position, max_effort: EFFORT };
             if let Ok((request, goal)) = self.client.send_goal(goal) {
                 self.state.say(None);
-                self.asked = Some((close, Stage::Sent(request, goal)));
+                self.asked = Some((close, Stage::Sent(request, goal, Instant::now())));
             }
         }
         let Some((close, stage)) = &mut self.asked else { return };
         match *stage {
-            Stage::Sent(request, goal) => match self.client.receive_goal_response(request) {
+            Stage::Sent(request, goal, at) => match self.client.receive_goal_response(request) {
                 Ok(Some(answer)) if answer.accepted => {
                     if let Ok(request) = self.client.request_result(goal) {
                         *stage = Stage::Accepted(request);
                     }
                 }
                 Ok(Some(_)) | Err(_) => *stage = Stage::Done,
+                // A goal is lost while no gripper is there.
+                Ok(None) if at.elapsed() > ANSWERS => self.asked = None,
                 Ok(None) => {}
             },
             Stage::Accepted(request) => match self.client.receive_result(request) {
