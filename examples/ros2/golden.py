@@ -1,8 +1,8 @@
 """Prints a message of each type in the bytes of Cyclone DDS, for the tests of `examples`: `golden.py > golden.txt`."""
 
 from messages import (
-    Float64MultiArray, Header, JointState, MultiArrayDimension, MultiArrayLayout, Odometry, Point, Pose, PoseArray,
-    PoseWithCovariance, Quaternion, String, Time, Twist, TwistStamped, TwistWithCovariance, Vector3,
+    CameraInfo, Float64MultiArray, Header, Image, JointState, MultiArrayDimension, MultiArrayLayout, Odometry, Point, Pose, PoseArray,
+    PoseWithCovariance, Quaternion, RegionOfInterest, String, Time, Twist, TwistStamped, TwistWithCovariance, Vector3,
 )
 
 STAMP = Time(1_700_000_000, 250_000_000)
@@ -30,6 +30,12 @@ MESSAGES = [
     Float64MultiArray(
         MultiArrayLayout([MultiArrayDimension("joint", 7, 7)], 0),
         [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0],
+    ),
+    Image(Header(STAMP, "camera_color_optical_frame"), 2, 3, "16UC1", 0, 6, [220, 5, 0, 0, 232, 3] * 2),
+    CameraInfo(
+        Header(STAMP, "camera_color_optical_frame"), 480, 640, "plumb_bob", [0.0] * 5,
+        [615.0, 0.0, 319.5, 0.0, 616.0, 239.5, 0.0, 0.0, 1.0], [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
+        [615.0, 0.0, 319.5, 0.0, 0.0, 616.0, 239.5, 0.0, 0.0, 0.0, 1.0, 0.0], 1, 1, RegionOfInterest(1, 2, 3, 4, True),
     ),
 ]
 

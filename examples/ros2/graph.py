@@ -9,7 +9,7 @@ from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
-from messages import Float64MultiArray, JointState, Odometry, PoseArray, String, TwistStamped
+from messages import CameraInfo, Float64MultiArray, Image, JointState, Odometry, PoseArray, String, TwistStamped
 
 # What publishers and subscribers of ROS have by default, and what ros2_controllers have.
 RELIABLE = Qos(
@@ -23,8 +23,15 @@ TYPES = {
     "/odom": Odometry,
     "/robot_mode": String,
     "/body_confidences": Float64MultiArray,
+    "/body_covariances": Float64MultiArray,
     "/body_joints": PoseArray,
+    "/people": Float64MultiArray,
+    "/perception_delays": Float64MultiArray,
     "/action": String,
+    "/surface": String,
+    "/camera/camera/color/image_raw": Image,
+    "/camera/camera/aligned_depth_to_color/image_raw": Image,
+    "/camera/camera/color/camera_info": CameraInfo,
     "/cmd_vel": TwistStamped,
     "/forward_effort_controller/commands": Float64MultiArray,
     "/forward_velocity_controller/commands": Float64MultiArray,

@@ -21,6 +21,8 @@ use examples::program::{self, Ending, Json, Program, Quiet, Session};
 use examples::settings::{RobotSettings, SettingsFile, with_settings};
 use examples::shipped;
 #[cfg(feature = "ros2")]
+use moca_drivers::TopicNames;
+#[cfg(feature = "ros2")]
 use moca_drivers::ros2::{RobotJoints, Ros2Report, Ros2Server, Ros2Side, RosDomain, TopicReport};
 use moca_drivers::{
     AnnouncedLaw, DriveReport, LinkReport, LockstepSide, SharedKey, SimulatedSide, UdpServer,
@@ -99,7 +101,7 @@ struct Options {
     /// Move the tool around a small circle, as the first motion of a robot. There is no camera, so nobody may be near.
     #[arg(long, conflicts_with_all = ["recording", "object", "serve"])]
     circle: bool,
-    /// Write what the loop sees and does into this folder: recording.jsonl, which `follow` plays, ticks.csv and drive.svg.
+    /// Write what the loop sees and does into this folder: recording.jsonl, which `follow` plays, ticks.csv and drive.svg, and drive.mcap if built with the feature `mcap`.
     #[arg(long, short, value_name = "FOLDER")]
     output: Option<PathBuf>,
     /// Acknowledge a stop with Enter, so that the robot goes on. It stands for good otherwise.
@@ -321,12 +323,16 @@ impl Options {
         scenario: &Scenario,
         mut clock: MonotonicClock,
     ) -> Result<Ending> {
+        let topics = match self.settings()? {
+            Some((_, file)) => file.over(&RobotSettings::default())?.topics,
+            None => TopicNames::default(),
+        };
         if let Some(address) = &self.serve {
             ensure!(address.is_none(), "--ros2 --serve: give no address");
             let period = scenario.settings.period;
             let robot = SimulatedSide::new(&scenario.start, period, RobotNoise::new(SEED))?;
             let mut server =
-                Ros2Server::join(RosDomain::of_environment()?, robot, &scenario.start)?;
+                Ros2Server::join(RosDomain::of_environment()?, &topics, robot, &scenario.start)?;
             writeln!(session.output(), "a robot on ROS 2; Ctrl-C ends it")?;
             session.output().flush()?;
             let interrupt = session.interrupt().clone();
@@ -339,6 +345,7 @@ impl Options {
         }
         let (mut robot, people) = Ros2Side::join(
             RosDomain::of_environment()?,
+            &topics,
             RobotJoints::moca(),
             self.interface.into(),
         )?;
@@ -437,7 +444,7 @@ impl Options {
             acknowledge_by_keys(session, law.acknowledgement())?;
         }
         let records = self.output.as_deref();
-        let records = records.map(|folder| Records::create(folder, scenario.map.stature()));
+        let records = records.map(|folder| Records::create(folder, scenario));
         let ends = (ticks, frames, law.acknowledgement());
         Ok((law, Attendant::new(session, scenario, ends, records.transpose()?)))
     }

@@ -3,32 +3,38 @@
 
 use std::{
     cell::Cell,
-    io::Write,
-    path::{Path, PathBuf},
+    path::PathBuf,
     process::ExitCode,
     time::{Duration, Instant},
 };
 
+#[cfg(feature = "ros2")]
+use anyhow::Context;
 use anyhow::{Result, ensure};
 use clap::{ArgGroup, Args, Parser, ValueEnum};
 use examples::posture::PostureOptions;
 use examples::program::{self, Ending, Json, OutputFile, Program, Quiet, Session, Threads};
+#[cfg(feature = "ros2")]
+use examples::settings::{RobotSettings, SettingsFile};
+#[cfg(feature = "ros2")]
+use examples::vision::ros2::Ros2Source;
 use examples::vision::{
     action_options::ActionOptions,
     choices::{self, with_option},
-    live::{LiveReport, LiveWriter},
+    live::LiveWriter,
+    report::{Report, peak_memory, print},
+    source::Source,
 };
 use human_perception::{
     Error, Watch,
-    frames::{FrameEntry, FramesReader, truth},
+    frames::truth,
     percepts::{
         AgainstTruth, Perceiver, PerceiverSettings, Pipeline, PoseNetwork, PoseSource,
-        SkeletonFolder, Summary, SurfaceDecision, SurfaceNetwork, Tally,
+        SkeletonFolder, SurfaceDecision, SurfaceNetwork, Tally,
     },
 };
 use moca_model::{IntentionFilter, IntentionSettings};
 use percept_recording::{Header, MeasuredSegments, Timing, Writer};
-use serde::Serialize;
 use vision_models::{
     Body, LiftingSettings, Passes, Percept, PersonTrack, ResNetDepth, StatureEstimate,
 };
@@ -43,11 +49,15 @@ use vision_models::{
 #[derive(Debug, Parser)]
 #[command(version, group(ArgGroup::new("joints").required(true)))]
 struct Options {
-    /// The folder of frames.
+    /// The folder of frames. A camera on the ROS 2 graph takes only its place in the world from there, in camera.json.
     frames: PathBuf,
     /// The recording to write (JSON Lines).
-    #[arg(long, short, value_name = "FILE")]
-    output: PathBuf,
+    #[cfg_attr(
+        feature = "ros2",
+        arg(long, short, value_name = "FILE", required_unless_present = "ros2")
+    )]
+    #[cfg_attr(not(feature = "ros2"), arg(long, short, value_name = "FILE", required = true))]
+    output: Option<PathBuf>,
     /// The folder of joints, a file a frame such as 000012_keypoints.json or 000000000012_keypoints.json: JSON of OpenPose,
     /// mmpose, AlphaPose, COCO or MediaPipe.
     #[arg(long, value_name = "FOLDER", group = "joints")]
@@ -78,6 +88,15 @@ struct Options {
     /// of frames must be of the system's clock (s since 1970). Frames that a newer one overtakes are counted.
     #[arg(long, conflicts_with = "truth")]
     live: bool,
+    /// Take colour, aligned depth and geometry of a camera on the ROS 2 graph of `ROS_DOMAIN_ID`, and publish people, action
+    /// and surface there.
+    #[cfg(feature = "ros2")]
+    #[arg(long, requires = "live", conflicts_with = "output")]
+    ros2: bool,
+    /// Take the names of topics from this file of settings.
+    #[cfg(feature = "ros2")]
+    #[arg(long, value_name = "FILE", requires = "ros2")]
+    settings: Option<PathBuf>,
     /// Standard deviation of the joints in the image, each axis (pixels).
     #[arg(long, value_name = "PIXELS", default_value_t = LiftingSettings::default().pixel_sigma)]
     pixel_sigma: f64,
@@ -128,31 +147,6 @@ enum DecisionOption {
     Head,
 }
 
-/// The JSON object of `--json`.
-#[derive(Serialize)]
-struct Report {
-    output: PathBuf,
-    /// Number of frames that the camera lost.
-    lost: u64,
-    /// Number of frames that are left out because of an unusable file.
-    broken: u64,
-    /// Measured stature \[m\].
-    stature: Option<f64>,
-    stature_standard_error: Option<f64>,
-    /// Number of times that the person was suddenly at another place.
-    jumps: u64,
-    /// Frames a second, with all work.
-    rate: f64,
-    #[serde(flatten)]
-    summary: Summary,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    truth: Option<AgainstTruth>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    live: Option<LiveReport>,
-    /// Peak memory of the process (MiB), if the system reports it.
-    peak_memory_mib: Option<f64>,
-}
-
 impl Program for Options {
     fn quiet(&self) -> Quiet {
         self.quiet
@@ -164,21 +158,22 @@ impl Program for Options {
             !self.live || self.wait > 0.0,
             "--live: say with --wait how long the camera may be silent, in seconds"
         );
-        let wait = Duration::from_secs_f64(self.wait);
-        let file = if self.live { None } else { Some(OutputFile::create(&self.output)?) };
-        let reader = FramesReader::open(&self.frames, wait)?;
-        let pipeline = self.pipeline(&reader, &mut session.watch())?;
+        let file = match &self.output {
+            Some(output) if !self.live => Some(OutputFile::create(output)?),
+            _ => None,
+        };
+        let (source, published) = self.source(session)?;
+        let pipeline = self.pipeline(&source, &mut session.watch())?;
         let truth = self.truth.as_deref().map(truth::read).transpose()?;
-        let live = if self.live {
-            Some(LiveWriter::create(&self.output, self.stature.or(reader.stature()))?)
-        } else {
-            None
+        let stature = self.stature.or(source.stature());
+        let live = match &self.output {
+            Some(output) if self.live => Some(LiveWriter::create(output, stature)?),
+            _ => published,
         };
         let mut work = Work {
             live,
-            late: 0,
             has_body: false,
-            reader,
+            source,
             pipeline,
             percepts: Vec::new(),
             others: Vec::new(),
@@ -195,14 +190,41 @@ impl Program for Options {
 }
 
 impl Options {
+    /// The source of frames, and the publisher of percepts on its ROS 2 graph.
+    #[cfg(feature = "ros2")]
+    fn source(&self, session: &Session) -> Result<(Source, Option<LiveWriter>)> {
+        let wait = Duration::from_secs_f64(self.wait);
+        if !self.ros2 {
+            return Ok((Source::folder(&self.frames, wait, self.live)?, None));
+        }
+        let settings = match &self.settings {
+            Some(path) => SettingsFile::read(path)
+                .and_then(|file| file.over(&RobotSettings::default()))
+                .with_context(|| path.display().to_string())?,
+            None => RobotSettings::default(),
+        };
+        let on_board = self.surface.is_given();
+        let stop = || session.interrupt().requested();
+        let (source, publisher) =
+            Ros2Source::join(&self.frames, &settings.topics, on_board, wait, stop)?;
+        Ok((Source::Ros2(Box::new(source)), Some(LiveWriter::publishing(publisher))))
+    }
+
+    /// The source of frames.
+    #[cfg(not(feature = "ros2"))]
+    fn source(&self, _: &Session) -> Result<(Source, Option<LiveWriter>)> {
+        let wait = Duration::from_secs_f64(self.wait);
+        Ok((Source::folder(&self.frames, wait, self.live)?, None))
+    }
+
     /// All parts that process the frames, loaded before the work.
-    fn pipeline(&self, reader: &FramesReader, watch: &mut Watch<'_>) -> Result<Pipeline> {
+    fn pipeline(&self, source: &Source, watch: &mut Watch<'_>) -> Result<Pipeline> {
         let pixel_sigma = self.pixel_sigma;
         let lifting = LiftingSettings { pixel_sigma, ..LiftingSettings::default() };
         let settings = PerceiverSettings { lifting, ..PerceiverSettings::default() };
-        let perceiver = Perceiver::new(*reader.camera(), settings)?;
+        let perceiver = Perceiver::new(*source.camera(), settings)?;
         let threads = self.threads.count();
-        let size = reader.camera().intrinsics().size();
+        let size = source.camera().intrinsics().size();
         let passes = if self.mirrored { Passes::Mirrored } else { Passes::One };
         let poses: Box<dyn PoseSource> = match (&self.skeletons, &self.pose_weights) {
             (Some(folder), _) => Box::new(SkeletonFolder::open(folder)?),
@@ -214,8 +236,7 @@ impl Options {
         };
         let mut pipeline = Pipeline::new(perceiver, poses).with_posture(self.posture.settings()?);
         if let Some(network) = self.surface.network(threads, watch)? {
-            let images = reader.surfaces();
-            ensure!(images.is_dir(), "{}: there are no images of a surface", images.display());
+            source.check_surfaces()?;
             pipeline = pipeline.with_surface(network, self.surface.surface_interval);
         }
         if let Some(network) = self.action.network(threads, watch)? {
@@ -226,6 +247,12 @@ impl Options {
 }
 
 impl SurfaceOptions {
+    /// Whether surfaces are to be recognised.
+    #[cfg(feature = "ros2")]
+    fn is_given(&self) -> bool {
+        self.surface_model.is_some() || self.surface_weights.is_some()
+    }
+
     /// The network of the options.
     fn network(&self, threads: usize, watch: &mut Watch<'_>) -> Result<Option<SurfaceNetwork>> {
         let depth = self.surface_depth;
@@ -252,15 +279,13 @@ impl SurfaceOptions {
 
 /// A run over the frames.
 struct Work {
-    reader: FramesReader,
+    source: Source,
     pipeline: Pipeline,
     percepts: Vec<(Percept, Timing)>,
     /// The other people of each percept.
     others: Vec<Vec<Body>>,
     truth: Option<Vec<Percept>>,
     live: Option<LiveWriter>,
-    /// Number of frames that a newer one overtook.
-    late: u64,
     /// Whether somebody was seen.
     has_body: bool,
     tally: Tally,
@@ -276,18 +301,6 @@ struct Work {
 const MOST_NAMED: u64 = 5;
 
 impl Work {
-    /// The next frame, or the newest one if others wait for it.
-    fn next_entry(&mut self, stop: impl Fn() -> bool) -> Result<Option<FrameEntry>> {
-        if self.live.is_none() {
-            return Ok(self.reader.next_entry(stop)?);
-        }
-        let newest = self.reader.newest_entry(stop)?;
-        Ok(newest.map(|(entry, left_out)| {
-            self.late += left_out;
-            entry
-        }))
-    }
-
     fn run(&mut self, session: &Session) -> Result<Ending> {
         let interrupt = session.interrupt().clone();
         let progress = session.open_progress("frames");
@@ -299,9 +312,9 @@ impl Work {
             }
             interrupt.requested()
         };
-        while let Some(entry) = self.next_entry(stop)? {
+        while let Some((entry, images)) = self.source.next(stop)? {
             self.first.get_or_insert(entry.frame);
-            let mut perceived = match self.pipeline.perceive(&self.reader, &entry) {
+            let mut perceived = match images.and_then(|images| self.pipeline.perceive(&images)) {
                 Ok(perceived) => perceived,
                 Err(broken @ Error::Frame(_)) => {
                     self.broken += 1;
@@ -316,7 +329,7 @@ impl Work {
             self.tally.push(&perceived);
             self.has_body |= perceived.percept.body.is_some();
             if let Some(live) = &mut self.live {
-                live.write(&mut perceived)?;
+                live.write(&mut perceived, self.pipeline.perceiver())?;
             } else {
                 self.percepts.push((perceived.percept, perceived.timing));
                 self.others.push(perceived.others);
@@ -374,12 +387,12 @@ impl Options {
                     writer.write_people(percept, others, timing)?;
                 }
                 match ending {
-                    Ending::Partial => writer.finish_partial()?.keep_partial()?,
+                    Ending::Partial => Some(writer.finish_partial()?.keep_partial()?),
                     _ => writer.finish()?.keep().map(|()| self.output)?,
                 }
             }
         };
-        let late = work.late;
+        let late = work.source.late();
         let mut filter = IntentionFilter::new(IntentionSettings::default())?;
         let compare = |truth: &Vec<Percept>| {
             AgainstTruth::of(&work.percepts, truth, |percept| {
@@ -391,7 +404,7 @@ impl Options {
         let people = work.pipeline.perceiver().people();
         let report = Report {
             output,
-            lost: work.reader.lost(),
+            lost: work.source.lost(),
             broken: work.broken,
             stature: estimate.map(|estimate| estimate.stature),
             stature_standard_error: estimate.map(|estimate| estimate.standard_error),
@@ -400,61 +413,16 @@ impl Options {
             summary: work.tally.finish(),
             truth: against_truth,
             live: work.live.map(|live| live.finish(late)).transpose()?,
+            #[cfg(feature = "ros2")]
+            ros2: match work.source {
+                Source::Ros2(source) => Some(source.close()?),
+                Source::Folder(_) => None,
+            },
             peak_memory_mib: peak_memory(),
         };
-        print(&report, session)?;
+        print(&report, session.output())?;
         session.conclude(self.json, &report, ending)
     }
-}
-
-fn print(report: &Report, session: &mut Session) -> Result<()> {
-    let Report { output, lost, summary, .. } = report;
-    let Summary { frames, without_skeletons, with_body, with_action, with_surface, .. } = summary;
-    let out = session.output();
-    writeln!(out, "{}: {frames} camera frames, the person in {with_body}", shown(output))?;
-    writeln!(out, "lost by the camera {lost}, without skeletons {without_skeletons}")?;
-    writeln!(out, "with an action {with_action}, with a surface {with_surface}")?;
-    if let (Some(stature), Some(error)) = (report.stature, report.stature_standard_error) {
-        writeln!(out, "stature {stature:.3} m, standard error {error:.3} m")?;
-    }
-    if let (Some(mean), Some(max), Some(rula)) =
-        (summary.reba_mean, summary.reba_max, summary.rula_mean)
-    {
-        writeln!(out, "measured posture: REBA {mean:.1}, {max} at most; RULA {rula:.1}")?;
-        let never = summary.unseen.iter().filter(|(_, share)| **share == 1.0);
-        let never: Vec<_> = never.map(|(name, _)| *name).collect();
-        writeln!(out, "  never seen: {}, loads, coupling, support, how long", never.join(", "))?;
-    }
-    if let Some(LiveReport { late, latency, latency_p95_ms }) = &report.live {
-        let (p50, max) = (1e-3 * latency.median_us, 1e-3 * latency.max_us);
-        writeln!(out, "overtaken by a newer frame {late}")?;
-        writeln!(
-            out,
-            "from image to percept [ms] p50 p95 max {p50:.0}, {latency_p95_ms:.0}, {max:.0}"
-        )?;
-    }
-    if let Some(truth) = &report.truth {
-        let percent = |share: Option<f64>| 100.0 * share.unwrap_or(f64::NAN);
-        let AgainstTruth { surface_right, action_right, intention_right, delay } = truth;
-        writeln!(
-            out,
-            "against the truth: surface {:.1} %, action {:.1} %, intention {:.1} % of the time ({delay} s late allowed)",
-            percent(*surface_right),
-            percent(*action_right),
-            percent(*intention_right)
-        )?;
-    }
-    let times = &summary.lifting_and_tracking;
-    writeln!(
-        out,
-        "lifting and tracking {:.0} µs a frame, {:.0} µs at most; {:.0} frames a second in all",
-        times.median_us, times.max_us, report.rate
-    )?;
-    Ok(())
-}
-
-fn shown(path: &Path) -> impl std::fmt::Display + '_ {
-    path.display()
 }
 
 /// Frames a second from the time stamps.
@@ -465,14 +433,6 @@ fn rate(percepts: &[(Percept, Timing)]) -> f64 {
         }
         _ => Header::default().rate,
     }
-}
-
-/// The peak memory that Linux reports in /proc.
-fn peak_memory() -> Option<f64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
-    let kibibytes: f64 = line.split_whitespace().nth(1)?.parse().ok()?;
-    Some(kibibytes / 1024.0)
 }
 
 fn main() -> ExitCode {

@@ -129,10 +129,11 @@ impl<'a> Attendant<'a> {
     /// The first failure of a file.
     pub fn finish(mut self) -> Result<Logbook> {
         self.attend();
-        match self.failure {
-            Some(error) => Err(error),
-            None => self.records.map_or(Ok(()), Records::finish).map(|()| self.book),
+        if let Some(error) = self.failure {
+            return Err(error);
         }
+        self.records.map_or(Ok(()), |records| records.finish(&self.book))?;
+        Ok(self.book)
     }
 }
 

@@ -46,11 +46,10 @@ pub fn seen_by_others(
         if people.acknowledgements.try_recv().is_ok() {
             attendant.acknowledge();
         }
-        let Ok(SeenPeople { taken, body, others, action }) = people.seen.recv_timeout(WAKES) else {
-            continue;
-        };
+        let Ok(seen) = people.seen.recv_timeout(WAKES) else { continue };
+        let SeenPeople { taken, body, others, action, surface } = seen;
         let age = taken.elapsed().map_or(0.0, |age| age.as_secs_f64());
-        let percept = Percept { time: clock.now() - age, body, action, surface: None };
+        let percept = Percept { time: clock.now() - age, body, action, surface };
         attendant.see(CameraFrame::from(percept).with_others(&others));
     }
 }

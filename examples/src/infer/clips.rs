@@ -9,6 +9,7 @@ use anyhow::{Result, ensure};
 use clap::{Args, ValueEnum};
 use human_perception::{
     actions::{clips::frames_of, model::ActionModel, window::Window},
+    frames::Picture,
     learning::backbone::Weights,
     networks::{
         ClipClassifier, ClipScores,
@@ -253,7 +254,10 @@ fn live(
         }
         let start = Instant::now();
         // One frame of each interval goes into the window.
-        let pushed = number.is_multiple_of(interval).then(|| stream.push(frame)).transpose()?;
+        let pushed = number
+            .is_multiple_of(interval)
+            .then(|| stream.push(&Picture::File(frame.clone())))
+            .transpose()?;
         if let Some(probabilities) = pushed.flatten() {
             let latency_s = start.elapsed().as_secs_f64();
             let best = vision_models::top_k(&probabilities, 1).first().copied().unwrap_or_default();

@@ -1,5 +1,6 @@
 //! The settings in a file.
 
+use moca_drivers::TopicNames;
 use moca_model::{ControllerSettings, TorqueLoopSettings};
 use moca_simulation::plant::{Drive, PlantSettings};
 use schemars::JsonSchema;
@@ -11,7 +12,7 @@ use super::text;
 /// The version of settings files that is read and written.
 pub const SETTINGS_VERSION: i64 = 1;
 
-/// The settings of the controller and of the torque loop below it.
+/// The settings of the controller, of the torque loop below it, and of the connection to a robot.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RobotSettings {
@@ -19,6 +20,8 @@ pub struct RobotSettings {
     pub controller: ControllerSettings,
     /// The torque law of the arm, and the observer of external torques.
     pub torque: TorqueLoopSettings,
+    /// Names of the topics on the ROS 2 graph.
+    pub topics: TopicNames,
 }
 
 /// Creates the settings of the simulated robot, whose motors compensate nothing.
@@ -30,7 +33,11 @@ impl Default for RobotSettings {
 
 impl From<&PlantSettings> for RobotSettings {
     fn from(plant: &PlantSettings) -> Self {
-        Self { controller: plant.controller.clone(), torque: plant.torques.clone() }
+        Self {
+            controller: plant.controller.clone(),
+            torque: plant.torques.clone(),
+            topics: TopicNames::default(),
+        }
     }
 }
 
@@ -54,7 +61,7 @@ impl RobotSettings {
     /// # Errors
     /// The first setting that is outside its range.
     pub fn validate(&self) -> Result<(), moca_model::Error> {
-        let Self { controller, torque } = self;
+        let Self { controller, torque, .. } = self;
         controller.validate()?;
         controller.intention.validate()?;
         controller.safety.validate()?;

@@ -11,7 +11,8 @@ use super::robot::RobotSettings;
 /// # Errors
 /// Values that are out of range or do not fit together.
 pub fn with_settings(scenario: Scenario, file: &SettingsFile) -> Result<Scenario, SettingsError> {
-    let base = RobotSettings { controller: scenario.settings, torque: scenario.torques };
-    let RobotSettings { controller, torque } = file.over(&base)?;
+    let (controller, torque) = (scenario.settings, scenario.torques);
+    let base = RobotSettings { controller, torque, ..RobotSettings::default() };
+    let RobotSettings { controller, torque, .. } = file.over(&base)?;
     Ok(Scenario { settings: controller, torques: torque, ..scenario })
 }

@@ -5,15 +5,27 @@ use std::path::Path;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use anyhow::{Context, Result};
-use human_perception::percepts::{Perceived, Quantiles};
+use human_perception::percepts::{Perceived, Perceiver, Quantiles};
+#[cfg(feature = "ros2")]
+use moca_drivers::ros2::PeoplePublisher;
 use percept_recording::{Header, Writer};
 use serde::Serialize;
 
-/// Writes each percept at once, and measures how old its image is then.
+/// Passes each percept on at once, and measures how old its image is then.
 #[derive(Debug)]
 pub struct LiveWriter {
-    writer: Writer<File>,
+    sink: Sink,
     latencies: Vec<Duration>,
+}
+
+/// Where percepts go.
+#[derive(Debug)]
+enum Sink {
+    /// A file, a pipe or a device.
+    File(Writer<File>),
+    /// The ROS 2 graph.
+    #[cfg(feature = "ros2")]
+    Ros2(Box<PeoplePublisher>),
 }
 
 /// How old the images were when their percepts were there, and the frames that were left out.
@@ -36,22 +48,36 @@ impl LiveWriter {
         let file =
             File::create(path).with_context(|| format!("cannot write {}", path.display()))?;
         let header = Header { stature, ..Header::default() };
-        Ok(Self { writer: Writer::new(file, &header)?, latencies: Vec::new() })
+        Ok(Self { sink: Sink::File(Writer::new(file, &header)?), latencies: Vec::new() })
     }
 
-    /// Writes a percept of an image that was taken at its time by the system's clock, with the time at which it is
-    /// written.
+    /// Publishes percepts on the ROS 2 graph.
+    #[cfg(feature = "ros2")]
+    pub fn publishing(to: PeoplePublisher) -> Self {
+        Self { sink: Sink::Ros2(Box::new(to)), latencies: Vec::new() }
+    }
+
+    /// Passes on a percept of an image that was taken at its time by the system's clock, with the time at which it is
+    /// written. The people are those of the perceiver.
     ///
     /// # Errors
     /// A place where nothing can be written any more.
-    pub fn write(&mut self, perceived: &mut Perceived) -> Result<()> {
+    pub fn write(&mut self, perceived: &mut Perceived, people: &Perceiver) -> Result<()> {
         let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_secs_f64();
         let taken = perceived.percept.time;
         // The camera's clock may be a little ahead.
         self.latencies.push(Duration::try_from_secs_f64(now - taken).unwrap_or_default());
         perceived.timing.arrived = Some(now.max(taken));
-        let Perceived { percept, others, timing, .. } = &*perceived;
-        Ok(self.writer.write_people(percept, others, timing)?)
+        #[cfg(not(feature = "ros2"))]
+        let _ = people;
+        match &mut self.sink {
+            Sink::File(writer) => {
+                let Perceived { percept, others, timing, .. } = &*perceived;
+                Ok(writer.write_people(percept, others, timing)?)
+            }
+            #[cfg(feature = "ros2")]
+            Sink::Ros2(publisher) => super::ros2::publish(publisher, perceived, people),
+        }
     }
 
     /// Writes the end of the percepts. Returns the report of a run that left out so many frames.
@@ -59,8 +85,14 @@ impl LiveWriter {
     /// # Errors
     /// A place where nothing can be written any more.
     pub fn finish(self, late: u64) -> Result<LiveReport> {
-        let Self { writer, mut latencies } = self;
-        writer.finish()?;
+        let Self { sink, mut latencies } = self;
+        match sink {
+            Sink::File(writer) => {
+                writer.finish()?;
+            }
+            #[cfg(feature = "ros2")]
+            Sink::Ros2(_) => {}
+        }
         latencies.sort_unstable();
         let p95 = latencies.get(latencies.len() * 95 / 100).copied().unwrap_or_default();
         let latency_p95_ms = 1e3 * p95.as_secs_f64();

@@ -129,6 +129,8 @@ fn tool_goes_around_a_small_circle() {
         turned += step - std::f64::consts::TAU * (step / std::f64::consts::TAU).round();
     }
     assert!((turned - 2.0 * std::f64::consts::TAU).abs() < 0.1, "{turned} rad");
+    #[cfg(feature = "mcap")]
+    crate::mcap_files::check_drive(folder.path());
 }
 
 #[test]

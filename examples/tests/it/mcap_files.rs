@@ -254,3 +254,25 @@ fn the_programs_write_and_convert_them() {
     fs::write(&file, &fs::read(&file).unwrap()[..1000]).unwrap();
     Runs::new("mcap").with(&[&file, "--output", &back]).run().failed(1, "not a whole MCAP file");
 }
+
+/// Checks that the MCAP of a loop in a folder gives back its recording, and has its motion and its states.
+pub(crate) fn check_drive(folder: &std::path::Path) {
+    let file = fs::read(folder.join("drive.mcap")).unwrap();
+    let recording = fs::read(folder.join("recording.jsonl")).unwrap();
+    assert_eq!(to_json_lines(&file).unwrap(), recording);
+    let (mut joints, mut states) = (0, Vec::new());
+    for message in MessageStream::new(&file).unwrap() {
+        let message = message.unwrap();
+        match message.channel.topic.as_str() {
+            "/joint_states" => joints += 1,
+            "/control_state" => {
+                let value: serde_json::Value = serde_json::from_slice(&message.data).unwrap();
+                states.push(value["state"].as_str().unwrap().to_owned());
+            }
+            _ => {}
+        }
+    }
+    assert!((1700..=1900).contains(&joints), "{joints} in 18 s and the stop, at 100 Hz");
+    assert!(states.iter().any(|state| state == "apart"), "{states:?}");
+    assert!(states.iter().any(|state| state.contains("stop requested")), "{states:?}");
+}

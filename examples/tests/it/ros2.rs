@@ -3,8 +3,11 @@
 mod bytes;
 mod commands;
 mod graph;
+mod gripper;
+mod images;
 mod measurements;
 mod perceived;
+mod perception;
 
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 

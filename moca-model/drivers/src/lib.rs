@@ -16,6 +16,7 @@ mod recorded_camera;
 pub mod ros2;
 mod shared_key;
 mod simulated;
+mod topic_names;
 mod udp;
 mod udp_server;
 
@@ -32,5 +33,6 @@ pub use packet_error::PacketError;
 pub use recorded_camera::RecordedCamera;
 pub use shared_key::{KeyError, SharedKey};
 pub use simulated::SimulatedSide;
+pub use topic_names::TopicNames;
 pub use udp::UdpSide;
 pub use udp_server::UdpServer;

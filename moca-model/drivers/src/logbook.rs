@@ -53,6 +53,11 @@ impl Logbook {
         format!("{}; {}", last(&self.phase), last(&self.safety))
     }
 
+    /// The time of the first tick \[s\]; `None` before it.
+    pub fn first(&self) -> Option<f64> {
+        self.first
+    }
+
     /// Takes a tick. Returns what changed in it, as text for people.
     pub fn push(&mut self, tick: &LoopTick) -> Option<String> {
         let time = tick.row.time - *self.first.get_or_insert(tick.row.time);

@@ -1,19 +1,25 @@
-//! A robot that is reached by ROS 2 over DDS. Also the simulated robot behind it, with the person in front of its
-//! camera.
+//! Robots and cameras that are reached by ROS 2 over DDS. Also the simulated robot behind it, with the person in front of
+//! its camera.
 //!
 //! The loop never waits for DDS. [`Ros2Side`] has two threads for it, one that takes messages and one that publishes
 //! them. They exchange numbers with the loop without a lock. [`Measurements`], [`Perceived`] and [`Commands`] define
 //! which messages are valid; they do not depend on DDS.
 
+mod camera;
 mod commands;
 mod domain;
 mod error;
+mod frame_pairs;
+mod gripper;
 mod hand_over;
 mod inbox;
 mod measurements;
 mod node;
 mod outbox;
+mod people_messages;
+mod people_publisher;
 mod perceived;
+mod pictures;
 mod reader;
 mod refusal;
 mod report;
@@ -25,11 +31,15 @@ mod topic;
 
 pub mod messages;
 
+pub use camera::{CameraReport, ReceivedImages, Ros2Camera};
 pub use commands::Commands;
 pub use domain::RosDomain;
 pub use error::Ros2Error;
+pub use frame_pairs::{CameraImages, FramePairs};
 pub use measurements::{Measurements, RobotJoints};
+pub use people_publisher::{PeoplePublisher, Place, PublishedPeople};
 pub use perceived::{Perceived, SeenPeople};
+pub use pictures::{colour_of, depth_of, intrinsics_of};
 pub use refusal::Refusal;
 pub use report::{Ros2Report, TopicReport};
 pub use server::Ros2Server;

@@ -10,9 +10,9 @@ use percept_recording::mcap::{
     Channel, Colour, Deletion, Entity, McapWriter, SceneUpdate, Shape, Time,
 };
 
-use crate::recorded::ReplayError;
+use crate::recorded::{Lane, ReplayError};
 use crate::report::TickRow;
-use messages::{FrameTransform, FrameTransforms, JointStates, Scores};
+use messages::{ControlState, FrameTransform, FrameTransforms, JointStates, Scores};
 
 /// Intervals between two messages of joints and scores, and between two of the scene \[s\].
 const NUMBERS: f64 = 0.01;
@@ -44,6 +44,7 @@ pub struct RobotLog {
     scores: Channel,
     transforms: Channel,
     scene: Channel,
+    states: Channel,
     next_numbers: f64,
     next_scene: f64,
 }
@@ -66,6 +67,7 @@ impl RobotLog {
             scores: file.channel::<Scores>("/scores")?,
             transforms: file.channel::<FrameTransforms>("/tf")?,
             scene: file.channel::<SceneUpdate>("/workspace")?,
+            states: file.channel::<ControlState>("/control_state")?,
             data: Data::new(model),
             placements: vec![IsometryMatrix3::identity(); model.frame_count()],
             model: model.clone(),
@@ -88,6 +90,18 @@ impl RobotLog {
             self.next_scene = row.time + SCENE;
             self.frames(row)?;
             self.scene(row)?;
+        }
+        Ok(())
+    }
+
+    /// Adds the states of a loop whose first tick was at `first` \[s\]: phases, safety states, and their causes.
+    ///
+    /// # Errors
+    /// Times that are not finite.
+    pub fn push_states(&mut self, lane: &Lane, first: f64) -> Result<(), ReplayError> {
+        for span in &lane.spans {
+            let (of, state) = (lane.name.to_string(), span.label.to_string());
+            self.file.write(self.states, first + span.begin, &ControlState { of, state })?;
         }
         Ok(())
     }

@@ -2,10 +2,12 @@
 //! describes the layout.
 
 pub(crate) mod format;
+mod images;
 pub(crate) mod reader;
 pub mod truth;
 mod writer;
 
 pub use format::FrameEntry;
-pub use reader::FramesReader;
+pub use images::{FrameImages, Picture};
+pub use reader::{FramesReader, PlacedCamera};
 pub use writer::{ColourImage, FramesWriter};

@@ -5,12 +5,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
 
-use moca_drivers::SimulatedSide;
 use moca_drivers::ros2::messages::{Empty, Text};
 use moca_drivers::ros2::ros2_client::{
     Context, ContextOptions, MessageTypeName, Name, NodeName, NodeOptions, QosProfile,
 };
 use moca_drivers::ros2::{JointInterface, RobotJoints, Ros2Server, Ros2Side, RosDomain, Topic};
+use moca_drivers::{SimulatedSide, TopicNames};
 use moca_model::MOCA_HOME;
 use moca_model::whole_body::control_loop::{
     ControlLaw, ControlLoop, JointCommand, JointMeasurement, LoopSettings, MonotonicClock,
@@ -57,15 +57,20 @@ fn a_loop_moves_a_robot_on_ros2() {
     // No other test uses this domain.
     let domain = RosDomain::parse("77").unwrap();
     let robot = SimulatedSide::new(&MOCA_HOME, 1e-3, RobotNoise::new(1)).unwrap();
-    let mut server = Ros2Server::join(domain, robot, &MOCA_HOME).unwrap();
+    let mut server = Ros2Server::join(domain, &TopicNames::default(), robot, &MOCA_HOME).unwrap();
     let over = AtomicBool::new(false);
     thread::scope(|scope| {
         scope.spawn(|| {
             let stop = || over.load(Ordering::Relaxed);
             server.serve(1e-3, &[], &mut MonotonicClock::default(), stop).unwrap();
         });
-        let (mut side, _) =
-            Ros2Side::join(domain, RobotJoints::moca(), JointInterface::Effort).unwrap();
+        let (mut side, _) = Ros2Side::join(
+            domain,
+            &TopicNames::default(),
+            RobotJoints::moca(),
+            JointInterface::Effort,
+        )
+        .unwrap();
         // The timeout must suit a busy machine.
         let patient = LoopSettings {
             robot_timeout: 20.0,
@@ -95,7 +100,8 @@ fn graph_acknowledges_and_hears_the_state() {
     // No other test uses this domain.
     let domain = RosDomain::parse("78").unwrap();
     let (side, people) =
-        Ros2Side::join(domain, RobotJoints::moca(), JointInterface::Effort).unwrap();
+        Ros2Side::join(domain, &TopicNames::default(), RobotJoints::moca(), JointInterface::Effort)
+            .unwrap();
     let options = ContextOptions::new().domain_id(domain.number());
     let context = Context::with_options(options).unwrap();
     let options = NodeOptions::new().enable_rosout(false).start_parameter_services(false);

@@ -1,7 +1,7 @@
 use moca_drivers::ros2::messages::{Float64MultiArray, PoseArray, Text, Time};
 use moca_drivers::ros2::{Perceived, Refusal};
-use nalgebra::Point3;
-use vision_models::{Action, Body25, Tool};
+use nalgebra::{Matrix3, Point3};
+use vision_models::{Action, Body25, Surface, Tool};
 
 use super::{after, body};
 
@@ -110,6 +110,56 @@ fn confidences_that_are_none_are_refused() {
         let expected = Refusal::Size { what: "body confidences", found: length, expected: 27 };
         assert_eq!(refused, expected);
     }
+}
+
+#[test]
+fn covariances_go_with_the_body_of_their_stamp() {
+    let mut poses = body();
+    let mut message = confidences(&poses, f64::NAN);
+    message.data.truncate(2);
+    for joint in 0..poses.poses.len() {
+        let variance = if joint == Body25::Nose.index() { f64::NAN } else { 0.01 };
+        message.data.extend([variance, 0.001, 0.0, 0.02, 0.0, 0.03]);
+    }
+    let mut perceived = Perceived::default();
+    perceived.take_covariances(&message).unwrap();
+    let person = perceived.take_body(&poses, after(80)).unwrap().body.unwrap();
+    assert_eq!(person.covariance(Body25::Nose), None, "unknown");
+    let covariance = person.covariance(Body25::LeftWrist).unwrap();
+    let expected = Matrix3::new(0.01, 0.001, 0.0, 0.001, 0.02, 0.0, 0.0, 0.0, 0.03);
+    assert_eq!(covariance, expected);
+    poses.header.stamp.nanosec += 50_000_000;
+    let later = perceived.take_body(&poses, after(130)).unwrap().body.unwrap();
+    assert_eq!(later.covariance(Body25::LeftWrist), None, "those of another frame");
+    message.data.pop();
+    let cut = perceived.take_covariances(&message).unwrap_err();
+    assert_eq!(cut, Refusal::Size { what: "body covariances", found: 151, expected: 152 });
+}
+
+#[test]
+fn actions_and_surfaces_have_confidences() {
+    let (mut perceived, mut poses) = (Perceived::default(), body());
+    let text = |data: &str| Text { data: data.to_owned() };
+    perceived.take_confidences(&confidences(&poses, 0.9)).unwrap();
+    perceived.take_action(&text("Using The Drill 0.83"), after(0)).unwrap();
+    perceived.take_surface(&text("drilled 0.75"), after(0)).unwrap();
+    let seen = perceived.take_body(&poses, after(80)).unwrap();
+    let action = seen.action.map(|seen| (seen.action, seen.confidence.value()));
+    assert_eq!(action, Some((Action::Using(Tool::Drill), 0.83)));
+    let surface = seen.surface.map(|seen| (seen.surface, seen.confidence.value()));
+    assert_eq!(surface, Some((Surface::Drilled, 0.75)));
+    for (wrong, says) in [("Using The Drill 1.5", "1.5"), ("Drilling 0.5", "Drilling")] {
+        let refused = perceived.take_action(&text(wrong), after(80)).unwrap_err().to_string();
+        assert!(refused.contains(says), "{refused}");
+    }
+    assert!(perceived.take_surface(&text("rough 0.5"), after(80)).is_err());
+    // A surface holds for a second, and is 1 without a confidence.
+    perceived.take_surface(&text("smooth"), after(80)).unwrap();
+    poses.header.stamp.sec += 1;
+    let later = perceived.take_body(&poses, after(1050)).unwrap();
+    assert_eq!(later.surface.map(|seen| seen.confidence.value()), Some(1.0));
+    poses.header.stamp.nanosec += 50_000_000;
+    assert_eq!(perceived.take_body(&poses, after(1100)).unwrap().surface, None);
 }
 
 #[test]

@@ -62,6 +62,13 @@ impl Runs {
         self
     }
 
+    /// Puts it on the ROS 2 graph of this domain.
+    #[cfg(feature = "ros2")]
+    pub(crate) fn on_domain(mut self, domain: u16) -> Self {
+        self.command.env("ROS_DOMAIN_ID", domain.to_string());
+        self
+    }
+
     /// Runs it to its end.
     pub(crate) fn run(self) -> Ran {
         self.run_on("")

@@ -1,7 +1,5 @@
 //! Errors of a connection to ROS 2.
 
-use super::topic::Topic;
-
 /// Why a connection to ROS 2 cannot be made or has ended. A [`Refusal`](super::Refusal) says what is wrong with a
 /// single message.
 #[derive(Debug, thiserror::Error)]
@@ -22,10 +20,16 @@ pub enum Ros2Error {
         reason: String,
     },
     /// Reading from a topic failed.
-    #[error("ROS 2 cannot read {}: {reason}", topic.name())]
+    #[error("ROS 2 cannot read {topic}: {reason}")]
     Read {
-        /// Topic.
-        topic: Topic,
+        /// Name of the topic.
+        topic: String,
+        /// Reason that the library gives.
+        reason: String,
+    },
+    /// A message was not taken for publication.
+    #[error("ROS 2 does not publish: {reason}")]
+    Publish {
         /// Reason that the library gives.
         reason: String,
     },

@@ -57,7 +57,7 @@ impl<M: DeserializeOwned> Inbox<M> {
                     self.statistics.refuse(Refusal::Bytes { reason });
                 }
                 Err(error) => {
-                    let (topic, reason) = (self.statistics.topic, error.to_string());
+                    let (topic, reason) = (self.statistics.name.clone(), error.to_string());
                     return Err(Ros2Error::Read { topic, reason });
                 }
             }

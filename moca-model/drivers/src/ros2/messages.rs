@@ -174,3 +174,128 @@ pub struct Float64MultiArray {
     /// Numbers.
     pub data: Vec<f64>,
 }
+
+/// `sensor_msgs/Image`
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Image {
+    /// Time of the exposure, and the optical frame.
+    pub header: Header,
+    /// Number of rows.
+    pub height: u32,
+    /// Number of columns.
+    pub width: u32,
+    /// Name of the format of a pixel, such as `rgb8` or `16UC1`.
+    pub encoding: String,
+    /// 1 if numbers of several bytes begin with the most significant one.
+    pub is_bigendian: u8,
+    /// Length of a row in bytes.
+    pub step: u32,
+    /// Rows of pixels.
+    #[serde(with = "bytes")]
+    pub data: Vec<u8>,
+}
+
+/// `sensor_msgs/RegionOfInterest`
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct RegionOfInterest {
+    /// First column.
+    pub x_offset: u32,
+    /// First row.
+    pub y_offset: u32,
+    /// Number of rows; 0 for the whole image.
+    pub height: u32,
+    /// Number of columns; 0 for the whole image.
+    pub width: u32,
+    /// True if the region is to be rectified.
+    pub do_rectify: bool,
+}
+
+/// `sensor_msgs/CameraInfo`
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CameraInfo {
+    /// Time of the image, and the optical frame.
+    pub header: Header,
+    /// Number of rows.
+    pub height: u32,
+    /// Number of columns.
+    pub width: u32,
+    /// Name of the model of the lens, such as `plumb_bob`.
+    pub distortion_model: String,
+    /// Coefficients of the lens.
+    pub d: Vec<f64>,
+    /// Intrinsics row by row: fx, 0, cx, 0, fy, cy, 0, 0, 1 \[pixels\].
+    pub k: [f64; 9],
+    /// Rectification of a stereo camera.
+    pub r: [f64; 9],
+    /// Projection of the rectified image \[pixels\].
+    pub p: [[f64; 4]; 3],
+    /// Columns that are one pixel; 0 and 1 mean none.
+    pub binning_x: u32,
+    /// Rows that are one pixel; 0 and 1 mean none.
+    pub binning_y: u32,
+    /// Part of the sensor that the image shows.
+    pub roi: RegionOfInterest,
+}
+
+/// Goal of the action `control_msgs/GripperCommand`
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct GripperCommand {
+    /// Place of a finger \[m\].
+    pub position: f64,
+    /// Largest effort \[N\].
+    pub max_effort: f64,
+}
+
+impl ros2_client::Message for GripperCommand {}
+
+/// Result of the action `control_msgs/GripperCommand`
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct GripperResult {
+    /// Place of a finger \[m\].
+    pub position: f64,
+    /// Effort \[N\].
+    pub effort: f64,
+    /// True if the fingers push at their largest effort and do not move.
+    pub stalled: bool,
+    /// True if the fingers are where they should be.
+    pub reached_goal: bool,
+}
+
+impl ros2_client::Message for GripperResult {}
+
+/// Feedback of the action `control_msgs/GripperCommand`, which is like its result
+pub type GripperFeedback = GripperResult;
+
+/// Bytes as one block. Serde would take a list of bytes one by one.
+mod bytes {
+    use std::fmt;
+
+    use serde::de::{Deserializer, Error, Visitor};
+    use serde::ser::Serializer;
+
+    struct Block;
+
+    impl Visitor<'_> for Block {
+        type Value = Vec<u8>;
+
+        fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+            formatter.write_str("bytes")
+        }
+
+        fn visit_bytes<E: Error>(self, bytes: &[u8]) -> Result<Vec<u8>, E> {
+            Ok(bytes.to_vec())
+        }
+
+        fn visit_byte_buf<E: Error>(self, bytes: Vec<u8>) -> Result<Vec<u8>, E> {
+            Ok(bytes)
+        }
+    }
+
+    pub(super) fn serialize<S: Serializer>(bytes: &[u8], to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_bytes(bytes)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<u8>, D::Error> {
+        from.deserialize_byte_buf(Block)
+    }
+}

@@ -2,21 +2,24 @@
 
 use std::collections::HashMap;
 
+use ros2_client::action::{ActionClient, ActionClientQosPolicies};
 use ros2_client::dds::rustdds::DomainParticipantStatusListener;
 use ros2_client::dds::rustdds::dds::statusevents::{DomainParticipantStatusEvent, StatusEvented};
 use ros2_client::qos::{History, WhenFull};
 use ros2_client::{
-    Context, ContextOptions, Gid, MessageTypeName, Name, Node, NodeName, NodeOptions, Publisher,
-    QosProfile,
+    ActionTypeName, Context, ContextOptions, Gid, MessageTypeName, Name, Node, NodeName,
+    NodeOptions, Publisher, QosProfile, ServiceMapping,
 };
 use serde::{Serialize, de::DeserializeOwned};
 
 use super::domain::RosDomain;
 use super::error::Ros2Error;
 use super::inbox::Inbox;
+use super::messages::{GripperCommand, GripperFeedback, GripperResult};
 use super::refusal::Refusal;
 use super::statistics::TopicStatistics;
 use super::topic::Topic;
+use crate::TopicNames;
 
 /// Number of messages that may wait while a thread does not run.
 const DEPTH: usize = 64;
@@ -25,6 +28,7 @@ const DEPTH: usize = 64;
 pub(super) struct RosNode {
     context: Context,
     node: Node,
+    names: TopicNames,
 }
 
 impl RosNode {
@@ -32,7 +36,11 @@ impl RosNode {
     ///
     /// # Errors
     /// [`Ros2Error::Create`]
-    pub(super) fn join(domain: RosDomain, name: &str) -> Result<Self, Ros2Error> {
+    pub(super) fn join(
+        domain: RosDomain,
+        name: &str,
+        names: &TopicNames,
+    ) -> Result<Self, Ros2Error> {
         let options = ContextOptions::new().domain_id(domain.number());
         let context = Context::with_options(options)
             .map_err(|error| Ros2Error::create("a participant", &error))?;
@@ -41,7 +49,7 @@ impl RosNode {
         let node = context
             .new_node(name, options)
             .map_err(|error| Ros2Error::create("a node", &format!("{error:?}")))?;
-        Ok(Self { context, node })
+        Ok(Self { context, node, names: names.clone() })
     }
 
     /// Creates a publisher that suits every subscriber: reliable and volatile. It never waits for a subscriber.
@@ -52,9 +60,9 @@ impl RosNode {
         let reliable = QosProfile::publisher_default()
             .reliability_reliable(WhenFull::Fail)
             .history(History::KeepLast { depth: DEPTH });
-        let failed = |error: ros2_client::CreateError| Ros2Error::create(topic.name(), &error);
         let handle = self.topic(topic, &reliable)?;
-        self.node.create_publisher(&handle, None).map_err(failed)
+        let made = self.node.create_publisher(&handle, None);
+        made.map_err(|error| Ros2Error::create(topic.name(&self.names), &error))
     }
 
     /// Creates a subscription that suits every publisher. It uses best effort, because a newer message is better than a
@@ -68,14 +76,37 @@ impl RosNode {
         let subscription = self
             .node
             .create_subscription(&handle, None)
-            .map_err(|error| Ros2Error::create(topic.name(), &error))?;
-        Ok(Inbox::new(subscription, TopicStatistics::new(topic)))
+            .map_err(|error| Ros2Error::create(topic.name(&self.names), &error))?;
+        Ok(Inbox::new(subscription, TopicStatistics::new(topic, &self.names)))
+    }
+
+    /// Creates the client of the gripper's action.
+    pub(super) fn gripper(
+        &mut self,
+    ) -> Result<ActionClient<GripperCommand, GripperResult, GripperFeedback>, Ros2Error> {
+        let name = &self.names.gripper;
+        let failed = |reason: String| Ros2Error::create(name, &reason);
+        let action = Name::parse(name).map_err(|error| failed(error.to_string()))?;
+        let kind = ActionTypeName::new("control_msgs", "GripperCommand");
+        // Services of ROS are reliable.
+        let reliable = QosProfile::publisher_default()
+            .reliability_reliable(WhenFull::Fail)
+            .history(History::KeepLast { depth: 10 });
+        let qos = ActionClientQosPolicies {
+            goal_service: reliable.clone(),
+            result_service: reliable.clone(),
+            cancel_service: reliable.clone(),
+            feedback_subscription: reliable.clone(),
+            status_subscription: reliable,
+        };
+        let made = self.node.create_action_client(ServiceMapping::Enhanced, &action, &kind, qos);
+        made.map_err(|error| failed(error.to_string()))
     }
 
     /// Returns the other users of these topics.
     pub(super) fn peers(&self, topics: Vec<Topic>) -> Peers {
         let events = self.context.domain_participant().status_listener();
-        Peers { events, topics, strangers: HashMap::new() }
+        Peers { events, topics, names: self.names.clone(), strangers: HashMap::new() }
     }
 
     fn topic(
@@ -83,8 +114,9 @@ impl RosNode {
         topic: Topic,
         qos: &QosProfile,
     ) -> Result<ros2_client::dds::rustdds::Topic, Ros2Error> {
-        let failed = |reason: String| Ros2Error::create(topic.name(), &reason);
-        let name = Name::parse(topic.name()).map_err(|error| failed(error.to_string()))?;
+        let failed = |reason: String| Ros2Error::create(topic.name(&self.names), &reason);
+        let name =
+            Name::parse(topic.name(&self.names)).map_err(|error| failed(error.to_string()))?;
         let (package, message) = topic.message();
         self.node
             .create_topic(&name, MessageTypeName::new(package, message), qos)
@@ -96,6 +128,7 @@ impl RosNode {
 pub(super) struct Peers {
     events: DomainParticipantStatusListener,
     topics: Vec<Topic>,
+    names: TopicNames,
     strangers: HashMap<Gid, (Topic, Refusal)>,
 }
 
@@ -109,7 +142,9 @@ impl Peers {
                 _ => continue,
             };
             // DDS names of ROS topics begin with `rt`.
-            let named = |topic: &&Topic| peer.topic_name.strip_prefix("rt") == Some(topic.name());
+            let named = |topic: &&Topic| {
+                peer.topic_name.strip_prefix("rt") == Some(topic.name(&self.names))
+            };
             let Some(topic) = self.topics.iter().find(named) else { continue };
             if let Err(refusal) = topic.check_type(&peer.type_name) {
                 self.strangers.insert(peer.guid.into(), (*topic, refusal));
@@ -117,9 +152,10 @@ impl Peers {
         }
     }
 
-    /// Returns the topics.
-    pub(super) fn topics(&self) -> impl Iterator<Item = Topic> + '_ {
-        self.topics.iter().copied()
+    /// Returns statistics without messages of all topics but the first ones.
+    pub(super) fn statistics_after(&self, first: usize) -> impl Iterator<Item = TopicStatistics> {
+        let topics = self.topics.iter().skip(first);
+        topics.map(|topic| TopicStatistics::new(*topic, &self.names))
     }
 
     /// Returns why messages of this publisher are refused; `None` if they are not.

@@ -9,6 +9,7 @@ use ros2_client::Publisher;
 
 use super::BASE_FRAME;
 use super::error::Ros2Error;
+use super::gripper::{GripState, Gripper};
 use super::hand_over::Taker;
 use super::messages::{Float64MultiArray, Header, MultiArrayLayout, TwistStamped};
 use super::node::RosNode;
@@ -31,6 +32,7 @@ pub(super) struct Outbox {
     twist: Publisher<TwistStamped>,
     joints: Publisher<Float64MultiArray>,
     commands: Taker<f64>,
+    gripper: Gripper,
     epoch: SystemTime,
     interface: JointInterface,
     arm_joints: usize,
@@ -45,13 +47,14 @@ impl Outbox {
         mut node: RosNode,
         interface: JointInterface,
         arm_joints: usize,
-        commands: Taker<f64>,
+        (commands, grip): (Taker<f64>, GripState),
         epoch: SystemTime,
     ) -> Result<Self, Ros2Error> {
         Ok(Self {
             twist: node.publisher(Topic::BaseTwist)?,
             joints: node.publisher(Topic::JointCommands(interface))?,
             commands,
+            gripper: Gripper::new(&mut node, grip)?,
             epoch,
             interface,
             arm_joints,
@@ -66,6 +69,7 @@ impl Outbox {
             thread::park_timeout(WAKES);
             let ends = ending.load(Ordering::Acquire);
             self.publish_newest();
+            self.gripper.update();
             if ends {
                 self.publish_halt();
                 thread::sleep(LEAVES);

@@ -2,17 +2,20 @@
 
 use std::time::SystemTime;
 
-use nalgebra::Point3;
-use vision_models::{Action, Body, Body25, Confidence, Keypoint, RecognisedAction};
+use nalgebra::{Matrix3, Point3};
+use vision_models::{
+    Action, Body, Body25, Confidence, Keypoint, RecognisedAction, RecognisedSurface, Surface,
+};
 
 use super::WORLD_FRAME;
 use super::measurements::check_frame;
 use super::messages::{Float64MultiArray, Pose, PoseArray, Text, Time};
+use super::people_messages::COVARIANCE;
 use super::refusal::Refusal;
 use super::stamps::Stamps;
 
-/// Time for which a published action stays valid \[s\].
-const ACTION_HOLDS: f64 = 1.0;
+/// Time for which a published action or surface stays valid \[s\].
+const HOLDS: f64 = 1.0;
 
 /// People that another program's camera has seen.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,20 +28,31 @@ pub struct SeenPeople {
     pub others: Vec<Body>,
     /// Action of the person, if it was published within the last second and confidences of their joints came.
     pub action: Option<RecognisedAction>,
+    /// Surface of the object that faces the on-board camera, if it was published within the last second.
+    pub surface: Option<RecognisedSurface>,
 }
 
-/// Combines body joints, confidences and actions.
+/// Combines body joints, their confidences and covariances, actions and surfaces.
 #[derive(Clone, Debug)]
 pub struct Perceived {
     stamps: Stamps,
     /// Confidences of the joints of the body with this stamp.
     confidences: Option<(Time, Vec<Confidence>)>,
+    /// Covariances of the joints of the body with this stamp: xx, xy, xz, yy, yz, zz \[m²\].
+    covariances: Option<(Time, Vec<[f64; COVARIANCE]>)>,
     action: Option<(RecognisedAction, SystemTime)>,
+    surface: Option<(RecognisedSurface, SystemTime)>,
 }
 
 impl Default for Perceived {
     fn default() -> Self {
-        Self { stamps: Stamps::of_camera(), confidences: None, action: None }
+        Self {
+            stamps: Stamps::of_camera(),
+            confidences: None,
+            covariances: None,
+            action: None,
+            surface: None,
+        }
     }
 }
 
@@ -47,7 +61,7 @@ impl Perceived {
     /// the odometry. A joint that was not seen has three NaN. Orientations have no meaning. Further groups of the same
     /// length belong to other people.
     ///
-    /// The confidences of the joints are those that came before with the same stamp. If they are missing, the positions
+    /// The confidences and covariances of the joints are those that came before with the same stamp. If confidences are missing, the positions
     /// of the joints are uncertain. The robot then keeps away from these people and ignores their actions, so it works
     /// with nobody and touches nobody.
     ///
@@ -66,8 +80,18 @@ impl Perceived {
         let sure = known.is_some();
         let confidences: &[Confidence] = known.map_or(&[], |(_, of)| of);
         let mut confidences = confidences.chunks(expected);
+        let known = self
+            .covariances
+            .as_ref()
+            .filter(|(stamp, of)| *stamp == poses.header.stamp && of.len() == poses.poses.len());
+        let covariances: &[[f64; COVARIANCE]] = known.map_or(&[], |(_, of)| of);
+        let mut covariances = covariances.chunks(expected);
         let people = poses.poses.chunks_exact(expected);
-        let people = people.map(|poses| body(poses, confidences.next().unwrap_or_default()));
+        let people = people.map(|poses| {
+            let (confidences, covariances) =
+                (confidences.next().unwrap_or_default(), covariances.next().unwrap_or_default());
+            body(poses, confidences, covariances)
+        });
         let mut people = people.collect::<Result<Vec<_>, _>>()?.into_iter();
         let (body, others) = (people.next().flatten(), people.flatten().collect());
         let age = self.stamps.admit(poses.header.stamp, now)?;
@@ -76,10 +100,11 @@ impl Perceived {
             .and_then(|age| now.checked_sub(age))
             .unwrap_or(now);
         let holds = |at: SystemTime| {
-            now.duration_since(at).map_or(true, |since| since.as_secs_f64() <= ACTION_HOLDS)
+            now.duration_since(at).map_or(true, |since| since.as_secs_f64() <= HOLDS)
         };
         let action = self.action.filter(|(_, at)| sure && holds(*at)).map(|(action, _)| action);
-        Ok(SeenPeople { taken, body, others, action })
+        let surface = self.surface.filter(|(_, at)| holds(*at)).map(|(surface, _)| surface);
+        Ok(SeenPeople { taken, body, others, action, surface })
     }
 
     /// Takes the confidences of body joints: their stamp \[s, ns\], then a number from 0 to 1 for each pose. They must
@@ -88,40 +113,87 @@ impl Perceived {
     /// # Errors
     /// Why the confidences are refused; those before are then kept.
     pub fn take_confidences(&mut self, message: &Float64MultiArray) -> Result<(), Refusal> {
-        let (what, found, expected) = ("body confidences", message.data.len(), 2 + Body25::COUNT);
-        let size = Refusal::Size { what, found, expected };
-        let ([sec, nanosec], values) = message.data.split_first_chunk().ok_or(size.clone())?;
-        if values.is_empty() || values.len() % Body25::COUNT != 0 {
-            return Err(size);
-        }
+        let (stamp, values) = of_stamp("body confidences", message, Body25::COUNT)?;
         let confidence = |value: &f64| {
             Confidence::new(*value).map_err(|_| Refusal::Confidence { value: *value })
         };
         let values = values.iter().map(confidence).collect::<Result<_, _>>()?;
-        // The conversion saturates: an invalid stamp matches no body.
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "as above")]
-        let stamp = Time { sec: *sec as i32, nanosec: *nanosec as u32 };
         self.confidences = Some((stamp, values));
         Ok(())
     }
 
-    /// Takes the name of an action that came at time `now`.
+    /// Takes the covariances of body joints: their stamp \[s, ns\], then xx, xy, xz, yy, yz, zz \[m²\] for each pose, NaN
+    /// where they are unknown. They must come before the body joints.
     ///
     /// # Errors
-    /// [`Refusal::Action`] for the name of no action.
+    /// Why the covariances are refused; those before are then kept.
+    pub fn take_covariances(&mut self, message: &Float64MultiArray) -> Result<(), Refusal> {
+        let (stamp, values) = of_stamp("body covariances", message, COVARIANCE * Body25::COUNT)?;
+        self.covariances = Some((stamp, values.as_chunks().0.to_vec()));
+        Ok(())
+    }
+
+    /// Takes an action that came at time `now`: its name, and its confidence behind it unless that is 1, as in
+    /// `Using The Drill 0.83`.
+    ///
+    /// # Errors
+    /// [`Refusal::Action`] for the name of no action, and [`Refusal::Confidence`].
     pub fn take_action(&mut self, text: &Text, now: SystemTime) -> Result<(), Refusal> {
-        let action =
-            Action::from_name(&text.data).map_err(|error| Refusal::Action(error.to_string()))?;
-        self.action = Some((RecognisedAction { action, confidence: Confidence::ONE }, now));
+        let (name, confidence) = named(&text.data)?;
+        let action = Action::from_name(name).map_err(|error| Refusal::Action(error.to_string()))?;
+        self.action = Some((RecognisedAction { action, confidence }, now));
+        Ok(())
+    }
+
+    /// Takes a surface that came at time `now`: `drilled` or `smooth`, and its confidence behind it unless that is 1.
+    ///
+    /// # Errors
+    /// [`Refusal::Surface`] for another name, and [`Refusal::Confidence`].
+    pub fn take_surface(&mut self, text: &Text, now: SystemTime) -> Result<(), Refusal> {
+        let (name, confidence) = named(&text.data)?;
+        let surface =
+            name.parse::<Surface>().map_err(|error| Refusal::Surface(error.to_string()))?;
+        self.surface = Some((RecognisedSurface { surface, confidence }, now));
         Ok(())
     }
 }
 
+/// Returns the stamp and the numbers behind it, a multiple of `length`.
+fn of_stamp<'a>(
+    what: &'static str,
+    message: &'a Float64MultiArray,
+    length: usize,
+) -> Result<(Time, &'a [f64]), Refusal> {
+    let size = Refusal::Size { what, found: message.data.len(), expected: 2 + length };
+    let Some(([sec, nanosec], values)) = message.data.split_first_chunk() else { return Err(size) };
+    if values.is_empty() || values.len() % length != 0 {
+        return Err(size);
+    }
+    // The conversion saturates: an invalid stamp matches no body.
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "as above")]
+    let stamp = Time { sec: *sec as i32, nanosec: *nanosec as u32 };
+    Ok((stamp, values))
+}
+
+/// Returns the name and the confidence of a text, which is 1 if the text has none.
+fn named(text: &str) -> Result<(&str, Confidence), Refusal> {
+    let Some((name, number)) = text.rsplit_once(' ') else { return Ok((text, Confidence::ONE)) };
+    let Ok(value) = number.parse() else { return Ok((text, Confidence::ONE)) };
+    Ok((name, Confidence::new(value).map_err(|_| Refusal::Confidence { value })?))
+}
+
 /// Returns the body with these joints; `None` if no joint was seen. Joints of unknown confidence count as seen.
-fn body(poses: &[Pose], confidences: &[Confidence]) -> Result<Option<Body>, Refusal> {
+fn body(
+    poses: &[Pose],
+    confidences: &[Confidence],
+    covariances: &[[f64; COVARIANCE]],
+) -> Result<Option<Body>, Refusal> {
     let mut body = Body::default();
     let confidences = confidences.iter().copied().chain(std::iter::repeat(Confidence::ONE));
-    for ((joint, pose), confidence) in Body25::ALL.into_iter().zip(poses).zip(confidences) {
+    let unknown = [f64::NAN; COVARIANCE];
+    let covariances = covariances.iter().chain(std::iter::repeat(&unknown));
+    let joints = Body25::ALL.into_iter().zip(poses).zip(confidences).zip(covariances);
+    for (((joint, pose), confidence), [xx, xy, xz, yy, yz, zz]) in joints {
         let position = Point3::new(pose.position.x, pose.position.y, pose.position.z);
         if position.iter().all(|number| number.is_nan()) {
             continue;
@@ -129,7 +201,8 @@ fn body(poses: &[Pose], confidences: &[Confidence]) -> Result<Option<Body>, Refu
         if !position.iter().all(|number| number.is_finite()) {
             return Err(Refusal::NotFinite { what: "body joints" });
         }
-        body.set(joint, Some(Keypoint { position, confidence }));
+        let covariance = Matrix3::new(*xx, *xy, *xz, *xy, *yy, *yz, *xz, *yz, *zz);
+        body.set_measured(joint, Keypoint { position, confidence }, covariance);
     }
     Ok(Some(body).filter(|body| body.iter().next().is_some()))
 }

@@ -26,8 +26,10 @@ pub(super) struct Reader {
     odometry: Inbox<Odometry>,
     modes: Inbox<Text>,
     confidences: Inbox<Float64MultiArray>,
+    covariances: Inbox<Float64MultiArray>,
     bodies: Inbox<PoseArray>,
     actions: Inbox<Text>,
+    surfaces: Inbox<Text>,
     acknowledgements: Inbox<Empty>,
     measurements: Measurements,
     perceived: Perceived,
@@ -55,8 +57,10 @@ impl Reader {
             Topic::Odometry,
             Topic::RobotMode,
             Topic::BodyConfidences,
+            Topic::BodyCovariances,
             Topic::BodyJoints,
             Topic::Action,
+            Topic::Surface,
             Topic::Acknowledge,
             Topic::BaseTwist,
             Topic::JointCommands(interface),
@@ -69,8 +73,10 @@ impl Reader {
             odometry: node.inbox(Topic::Odometry)?,
             modes: node.inbox(Topic::RobotMode)?,
             confidences: node.inbox(Topic::BodyConfidences)?,
+            covariances: node.inbox(Topic::BodyCovariances)?,
             bodies: node.inbox(Topic::BodyJoints)?,
             actions: node.inbox(Topic::Action)?,
+            surfaces: node.inbox(Topic::Surface)?,
             acknowledgements: node.inbox(Topic::Acknowledge)?,
             poll,
             measurements,
@@ -105,11 +111,13 @@ impl Reader {
             self.odometry.statistics,
             self.modes.statistics,
             self.confidences.statistics,
+            self.covariances.statistics,
             self.bodies.statistics,
             self.actions.statistics,
+            self.surfaces.statistics,
             self.acknowledgements.statistics,
         ];
-        let told = self.peers.topics().skip(came.len()).map(TopicStatistics::new);
+        let told: Vec<_> = self.peers.statistics_after(came.len()).collect();
         let mut statistics: Vec<_> = came.into_iter().chain(told).collect();
         for topic in &mut statistics {
             self.peers.count(topic);
@@ -136,6 +144,8 @@ impl Reader {
         })?;
         self.actions
             .drain(peers, |action, now| perceived.take_action(action, now).map(|()| None))?;
+        self.surfaces
+            .drain(peers, |surface, now| perceived.take_surface(surface, now).map(|()| None))?;
         self.acknowledgements.drain(peers, |_, _| {
             // One that waits already counts for both.
             let _ = acknowledged.try_send(());
@@ -143,6 +153,9 @@ impl Reader {
         })?;
         self.confidences.drain(peers, |confidences, _| {
             perceived.take_confidences(confidences).map(|()| None)
+        })?;
+        self.covariances.drain(peers, |covariances, _| {
+            perceived.take_covariances(covariances).map(|()| None)
         })?;
         self.bodies.drain(peers, |poses, now| {
             // A loop that reads no people for a while misses these, as with a real camera.

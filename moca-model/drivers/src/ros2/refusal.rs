@@ -120,4 +120,43 @@ pub enum Refusal {
     /// The name is none of the thirty actions.
     #[error("{0}")]
     Action(String),
+    /// The name is neither of the two surfaces.
+    #[error("{0}")]
+    Surface(String),
+    /// The image has another encoding.
+    #[error("an image in {found:?}, expected {expected}")]
+    Encoding {
+        /// Encoding of the image.
+        found: String,
+        /// Encodings that are understood.
+        expected: &'static str,
+    },
+    /// The image does not have the size of the camera.
+    #[error(
+        "an image of {} × {} pixels, expected {} × {}, as the colour camera's information says", found[0], found[1],
+        expected[0], expected[1]
+    )]
+    Pixels {
+        /// Width and height of the image.
+        found: [usize; 2],
+        /// Width and height of the camera's images.
+        expected: [usize; 2],
+    },
+    /// The camera did not say yet how its images are made.
+    #[error("no information about the camera yet")]
+    NoCamera,
+    /// The numbers of the camera are not those of a camera.
+    #[error("{0}")]
+    Camera(String),
+    /// The images are not rectified.
+    #[error(
+        "the lens moves pixels by up to {pixels:.1}, expected at most 1: give rectified images"
+    )]
+    Lens {
+        /// Largest distance by which the lens moves a pixel at the border.
+        pixels: f64,
+    },
+    /// The camera changed its geometry.
+    #[error("the camera has another geometry than before")]
+    OtherCamera,
 }

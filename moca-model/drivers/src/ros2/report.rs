@@ -20,7 +20,7 @@ pub struct Ros2Report {
 /// Messages of a topic. Times in µs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TopicReport {
-    topic: &'static str,
+    topic: String,
     taken: u64,
     lost: u64,
     /// `None` where no message has an age.
@@ -57,13 +57,13 @@ impl From<&Ros2Statistics> for Ros2Report {
 
 impl From<&TopicStatistics> for TopicReport {
     fn from(statistics: &TopicStatistics) -> Self {
-        let TopicStatistics { topic, taken, lost, age, .. } = statistics;
+        let TopicStatistics { name, taken, lost, age, .. } = statistics;
         let report = |RefusalCount { refusal, count }: &RefusalCount| RefusalReport {
             count: *count,
             because: refusal.to_string(),
         };
         Self {
-            topic: topic.name(),
+            topic: name.clone(),
             taken: *taken,
             lost: *lost,
             age_us: (age.count() > 0).then(|| Ages::from(age)),

@@ -8,7 +8,6 @@ use moca_model::MOCA_BASE_JOINTS;
 use moca_model::whole_body::control_loop::{Clock, JointCommand, JointMeasurement, RobotSide};
 use nalgebra::UnitQuaternion;
 use ros2_client::Publisher;
-use vision_models::Body;
 
 use super::commands::{Commands, base_velocity};
 use super::domain::RosDomain;
@@ -16,14 +15,15 @@ use super::error::Ros2Error;
 use super::inbox::Inbox;
 use super::measurements::{RobotJoints, mode_name};
 use super::messages::{
-    Float64MultiArray, Header, JointState, MultiArrayLayout, Odometry, Pose, PoseArray,
-    PoseWithCovariance, Quaternion, Text, Time, TwistStamped, TwistWithCovariance, Vector3,
+    Float64MultiArray, Header, JointState, Odometry, Pose, PoseArray, PoseWithCovariance,
+    Quaternion, Text, TwistStamped, TwistWithCovariance, Vector3,
 };
 use super::node::{Peers, RosNode};
+use super::people_messages::{BodyMessages, body_messages};
 use super::statistics::TopicStatistics;
 use super::topic::{JointInterface, Topic};
 use super::{BASE_FRAME, WORLD_FRAME};
-use crate::SimulatedSide;
+use crate::{SimulatedSide, TopicNames};
 
 /// Number of periods for which the newest commands are used. Afterwards each period counts as one with a lost command.
 const SILENCE: u64 = 20;
@@ -44,6 +44,7 @@ pub struct Ros2Server {
     modes: Publisher<Text>,
     bodies: Publisher<PoseArray>,
     confidences: Publisher<Float64MultiArray>,
+    covariances: Publisher<Float64MultiArray>,
     actions: Publisher<Text>,
     joints: RobotJoints,
     robot: SimulatedSide,
@@ -67,8 +68,13 @@ impl Ros2Server {
     ///
     /// # Errors
     /// [`Ros2Error::Create`]
-    pub fn join(domain: RosDomain, robot: SimulatedSide, start: &[f64]) -> Result<Self, Ros2Error> {
-        let mut node = RosNode::join(domain, "moca_robot")?;
+    pub fn join(
+        domain: RosDomain,
+        names: &TopicNames,
+        robot: SimulatedSide,
+        start: &[f64],
+    ) -> Result<Self, Ros2Error> {
+        let mut node = RosNode::join(domain, "moca_robot", names)?;
         let joints = RobotJoints::moca();
         let measured = JointMeasurement::resting(start.to_vec(), start.len());
         let efforts = Topic::JointCommands(JointInterface::Effort);
@@ -81,6 +87,7 @@ impl Ros2Server {
             modes: node.publisher(Topic::RobotMode)?,
             bodies: node.publisher(Topic::BodyJoints)?,
             confidences: node.publisher(Topic::BodyConfidences)?,
+            covariances: node.publisher(Topic::BodyCovariances)?,
             actions: node.publisher(Topic::Action)?,
             commands: Commands::new(joints.arm().len()),
             command: JointCommand::at_rest(&measured),
@@ -219,23 +226,10 @@ impl Ros2Server {
         if percept.body.is_none() && others.is_empty() {
             return;
         }
-        let nobody = Body::default();
-        let people = std::iter::once(percept.body.as_ref().unwrap_or(&nobody)).chain(others);
-        let unseen = Vector3 { x: f64::NAN, y: f64::NAN, z: f64::NAN };
-        let keypoints: Vec<_> = people.flat_map(Body::keypoints).collect();
-        let stamp: Time = SystemTime::now().into();
-        let confidences = keypoints
-            .iter()
-            .map(|keypoint| keypoint.map_or(0.0, |keypoint| keypoint.confidence.value()));
-        let data = [f64::from(stamp.sec), f64::from(stamp.nanosec)].into_iter().chain(confidences);
-        let layout = MultiArrayLayout::default();
-        let _ = self.confidences.publish(Float64MultiArray { layout, data: data.collect() });
-        let poses = keypoints.into_iter().map(|keypoint| {
-            let place = |at: nalgebra::Point3<f64>| Vector3 { x: at.x, y: at.y, z: at.z };
-            let position = keypoint.map_or(unseen, |keypoint| place(keypoint.position));
-            Pose { position, ..Pose::default() }
-        });
-        let header = Header { stamp, frame_id: WORLD_FRAME.to_owned() };
-        let _ = self.bodies.publish(PoseArray { header, poses: poses.collect() });
+        let BodyMessages { confidences, covariances, joints } =
+            body_messages(SystemTime::now().into(), percept.body.as_ref(), others);
+        let _ = self.confidences.publish(confidences);
+        let _ = self.covariances.publish(covariances);
+        let _ = self.bodies.publish(joints);
     }
 }

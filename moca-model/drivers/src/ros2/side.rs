@@ -17,6 +17,7 @@ use ros2_client::Publisher;
 use super::commands::{base_velocity, joint_values};
 use super::domain::RosDomain;
 use super::error::Ros2Error;
+use super::gripper::GripState;
 use super::hand_over::{Giver, Taker, hand_over};
 use super::measurements::{Measurements, RobotJoints};
 use super::messages::Text;
@@ -26,6 +27,7 @@ use super::perceived::SeenPeople;
 use super::reader::{Measured, Reader};
 use super::statistics::TopicStatistics;
 use super::topic::{JointInterface, Topic};
+use crate::TopicNames;
 
 /// Longest time after which the threads notice that they should end.
 pub(super) const WAKES: Duration = Duration::from_millis(50);
@@ -46,6 +48,7 @@ pub struct Ros2Side {
     outgoing: Vec<f64>,
     epoch: SystemTime,
     interface: JointInterface,
+    grip: GripState,
     yaw: f64,
     ending: Ending,
     reader: JoinHandle<Result<Vec<TopicStatistics>, Ros2Error>>,
@@ -77,10 +80,10 @@ impl Ros2People {
 
 /// Tells the threads to end, at the latest when the last copy is dropped.
 #[derive(Debug)]
-struct Ending(Arc<AtomicBool>);
+pub(super) struct Ending(pub(super) Arc<AtomicBool>);
 
 impl Ending {
-    fn begin(&self) {
+    pub(super) fn begin(&self) {
         self.0.store(true, Ordering::Release);
     }
 }
@@ -111,10 +114,11 @@ impl Ros2Side {
     /// [`Ros2Error::Create`]
     pub fn join(
         domain: RosDomain,
+        names: &TopicNames,
         joints: RobotJoints,
         interface: JointInterface,
     ) -> Result<(Self, Ros2People), Ros2Error> {
-        let mut node = RosNode::join(domain, "moca_control")?;
+        let mut node = RosNode::join(domain, "moca_control", names)?;
         let (count, arm_joints) = (joints.count(), joints.arm().len());
         let (numbers, taken) = hand_over(3 * count);
         let (status, said) = hand_over(1);
@@ -123,7 +127,7 @@ impl Ros2Side {
         let (persons, seen) = sync_channel(WAITING);
         let (acknowledged, acknowledgements) = sync_channel(1);
         let state = node.publisher(Topic::ControlState)?;
-        let epoch = SystemTime::now();
+        let (epoch, grip) = (SystemTime::now(), GripState::default());
         let reader = Reader::new(
             &mut node,
             Measurements::new(joints),
@@ -131,7 +135,7 @@ impl Ros2Side {
             measured,
             (persons, acknowledged),
         )?;
-        let outbox = Outbox::new(node, interface, arm_joints, outgoing, epoch)?;
+        let outbox = Outbox::new(node, interface, arm_joints, (outgoing, grip.clone()), epoch)?;
         let ending = Ending(Arc::new(AtomicBool::new(false)));
         let (reads, publishes) = (ending.0.clone(), ending.0.clone());
         let side = Self {
@@ -141,6 +145,7 @@ impl Ros2Side {
             outgoing: vec![0.0; 1 + count],
             epoch,
             interface,
+            grip,
             yaw: 0.0,
             ending,
             reader: spawn("ros2-reader", move || reader.run(&reads))?,
@@ -167,7 +172,7 @@ impl Ros2Side {
     }
 }
 
-fn spawn<T: Send + 'static>(
+pub(super) fn spawn<T: Send + 'static>(
     name: &str,
     run: impl FnOnce() -> T + Send + 'static,
 ) -> Result<JoinHandle<T>, Ros2Error> {
@@ -184,6 +189,7 @@ impl RobotSide for Ros2Side {
         if self.measured.is_abandoned() {
             return Err(Ros2Error::Ended { does: "takes" });
         }
+        measured.robot.holds = self.grip.holds();
         let Some((numbers, _)) = self.measured.take() else { return Ok(Received::Nothing) };
         let (known, torques) = numbers.split_at(2 * numbers.len() / 3);
         let (positions, velocities) = known.split_at(known.len() / 2);
@@ -193,7 +199,7 @@ impl RobotSide for Ros2Side {
         }
         torque.iter_mut().zip(torques).for_each(|(own, torque)| *own = *torque);
         if let Some(([status], _)) = self.status.take() {
-            *robot = *status;
+            *robot = RobotStatus { holds: self.grip.holds(), ..*status };
         }
         self.yaw = measured.position.get(MOCA_BASE_JOINTS - 1).copied().unwrap_or_default();
         Ok(Received::Fresh)
@@ -203,6 +209,7 @@ impl RobotSide for Ros2Side {
         if self.commands.is_abandoned() {
             return Err(Ros2Error::Ended { does: "publishes" });
         }
+        self.grip.want(command.grip);
         let time = self.epoch.elapsed().map_or(0.0, |since| since.as_secs_f64());
         let numbers = [time].into_iter().chain(base_velocity(&command.velocity, self.yaw));
         let numbers = numbers.chain(joint_values(command, self.interface).iter().copied());

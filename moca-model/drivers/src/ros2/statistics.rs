@@ -6,6 +6,7 @@ use moca_model::whole_body::control_loop::TimeHistogram;
 
 use super::refusal::Refusal;
 use super::topic::Topic;
+use crate::TopicNames;
 
 /// Number of messages that were refused for one reason.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,6 +22,8 @@ pub struct RefusalCount {
 pub struct TopicStatistics {
     /// Topic.
     pub topic: Topic,
+    /// Name of the topic.
+    pub name: String,
     /// Number of messages that were accepted.
     pub taken: u64,
     /// Number of messages that never came, by the numbers that their publishers give them. Messages whose bytes were
@@ -33,8 +36,9 @@ pub struct TopicStatistics {
 
 impl TopicStatistics {
     /// Creates statistics without messages.
-    pub fn new(topic: Topic) -> Self {
-        Self { topic, taken: 0, lost: 0, age: TimeHistogram::default(), refused: Vec::new() }
+    pub fn new(topic: Topic, names: &TopicNames) -> Self {
+        let name = topic.name(names).to_owned();
+        Self { topic, name, taken: 0, lost: 0, age: TimeHistogram::default(), refused: Vec::new() }
     }
 
     /// Counts a message that was refused.

@@ -1,6 +1,7 @@
-//! Topics between loop and robot.
+//! Topics between camera, loop and robot.
 
 use super::refusal::Refusal;
+use crate::TopicNames;
 
 /// Quantity that the joints of the arm follow. It decides which controller of `ros2_controllers` receives the commands.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -14,7 +15,7 @@ pub enum JointInterface {
     Position,
 }
 
-/// Topic between a loop and its robot.
+/// Topic between a camera, a loop and its robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Topic {
     /// Joint states of the arm.
@@ -27,8 +28,16 @@ pub enum Topic {
     BodyJoints,
     /// Confidences of the body joints.
     BodyConfidences,
+    /// Covariances of the body joints.
+    BodyCovariances,
+    /// Numbers and places of the people.
+    People,
     /// Action of the person.
     Action,
+    /// Surface of the object.
+    Surface,
+    /// Delays of the perception.
+    PerceptionDelays,
     /// Acknowledgement of a stop.
     Acknowledge,
     /// Twist of the base.
@@ -37,28 +46,40 @@ pub enum Topic {
     JointCommands(JointInterface),
     /// Phase and safety state of the loop.
     ControlState,
+    /// Colour images of the camera that sees the people.
+    Colour,
+    /// Depth images, aligned to the colour images.
+    Depth,
+    /// Geometry of the colour images.
+    CameraInfo,
+    /// Colour images of the on-board camera.
+    OnBoardColour,
 }
 
 impl Topic {
     /// Returns the name of the topic.
-    pub fn name(self) -> &'static str {
+    pub fn name(self, names: &TopicNames) -> &str {
         match self {
-            Self::JointStates => "/joint_states",
-            Self::Odometry => "/odom",
-            Self::RobotMode => "/robot_mode",
-            Self::BodyJoints => "/body_joints",
-            Self::BodyConfidences => "/body_confidences",
-            Self::Action => "/action",
-            Self::Acknowledge => "/acknowledge",
-            Self::ControlState => "/control_state",
-            Self::BaseTwist => "/cmd_vel",
-            Self::JointCommands(JointInterface::Effort) => "/forward_effort_controller/commands",
-            Self::JointCommands(JointInterface::Velocity) => {
-                "/forward_velocity_controller/commands"
-            }
-            Self::JointCommands(JointInterface::Position) => {
-                "/forward_position_controller/commands"
-            }
+            Self::JointStates => &names.joint_states,
+            Self::Odometry => &names.odometry,
+            Self::RobotMode => &names.robot_mode,
+            Self::BodyJoints => &names.body_joints,
+            Self::BodyConfidences => &names.body_confidences,
+            Self::BodyCovariances => &names.body_covariances,
+            Self::People => &names.people,
+            Self::Action => &names.action,
+            Self::Surface => &names.surface,
+            Self::PerceptionDelays => &names.perception_delays,
+            Self::Acknowledge => &names.acknowledge,
+            Self::ControlState => &names.control_state,
+            Self::BaseTwist => &names.base_twist,
+            Self::JointCommands(JointInterface::Effort) => &names.effort_commands,
+            Self::JointCommands(JointInterface::Velocity) => &names.velocity_commands,
+            Self::JointCommands(JointInterface::Position) => &names.position_commands,
+            Self::Colour => &names.colour,
+            Self::Depth => &names.depth,
+            Self::CameraInfo => &names.camera_info,
+            Self::OnBoardColour => &names.on_board_colour,
         }
     }
 
@@ -68,10 +89,18 @@ impl Topic {
             Self::JointStates => ("sensor_msgs", "JointState"),
             Self::Odometry => ("nav_msgs", "Odometry"),
             Self::BodyJoints => ("geometry_msgs", "PoseArray"),
-            Self::Action | Self::RobotMode | Self::ControlState => ("std_msgs", "String"),
+            Self::Action | Self::Surface | Self::RobotMode | Self::ControlState => {
+                ("std_msgs", "String")
+            }
+            Self::Colour | Self::Depth | Self::OnBoardColour => ("sensor_msgs", "Image"),
+            Self::CameraInfo => ("sensor_msgs", "CameraInfo"),
             Self::Acknowledge => ("std_msgs", "Empty"),
             Self::BaseTwist => ("geometry_msgs", "TwistStamped"),
-            Self::BodyConfidences | Self::JointCommands(_) => ("std_msgs", "Float64MultiArray"),
+            Self::BodyConfidences
+            | Self::BodyCovariances
+            | Self::People
+            | Self::PerceptionDelays
+            | Self::JointCommands(_) => ("std_msgs", "Float64MultiArray"),
         }
     }
 

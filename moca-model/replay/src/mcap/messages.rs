@@ -54,6 +54,19 @@ impl Message for FrameTransforms {
     const SCHEMA: &'static str = "foxglove.FrameTransforms";
 }
 
+/// State of a loop from this time on.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+pub(super) struct ControlState {
+    /// Kind of state, such as `phase` or `safety`.
+    pub(super) of: String,
+    /// Name of the state, with its cause.
+    pub(super) state: String,
+}
+
+impl Message for ControlState {
+    const SCHEMA: &'static str = "moca.ControlState";
+}
+
 impl Message for JointStates {
     const SCHEMA: &'static str = "moca.JointStates";
 }

@@ -11,6 +11,7 @@ use std::{
 use vision_models::{Camera, DepthImage, file::read_text, read_depth};
 
 use super::format::{CAMERA, CameraFile, EndLine, FrameEntry, INDEX};
+use super::images::{FrameImages, Picture};
 use crate::{error::Error, npy, printable::printable};
 
 /// Interval between checks of a growing folder.
@@ -32,6 +33,36 @@ const LINE_WANTED: &str = concat!(
     r#"a line is such as {"frame":12,"time":0.6,"arrived":0.64}, with "arrived" null where it is not known, "#,
     r#"and the last {"end":{"frames":13}}"#
 );
+
+/// A camera and its place in the world, as `camera.json` of a folder describes it.
+#[derive(Clone, Copy, Debug)]
+pub struct PlacedCamera {
+    /// The camera.
+    pub camera: Camera,
+    /// Size of a unit of its depth images (m).
+    pub depth_scale: f64,
+    /// Stature of the person in front of it (m), if it is known.
+    pub stature: Option<f64>,
+}
+
+impl PlacedCamera {
+    /// Reads the file `camera.json` of a folder.
+    ///
+    /// # Errors
+    /// Names the file, and the expected form.
+    pub fn read(folder: &Path) -> Result<Self, Error> {
+        let path = folder.join(CAMERA);
+        let text = read_text(&path, LARGEST).map_err(Error::read(&path))?;
+        let problem = |problem: String| Error::unfit(path.display(), problem, CAMERA_WANTED);
+        let file: CameraFile =
+            serde_json::from_str(&text).map_err(|error| problem(error.to_string()))?;
+        if !file.is_known() {
+            return Err(problem("it is of another format or version".to_owned()));
+        }
+        let camera = file.camera().map_err(|error| problem(error.to_string()))?;
+        Ok(Self { camera, depth_scale: file.depth_scale, stature: file.stature })
+    }
+}
 
 /// A folder of frames.
 #[derive(Debug)]
@@ -71,21 +102,14 @@ impl FramesReader {
     }
 
     fn begin(folder: &Path, wait: Duration) -> Result<Self, Error> {
-        let path = folder.join(CAMERA);
-        let text = read_text(&path, LARGEST).map_err(Error::read(&path))?;
-        let problem = |problem: String| Error::unfit(path.display(), problem, CAMERA_WANTED);
-        let camera: CameraFile =
-            serde_json::from_str(&text).map_err(|error| problem(error.to_string()))?;
-        if !camera.is_known() {
-            return Err(problem("it is of another format or version".to_owned()));
-        }
+        let PlacedCamera { camera, depth_scale: scale, stature } = PlacedCamera::read(folder)?;
         let index = folder.join(INDEX);
         let file = File::open(&index).map_err(Error::read(&index))?;
         Ok(Self {
             folder: folder.to_owned(),
-            scale: camera.depth_scale,
-            stature: camera.stature,
-            camera: camera.camera().map_err(|error| problem(error.to_string()))?,
+            scale,
+            stature,
+            camera,
             index: BufReader::new(file),
             begun: Vec::new(),
             line: 0,
@@ -183,7 +207,20 @@ impl FramesReader {
 
     /// Returns the path of the on-board camera's image for a frame, which may not exist.
     pub fn surface(&self, entry: &FrameEntry) -> PathBuf {
-        entry.file(&self.folder.join("surface"), "png")
+        entry.file(&self.surfaces(), "png")
+    }
+
+    /// Returns all images of a frame. Colour images stay in their files.
+    ///
+    /// # Errors
+    /// [`Error::Frame`] with the name of a depth image that cannot be used.
+    pub fn images(&self, entry: &FrameEntry) -> Result<FrameImages, Error> {
+        let started = Instant::now();
+        let depth = self.depth(entry).map_err(|error| Error::Frame(Box::new(error)))?;
+        let images = FrameImages::new(*entry, depth, Picture::File(self.colour(entry)));
+        let surface = self.surface(entry);
+        let surface = surface.exists().then_some(Picture::File(surface));
+        Ok(FrameImages { surface, ..images.arrived_at(started) })
     }
 
     /// Returns the folder of the on-board camera's images.

@@ -1,14 +1,10 @@
 //! A network for clips on the newest frames of a camera.
 
-use std::path::Path;
-
 use ndarray::Axis;
-use vision_models::{
-    LinearHead, Preprocessing, SlowOnly, SlowOnlyForm, SlowOnlyStream, read_image,
-};
+use vision_models::{LinearHead, Preprocessing, SlowOnly, SlowOnlyForm, SlowOnlyStream};
 
 use super::clip_classifier::probabilities;
-use crate::error::Error;
+use crate::{error::Error, frames::Picture};
 
 /// Returns the preprocessing of the library from which a SlowOnly comes.
 pub fn preprocessing_of(form: SlowOnlyForm) -> Preprocessing {
@@ -20,7 +16,7 @@ pub fn preprocessing_of(form: SlowOnlyForm) -> Preprocessing {
     }
 }
 
-/// SlowOnly over a sliding window of frames, each an image file.
+/// SlowOnly over a sliding window of frames, each an image.
 #[derive(Debug)]
 pub struct ClipStream {
     stream: SlowOnlyStream,
@@ -49,9 +45,10 @@ impl ClipStream {
     ///
     /// # Errors
     /// Names an image that cannot be used.
-    pub fn push(&mut self, path: &Path) -> Result<Option<Vec<f32>>, Error> {
-        let image = read_image(path)?;
-        let image = self.preprocessing.image(image.view()).map_err(Error::content(path))?;
+    pub fn push(&mut self, image: &Picture) -> Result<Option<Vec<f32>>, Error> {
+        let pixels = image.read()?;
+        let of_image = Error::content(image.name());
+        let image = self.preprocessing.image(pixels.view()).map_err(of_image)?;
         let Some(scores) = self.stream.push(image.index_axis(Axis(0), 0))? else { return Ok(None) };
         probabilities(self.head.as_ref(), &scores, 0).map(Some)
     }

@@ -7,6 +7,7 @@ use vision_models::{Action, ClassNames, Confidence, Intention, RecognisedAction,
 use crate::{
     actions::model::ActionModel,
     error::Error,
+    frames::Picture,
     learning::backbone::{ClipBackbone, Weights},
     networks::clip_stream::{ClipStream, preprocessing_of},
     watch::Watch,
@@ -99,7 +100,7 @@ impl ActionNetwork {
     ///
     /// # Errors
     /// An error if the image cannot be used.
-    pub fn push(&mut self, frame: u64, image: &Path) -> Result<Option<RecognisedAction>, Error> {
+    pub fn push(&mut self, frame: u64, image: &Picture) -> Result<Option<RecognisedAction>, Error> {
         let missed = self.newest.is_some_and(|newest| frame - newest > GAPS * self.interval);
         if missed {
             self.stream.clear();

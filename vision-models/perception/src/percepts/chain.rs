@@ -104,6 +104,11 @@ impl Perceiver {
         PersonBox::around(self.lifter.camera(), &place.floor, stature)
     }
 
+    /// Returns the camera.
+    pub fn camera(&self) -> &Camera {
+        self.lifter.camera()
+    }
+
     /// Returns all people who are followed.
     pub fn people(&self) -> &People {
         &self.people

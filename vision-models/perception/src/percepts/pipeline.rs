@@ -1,4 +1,4 @@
-//! Converts a frame's files to a percept, with the times at which its parts were seen and known.
+//! Converts a frame's images to a percept, with the times at which its parts were seen and known.
 
 use std::time::{Duration, Instant};
 
@@ -16,10 +16,7 @@ use super::{
     sighting::Sightings,
     surface_network::SurfaceNetwork,
 };
-use crate::{
-    error::Error,
-    frames::{format::FrameEntry, reader::FramesReader},
-};
+use crate::{error::Error, frames::FrameImages};
 
 /// Largest age of an action's or a surface's images (s). Older results are not reported.
 const OLDEST: f64 = 2.0;
@@ -59,6 +56,8 @@ pub struct Perceived {
     pub others: Vec<Body>,
     /// Times at which its parts were seen and known.
     pub timing: Timing,
+    /// Time at which its images had arrived, on the clock of the percept (s), if it is known.
+    pub came: Option<f64>,
     /// The posture of the person who works with the robot.
     pub posture: Option<MeasuredAssessment>,
     /// True if the frame was searched for people.
@@ -164,27 +163,21 @@ impl Pipeline {
     /// - [`Error::Frame`] with the file's name, if a file cannot be used. The next frame can then
     ///   be processed.
     /// - Those of [`Perceiver::see`].
-    pub fn perceive(
-        &mut self,
-        reader: &FramesReader,
-        entry: &FrameEntry,
-    ) -> Result<Perceived, Error> {
-        let started = Instant::now();
+    pub fn perceive(&mut self, images: &FrameImages) -> Result<Perceived, Error> {
+        let FrameImages { entry, depth, colour, surface: on_board, arrived: started } = images;
         let known = || entry.arrived.map(|arrived| arrived + started.elapsed().as_secs_f64());
-        let depth = reader.depth(entry).map_err(|error| Error::Frame(Box::new(error)))?;
-        let colour = reader.colour(entry);
         let frame = Frame {
             entry,
-            colour: &colour,
-            depth: &depth,
-            camera: reader.camera(),
+            colour,
+            depth,
+            camera: self.perceiver.camera(),
             expected: self.perceiver.expected(entry.time),
         };
         let people = self.poses.people(&frame).map_err(Error::of_frame)?;
-        self.sightings.push(people.as_deref(), &depth);
+        self.sightings.push(people.as_deref(), depth);
         let mut times = StageTimes { poses: started.elapsed(), ..StageTimes::default() };
         let has_skeletons = people.is_some();
-        self.perceiver.see(entry.time, &people.unwrap_or_default(), &depth)?;
+        self.perceiver.see(entry.time, &people.unwrap_or_default(), depth)?;
         times.tracking = self.perceiver.time_taken();
         let body = self.perceiver.body().cloned();
         let others = self.perceiver.others().cloned().collect();
@@ -194,20 +187,18 @@ impl Pipeline {
         let mut timing = Timing { arrived: known(), ..Timing::default() };
 
         let stamp = || Stamp { captured: Some(entry.time), arrived: known() };
-        let image = reader.surface(entry);
-        if let Some(network) = &mut self.surface
+        if let Some((network, image)) = self.surface.as_mut().zip(on_board.as_ref())
             && entry.frame >= self.next_surface
-            && image.exists()
         {
             let begun = Instant::now();
-            let what = network.recognise(&image).map_err(Error::of_frame)?;
+            let what = network.recognise(image).map_err(Error::of_frame)?;
             self.seen_surface = what.map(|what| Seen { what, stamp: stamp() });
             self.next_surface = entry.frame.saturating_add(self.surface_interval);
             times.surface = Some(begun.elapsed());
         }
         if let Some(network) = self.action.as_mut().filter(|network| network.wants(entry.frame)) {
             let begun = Instant::now();
-            if let Some(what) = network.push(entry.frame, &colour).map_err(Error::of_frame)? {
+            if let Some(what) = network.push(entry.frame, colour).map_err(Error::of_frame)? {
                 self.seen_action = Some(Seen { what, stamp: stamp() });
                 times.action = Some(begun.elapsed());
             }
@@ -223,7 +214,15 @@ impl Pipeline {
             surface: surface.map(|seen| seen.what),
         };
         times.whole = started.elapsed();
-        Ok(Perceived { percept, others, timing, posture, has_skeletons, times })
+        Ok(Perceived {
+            percept,
+            others,
+            timing,
+            came: entry.arrived,
+            posture,
+            has_skeletons,
+            times,
+        })
     }
 
     /// Returns the posture of the engaged person, filtered from frame to frame. The filter restarts

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use vision_models::{
     BlazePose, BlazePoseSettings, GroupingSettings, ImageBody, NetworkKind, OpenPose, Options,
-    Passes, PersonBox, SimpleBaseline, TensorFlowLite, read_image,
+    Passes, PersonBox, SimpleBaseline, TensorFlowLite,
 };
 
 use super::pose_source::{Frame, PoseSource};
@@ -108,14 +108,14 @@ impl PoseNetwork {
 
 impl PoseSource for PoseNetwork {
     fn people(&mut self, frame: &Frame<'_>) -> Result<Option<Vec<ImageBody>>, Error> {
-        let image = read_image(frame.colour)?;
+        let image = frame.colour.read()?;
         let (rows, columns, _) = image.dim();
         let size = frame.depth.size();
         if [columns, rows] != size {
             let [width, height] = size;
             let found =
                 format!("{columns} × {rows} pixels, but the depth image has {width} × {height}");
-            return Err(Error::at(frame.colour.display(), found));
+            return Err(Error::at(frame.colour.name().display(), found));
         }
         match &mut self.network {
             Network::OpenPose(network) => {

@@ -9,7 +9,10 @@ use vision_models::{
     Camera, DepthImage, ImageBody, JointFrame, PersonBox, file::read_bytes, is_hidden,
 };
 
-use crate::{error::Error, frames::format::FrameEntry};
+use crate::{
+    error::Error,
+    frames::{FrameEntry, Picture},
+};
 
 /// Largest skeleton file that is read (bytes).
 const LARGEST: u64 = 16 << 20;
@@ -19,8 +22,8 @@ const LARGEST: u64 = 16 << 20;
 pub struct Frame<'a> {
     /// Number and times.
     pub entry: &'a FrameEntry,
-    /// File of the colour image.
-    pub colour: &'a Path,
+    /// The colour image.
+    pub colour: &'a Picture,
     /// The depth image.
     pub depth: &'a DepthImage,
     /// The camera.

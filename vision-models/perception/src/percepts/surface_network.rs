@@ -2,12 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use vision_models::{
-    Confidence, RecognisedSurface, ResNet, ResNetDepth, Surface, read_image, softmax,
-};
+use vision_models::{Confidence, RecognisedSurface, ResNet, ResNetDepth, Surface, softmax};
 
 use crate::{
     error::Error,
+    frames::Picture,
     learning::backbone::{ImageBackbone, Weights},
     networks::decider::Decider,
     surface::{features::PREPROCESSING, model::SurfaceModel},
@@ -88,13 +87,13 @@ impl SurfaceNetwork {
         Ok(Self { network, decider, surfaces })
     }
 
-    /// Recognises the surface in an image file. The confidence of an SVM is the logistic function
+    /// Recognises the surface in an image. The confidence of an SVM is the logistic function
     /// of its decision value. It orders images, but is no measured probability.
     ///
     /// # Errors
     /// An error if the image cannot be used.
-    pub fn recognise(&mut self, image: &Path) -> Result<Option<RecognisedSurface>, Error> {
-        let image = PREPROCESSING.image(read_image(image)?.view())?;
+    pub fn recognise(&mut self, image: &Picture) -> Result<Option<RecognisedSurface>, Error> {
+        let image = PREPROCESSING.image(image.read()?.view())?;
         let scores = self.network.infer(image.view())?;
         let features = scores.features.row(0);
         let of = |probabilities: &[f32]| {
