@@ -10,7 +10,7 @@ use moca_drivers::ros2::{Ros2People, SeenPeople};
 use moca_model::CameraFrame;
 use moca_model::whole_body::control_loop::{Clock, MonotonicClock};
 #[cfg(feature = "ros2")]
-use vision_models::Percept;
+use vision_models::{People, Percept};
 
 use super::attendant::Attendant;
 
@@ -32,10 +32,11 @@ pub fn recorded(attendant: &mut Attendant<'_>, ended: &AtomicBool, mut clock: Mo
     }
 }
 
-/// A camera of another node on the ROS 2 graph.
+/// A camera of another node on the ROS 2 graph. Frames without ids get those of `tracker`.
 #[cfg(feature = "ros2")]
 pub fn seen_by_others(
     people: &Ros2People,
+    mut tracker: People,
     attendant: &mut Attendant<'_>,
     ended: &AtomicBool,
     clock: MonotonicClock,
@@ -46,11 +47,14 @@ pub fn seen_by_others(
         if people.acknowledgements.try_recv().is_ok() {
             attendant.acknowledge();
         }
-        let Ok(SeenPeople { taken, body, others, action }) = people.seen.recv_timeout(WAKES) else {
+        let Ok(SeenPeople { taken, body, mut others, action }) = people.seen.recv_timeout(WAKES)
+        else {
             continue;
         };
         let age = taken.elapsed().map_or(0.0, |age| age.as_secs_f64());
-        let percept = Percept { time: clock.now() - age, body, action, surface: None };
+        let mut percept = Percept { time: clock.now() - age, body, action, surface: None };
+        // The controller refuses a frame out of order.
+        let _ = tracker.identify(&mut percept, &mut others);
         attendant.see(CameraFrame::from(percept).with_others(&others));
     }
 }

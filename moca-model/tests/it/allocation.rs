@@ -10,7 +10,7 @@ use moca_model::{
 use nalgebra::{Matrix3, Point3, Vector3};
 use vision_models::{Action, Body, Body25, Confidence, Keypoint, Percept, RecognisedAction, Tool};
 
-use crate::drive::{Drive, body, loop_controller, percept};
+use crate::drive::{Drive, loop_controller, others, percept};
 
 /// The number of allocations of `action` on this thread.
 fn allocations(action: impl FnOnce()) -> u64 {
@@ -105,7 +105,7 @@ fn a_tick_of_the_controller_allocates_nothing() {
 fn frames_of_several_people_allocate_nothing() {
     let (mut law, frames, measured) = loop_controller();
     let mut command = JointCommand::at_rest(&measured);
-    let others = [6.0, 8.0].map(body);
+    let others = others(&[6.0, 8.0]);
     let counted = allocation_counter::measure(|| {
         for tick in 0..200_u32 {
             let now = f64::from(tick) * 1e-3;

@@ -14,7 +14,9 @@ use moca_model::{
     SimulatedRobot, TorqueController, TorqueLoopSettings,
 };
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
-use vision_models::{Action, Body, Body25, Confidence, Keypoint, Percept, RecognisedAction};
+use vision_models::{
+    Action, Body, Body25, Confidence, Keypoint, Percept, PersonId, RecognisedAction,
+};
 
 use crate::shared::MOCA;
 
@@ -37,6 +39,12 @@ pub(crate) fn body(x: f64) -> Body {
         body.set(joint, Some(Keypoint { position, confidence: Confidence::ONE }));
     }
     body
+}
+
+/// Returns people at these places, each with their own id.
+pub(crate) fn others(places: &[f64]) -> Vec<Body> {
+    let people = (1..).zip(places);
+    people.map(|(number, &x)| body(x).with_id(PersonId::new(number))).collect()
 }
 
 pub(crate) fn percept(time: f64, person: Option<f64>) -> Percept {
@@ -131,8 +139,7 @@ impl Drive {
     /// Takes a camera frame of the present scene and returns the controller's result.
     pub(crate) fn see(&mut self) -> Result<(), Error> {
         let percept = percept((self.stamp)(self.time()), self.person);
-        let others: Vec<_> = self.others.iter().map(|&x| body(x)).collect();
-        self.controller.observe_people(&percept, &others)
+        self.controller.observe_people(&percept, &others(&self.others))
     }
 
     /// Makes a period with the true configuration as the measurement.

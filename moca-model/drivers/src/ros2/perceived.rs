@@ -3,7 +3,7 @@
 use std::time::SystemTime;
 
 use nalgebra::Point3;
-use vision_models::{Action, Body, Body25, Confidence, Keypoint, RecognisedAction};
+use vision_models::{Action, Body, Body25, Confidence, Keypoint, PersonId, RecognisedAction};
 
 use super::WORLD_FRAME;
 use super::measurements::check_frame;
@@ -14,7 +14,7 @@ use super::stamps::Stamps;
 /// Time for which a published action stays valid \[s\].
 const ACTION_HOLDS: f64 = 1.0;
 
-/// People that another program's camera has seen.
+/// People that another program's camera has seen, with ids if it tracks people.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SeenPeople {
     /// Time at which the camera took the frame.
@@ -31,8 +31,8 @@ pub struct SeenPeople {
 #[derive(Clone, Debug)]
 pub struct Perceived {
     stamps: Stamps,
-    /// Confidences of the joints of the body with this stamp.
-    confidences: Option<(Time, Vec<Confidence>)>,
+    /// Confidences of the joints of the bodies with this stamp, and the ids of these people.
+    confidences: Option<(Time, Vec<Confidence>, Vec<Option<PersonId>>)>,
     action: Option<(RecognisedAction, SystemTime)>,
 }
 
@@ -62,12 +62,15 @@ impl Perceived {
         let known = self
             .confidences
             .as_ref()
-            .filter(|(stamp, of)| *stamp == poses.header.stamp && of.len() == poses.poses.len());
+            .filter(|(stamp, of, _)| *stamp == poses.header.stamp && of.len() == found);
         let sure = known.is_some();
-        let confidences: &[Confidence] = known.map_or(&[], |(_, of)| of);
-        let mut confidences = confidences.chunks(expected);
-        let people = poses.poses.chunks_exact(expected);
-        let people = people.map(|poses| body(poses, confidences.next().unwrap_or_default()));
+        let (confidences, ids): (&[_], &[_]) = known.map_or((&[], &[]), |(_, of, ids)| (of, ids));
+        let (mut confidences, mut ids) = (confidences.chunks(expected), ids.iter().copied());
+        let people = poses.poses.chunks_exact(expected).map(|poses| {
+            let body = body(poses, confidences.next().unwrap_or_default());
+            let id = ids.next().flatten();
+            body.map(|body| body.map(|body| body.with_id(id)))
+        });
         let mut people = people.collect::<Result<Vec<_>, _>>()?.into_iter();
         let (body, others) = (people.next().flatten(), people.flatten().collect());
         let age = self.stamps.admit(poses.header.stamp, now)?;
@@ -82,8 +85,8 @@ impl Perceived {
         Ok(SeenPeople { taken, body, others, action })
     }
 
-    /// Takes the confidences of body joints: their stamp \[s, ns\], then a number from 0 to 1 for each pose. They must
-    /// come before the body joints.
+    /// Takes the confidences of body joints: their stamp \[s, ns\], then a number from 0 to 1 for each pose. A source that
+    /// tracks people adds the id of each person, NaN for none. They must come before the body joints.
     ///
     /// # Errors
     /// Why the confidences are refused; those before are then kept.
@@ -91,6 +94,9 @@ impl Perceived {
         let (what, found, expected) = ("body confidences", message.data.len(), 2 + Body25::COUNT);
         let size = Refusal::Size { what, found, expected };
         let ([sec, nanosec], values) = message.data.split_first_chunk().ok_or(size.clone())?;
+        let with_id = Body25::COUNT + 1;
+        let ids = if values.len() % with_id == 0 { values.len() / with_id } else { 0 };
+        let (values, ids) = values.split_at(values.len() - ids);
         if values.is_empty() || values.len() % Body25::COUNT != 0 {
             return Err(size);
         }
@@ -98,10 +104,11 @@ impl Perceived {
             Confidence::new(*value).map_err(|_| Refusal::Confidence { value: *value })
         };
         let values = values.iter().map(confidence).collect::<Result<_, _>>()?;
+        let ids = ids.iter().copied().map(id).collect::<Result<_, _>>()?;
         // The conversion saturates: an invalid stamp matches no body.
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "as above")]
         let stamp = Time { sec: *sec as i32, nanosec: *nanosec as u32 };
-        self.confidences = Some((stamp, values));
+        self.confidences = Some((stamp, values, ids));
         Ok(())
     }
 
@@ -115,6 +122,15 @@ impl Perceived {
         self.action = Some((RecognisedAction { action, confidence: Confidence::ONE }, now));
         Ok(())
     }
+}
+
+/// Returns the id of a person; `None` for NaN.
+fn id(value: f64) -> Result<Option<PersonId>, Refusal> {
+    // Doubles hold whole numbers up to 2⁵³.
+    let is_whole = (0.0..=9_007_199_254_740_992.0).contains(&value) && value.fract() == 0.0;
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked above")]
+    let id = is_whole.then(|| PersonId::new(value as u64));
+    if id.is_some() || value.is_nan() { Ok(id) } else { Err(Refusal::Id { value }) }
 }
 
 /// Returns the body with these joints; `None` if no joint was seen. Joints of unknown confidence count as seen.

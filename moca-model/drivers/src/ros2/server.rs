@@ -220,14 +220,17 @@ impl Ros2Server {
             return;
         }
         let nobody = Body::default();
-        let people = std::iter::once(percept.body.as_ref().unwrap_or(&nobody)).chain(others);
+        let people = || std::iter::once(percept.body.as_ref().unwrap_or(&nobody)).chain(others);
         let unseen = Vector3 { x: f64::NAN, y: f64::NAN, z: f64::NAN };
-        let keypoints: Vec<_> = people.flat_map(Body::keypoints).collect();
+        let keypoints: Vec<_> = people().flat_map(Body::keypoints).collect();
         let stamp: Time = SystemTime::now().into();
         let confidences = keypoints
             .iter()
             .map(|keypoint| keypoint.map_or(0.0, |keypoint| keypoint.confidence.value()));
-        let data = [f64::from(stamp.sec), f64::from(stamp.nanosec)].into_iter().chain(confidences);
+        #[expect(clippy::cast_precision_loss, reason = "ids count people")]
+        let ids = people().map(|body| body.id().map_or(f64::NAN, |id| id.number() as f64));
+        let stamped = [f64::from(stamp.sec), f64::from(stamp.nanosec)];
+        let data = stamped.into_iter().chain(confidences).chain(ids);
         let layout = MultiArrayLayout::default();
         let _ = self.confidences.publish(Float64MultiArray { layout, data: data.collect() });
         let poses = keypoints.into_iter().map(|keypoint| {

@@ -93,8 +93,8 @@ impl Walk {
         draw: &mut ChaCha8Rng,
     ) -> Result<Scenario, Error> {
         let person = Person::new(map.stature())?;
-        let mut scenario = Scenario::new(self.percepts.clone(), &person, map.clone())?;
-        scenario.others.clone_from(&self.others);
+        let mut scenario = Scenario::new(self.percepts.clone(), &person, map.clone())?
+            .among(self.others.clone())?;
         scenario.arrivals.clone_from(&self.arrivals);
         scenario.truth.clone_from(&self.motion);
         (scenario.ergonomics, _) = map.fit(&FIT)?;

@@ -10,7 +10,7 @@ use moca_model::{
 };
 use moca_replay::recorded::Recorder;
 use percept_recording::{Timing, arrivals};
-use vision_models::{Body, Percept, Surface};
+use vision_models::{Body, People, PeopleSettings, Percept, Surface, TrackerSettings};
 
 use super::true_person::TrueMotion;
 use crate::Error;
@@ -120,11 +120,17 @@ impl Scenario {
         self
     }
 
-    /// Sets the other people in view, frame by frame.
-    #[must_use]
-    pub fn among(mut self, others: Vec<Vec<Body>>) -> Self {
+    /// Sets the other people in view, frame by frame. Frames without ids get those of [`People`].
+    ///
+    /// # Errors
+    /// Percepts out of order.
+    pub fn among(mut self, others: Vec<Vec<Body>>) -> Result<Self, Error> {
         self.others = others;
-        self
+        let mut people = People::new(PeopleSettings::default(), TrackerSettings::default())?;
+        for (percept, others) in self.percepts.iter_mut().zip(&mut self.others) {
+            people.identify(percept, others)?;
+        }
+        Ok(self)
     }
 
     /// The other people in view of a frame.

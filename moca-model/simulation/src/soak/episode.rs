@@ -9,7 +9,7 @@ use moca_model::{Controller, ControllerSettings, Goal, GraspedObject, MOCA_HOME,
 use nalgebra::{Matrix3, Vector2, Vector3};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
-use vision_models::{Body, Percept, Tool};
+use vision_models::{Body, Percept, PersonId, Tool};
 
 use super::disturbance::{Disturbance, Disturbances};
 use super::monitor::{Monitor, Tick};
@@ -111,7 +111,8 @@ impl Episode {
             passers_by.push(Witnessed::new(Wanderer::passing_by(streams(0), robot)));
             let camera = CameraSettings { drop: 0.0, ..camera };
             let eyes = [streams(1), streams(2)];
-            cameras.push(Perception::new(camera, 0.0, Tool::Drill, eyes));
+            let id = PersonId::new(1 + number);
+            cameras.push(Perception::new(id, camera, 0.0, Tool::Drill, eyes));
         }
         let period = settings.period;
         let mut monitor = Monitor::new(model, &settings, &start)?;
@@ -122,7 +123,7 @@ impl Episode {
         Ok(Self {
             monitor,
             person: Witnessed::new(Wanderer::new(generator(seed, Stream::Person), robot)),
-            perception: Perception::new(camera, 0.0, Tool::Drill, eyes),
+            perception: Perception::new(PersonId::new(0), camera, 0.0, Tool::Drill, eyes),
             passers_by,
             cameras,
             frames_of_passers_by: VecDeque::new(),

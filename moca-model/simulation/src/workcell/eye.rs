@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use human_perception::random;
-use vision_models::{Body, Percept, Tool};
+use vision_models::{Body, Percept, PersonId, Tool};
 
 use super::faults::Faults;
 use crate::people::{CameraSettings, FRAME_RATE, Perception, Person, Transport};
@@ -33,7 +33,7 @@ impl Eye {
         let faults = Faults::default();
         let perception = |stream, camera| {
             let eyes = [stream, stream + 1].map(|stream| random::generator(seed, stream));
-            Perception::new(camera, 0.0, Tool::Drill, eyes)
+            Perception::new(PersonId::new(stream), camera, 0.0, Tool::Drill, eyes)
         };
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at least 1")]
         let interval = (1.0 / (FRAME_RATE * period)).round().max(1.0) as u64;
