@@ -65,15 +65,13 @@ impl Walk {
                 Some(film) => film.see(percept)?,
                 None => percept,
             };
-            // Frames do not overtake each other.
-            if percept.is_some() {
-                others.push(film.as_ref().map(FilmedPerson::others).unwrap_or_default());
-            }
-            transport.send(percept, 0.0);
+            let others = film.as_ref().map(FilmedPerson::others).unwrap_or_default();
+            transport.send(percept.map(|percept| (percept, others)), 0.0);
         }
-        for (at, percept) in transport {
+        for (at, (percept, seen)) in transport {
             arrivals.push(at);
             percepts.push(percept);
+            others.push(seen);
         }
         // The robot starts when the first frame has arrived.
         if let (Some(arrival), Some(first)) = (arrivals.first_mut(), percepts.first()) {

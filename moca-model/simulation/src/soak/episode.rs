@@ -1,7 +1,5 @@
 //! One robot, one controller, a person and passers-by, for some seconds.
 
-use std::collections::VecDeque;
-
 use ergo_map::ErgonomicsQuadratic;
 use human_perception::random;
 use moca_model::whole_body::Model;
@@ -47,9 +45,6 @@ const DROP: f64 = 0.1;
 const PASSERS_BY: u64 = 2;
 const STREAMS: u64 = 3;
 
-/// Time for which the frames of passers-by are kept \[s\]. None arrives later.
-const LATEST: f64 = 2.0;
-
 fn generator(seed: u64, stream: Stream) -> ChaCha8Rng {
     random::generator(seed, stream as u64)
 }
@@ -64,8 +59,6 @@ pub(super) struct Episode {
     passers_by: Vec<Witnessed>,
     /// The camera, for each of them.
     cameras: Vec<Perception>,
-    /// What the camera saw of them, and at which tick.
-    frames_of_passers_by: VecDeque<(usize, Vec<Body>)>,
     transport: Transport,
     task: Task,
     disturbances: Disturbances,
@@ -126,7 +119,6 @@ impl Episode {
             perception: Perception::new(PersonId::new(0), camera, 0.0, Tool::Drill, eyes),
             passers_by,
             cameras,
-            frames_of_passers_by: VecDeque::new(),
             transport: Transport::new(generator(seed, Stream::Transport)),
             task: Task::new(generator(seed, Stream::Task)),
             disturbances: Disturbances::new(generator(seed, Stream::Disturbances), drive),
@@ -177,8 +169,8 @@ impl Episode {
         }
         self.advance_disturbances(now)?;
         self.look(now);
-        while let Some(percept) = self.transport.arrived(now) {
-            self.receive(percept, now)?;
+        while let Some((percept, others)) = self.transport.arrived(now) {
+            self.receive(percept, &others, now)?;
         }
         if self.has_tasks {
             self.task.advance(now, self.plant.controller_mut().space_mut(), &hand)?;
@@ -248,8 +240,8 @@ impl Episode {
         Ok(())
     }
 
-    /// Gives the controller a frame, or what has become of it.
-    fn receive(&mut self, percept: Percept, now: f64) -> Result<(), Error> {
+    /// Gives the controller a frame with passers-by, or what has become of it.
+    fn receive(&mut self, percept: Percept, others: &[Body], now: f64) -> Result<(), Error> {
         let disturbance = self.disturbances.present(now);
         let is_seen = percept.body.is_some()
             && !disturbance.is_some_and(|(disturbance, _)| disturbance.hides_the_person());
@@ -258,11 +250,7 @@ impl Episode {
         if is_seen {
             self.person.show(tick, &error);
         }
-        let passers_by = self.frames_of_passers_by.iter().find(|(taken, _)| *taken == tick);
-        let others: Vec<_> = passers_by
-            .into_iter()
-            .flat_map(|(_, bodies)| bodies.iter().map(|body| body.transformed(&error)))
-            .collect();
+        let others: Vec<_> = others.iter().map(|body| body.transformed(&error)).collect();
         for frame in self.disturbances.frames(percept) {
             let others = if frame.time == time { &others[..] } else { &[] };
             let taken = self.plant.observe_people(&frame, others);
@@ -299,11 +287,7 @@ impl Episode {
         let seen = others.filter_map(|(other, camera)| {
             camera.look(now, other.person.person(), true).and_then(|percept| percept.body)
         });
-        self.frames_of_passers_by.push_back((self.tick, seen.collect()));
-        let oldest = self.tick.saturating_sub(ticks(LATEST, self.period));
-        while self.frames_of_passers_by.front().is_some_and(|(taken, _)| *taken < oldest) {
-            self.frames_of_passers_by.pop_front();
-        }
+        let others = seen.collect();
         let person = &self.person.person;
         let mut percept = self.perception.look(now, person.person(), person.is_in_view());
         if let Some(percept) = &mut percept {
@@ -316,7 +300,8 @@ impl Episode {
             });
             percept.body = percept.body.take().filter(|_| self.seen_whole);
         }
-        self.transport.send(percept, self.disturbances.delay());
+        let frame = percept.map(|percept| (percept, others));
+        self.transport.send(frame, self.disturbances.delay());
     }
 
     /// The first tick with something wrong.

@@ -143,9 +143,9 @@ proptest! {
         while now < time + 0.2 {
             while let Some((time, lost)) = to_send.next_if(|(time, _)| *time <= now) {
                 let percept = Percept { time, body: None, action: None, surface: None };
-                transport.send((!lost).then_some(percept), 0.0);
+                transport.send((!lost).then_some((percept, Vec::new())), 0.0);
             }
-            while let Some(percept) = transport.arrived(now) {
+            while let Some((percept, _)) = transport.arrived(now) {
                 let late = now - percept.time;
                 prop_assert!((0.02..=0.09 + PERIOD).contains(&late), "{late} s");
                 arrived.push(percept.time);
