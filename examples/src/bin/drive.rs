@@ -332,8 +332,7 @@ impl Options {
             writeln!(session.output(), "a robot on ROS 2; Ctrl-C ends it")?;
             session.output().flush()?;
             let interrupt = session.interrupt().clone();
-            server
-                .serve(period, &scenario.camera_frames(), &mut clock, || interrupt.requested())?;
+            server.serve(period, &scenario.scenes(), &mut clock, || interrupt.requested())?;
             for topic in &server.statistics() {
                 writeln!(session.output(), "{}", TopicReport::from(topic))?;
             }

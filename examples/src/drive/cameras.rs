@@ -7,7 +7,7 @@ use std::time::Duration;
 #[cfg(feature = "ros2")]
 use moca_drivers::ros2::{Ros2People, SeenPeople};
 #[cfg(feature = "ros2")]
-use moca_model::CameraFrame;
+use moca_model::Scene;
 use moca_model::whole_body::control_loop::{Clock, MonotonicClock};
 #[cfg(feature = "ros2")]
 use vision_models::{People, Percept};
@@ -55,6 +55,6 @@ pub fn seen_by_others(
         let mut percept = Percept { time: clock.now() - age, body, action, surface: None };
         // The controller refuses a frame out of order.
         let _ = tracker.identify(&mut percept, &mut others);
-        attendant.see(CameraFrame::from(percept).with_others(&others));
+        attendant.see(Scene::from(percept).with_others(&others));
     }
 }

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
-use moca_model::CameraFrame;
+use moca_model::Scene;
 use moca_replay::report::{MOCA_COLUMNS, RunLog, TickRow, TickTable, figure};
 use percept_recording::{Header, Timing, Writer};
 
@@ -47,7 +47,7 @@ impl Records {
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn see(&mut self, frame: &CameraFrame) -> Result<()> {
+    pub fn see(&mut self, frame: &Scene) -> Result<()> {
         let time = frame.percept.time;
         if self.last.is_none_or(|last| time > last + APART) {
             self.last = Some(time);

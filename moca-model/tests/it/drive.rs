@@ -10,7 +10,7 @@ use moca_model::whole_body::control_loop::JointMeasurement;
 use moca_model::whole_body::torque::Compensation;
 use moca_model::whole_body::{Data, Model};
 use moca_model::{
-    AnswerDelay, CameraFrame, Controller, ControllerSettings, Error, LoopController, MOCA_HOME,
+    AnswerDelay, Controller, ControllerSettings, Error, LoopController, MOCA_HOME, Scene,
     SimulatedRobot, TorqueController, TorqueLoopSettings,
 };
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
@@ -58,14 +58,14 @@ pub(crate) fn doing(action: Action, time: f64, person: Option<f64>) -> Percept {
 
 /// Returns a controller that takes frames from another thread, the sender of the frames, and joints at rest. The robot
 /// is assumed to respond without delay.
-pub(crate) fn loop_controller() -> (LoopController, SyncSender<CameraFrame>, JointMeasurement) {
+pub(crate) fn loop_controller() -> (LoopController, SyncSender<Scene>, JointMeasurement) {
     loop_controller_of(AnswerDelay::Known(0.0))
 }
 
 /// Returns the same for a robot with this response delay.
 pub(crate) fn loop_controller_of(
     delay: AnswerDelay,
-) -> (LoopController, SyncSender<CameraFrame>, JointMeasurement) {
+) -> (LoopController, SyncSender<Scene>, JointMeasurement) {
     let controller = Drive::new().controller;
     let settings = TorqueLoopSettings { delay, ..TorqueLoopSettings::new(Compensation::BARE) };
     let controller = TorqueController::new(controller, settings).unwrap();

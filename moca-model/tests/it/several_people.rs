@@ -136,7 +136,7 @@ fn working_person_stops_counting_as_another() {
 /// Frames come from another thread.
 mod from_another_thread {
     use hrsw_safety::SafetyState;
-    use moca_model::CameraFrame;
+    use moca_model::Scene;
     use moca_model::whole_body::control_loop::{ControlLaw, JointCommand};
 
     use super::{Drive, percept};
@@ -148,7 +148,7 @@ mod from_another_thread {
         for tick in 0..150_u32 {
             let now = f64::from(tick) * 1e-3;
             let bodies = crate::drive::others(others);
-            let frame = CameraFrame::from(percept(now, None)).with_others(&bodies);
+            let frame = Scene::from(percept(now, None)).with_others(&bodies);
             assert_eq!(frame.others(), &bodies[..bodies.len().min(5)]);
             frames.send(frame).unwrap();
             law.step(now, &measured, &mut command).unwrap();

@@ -5,7 +5,7 @@ use human_perception::percepts::PostureSettings;
 use moca_model::whole_body::Model;
 use moca_model::whole_body::torque::Compensation;
 use moca_model::{
-    BoxSide, CameraFrame, ControllerSettings, GraspedObject, MOCA_HOME, SpaceSettings,
+    BoxSide, ControllerSettings, GraspedObject, MOCA_HOME, Scene, SpaceSettings,
     TorqueLoopSettings, WorkFace, moca, moca_safety,
 };
 use moca_replay::recorded::Recorder;
@@ -139,10 +139,10 @@ impl Scenario {
     }
 
     /// The camera frames with everybody in view.
-    pub fn camera_frames(&self) -> Vec<CameraFrame> {
+    pub fn scenes(&self) -> Vec<Scene> {
         let frames = self.percepts.iter().enumerate();
         let frame = |(index, percept): (usize, &Percept)| {
-            CameraFrame::from(percept.clone()).with_others(self.others(index))
+            Scene::from(percept.clone()).with_others(self.others(index))
         };
         frames.map(frame).collect()
     }

@@ -25,7 +25,7 @@ struct Bystander {
 }
 
 impl Bystander {
-    /// Who stands on the floor at `from` \[m\], or walks along `way` at 1.2 m/s.
+    /// Creates a person who stands on the floor at `from` \[m\], or walks along `way` at 1.2 m/s.
     fn new(id: u64, from: [f64; 2], way: Option<[f64; 2]>) -> Self {
         let [x, y] = way.unwrap_or([-1.0, 0.0]);
         let mut led = LedPerson::new(1.75, Point2::from(from), y.atan2(x)).unwrap();

@@ -115,7 +115,7 @@ fn others_in_a_recording_are_kept_away_from() {
         (old.collect(), others.iter().map(|bodies| bodies.iter().map(bare).collect()));
     for (percepts, others) in [(old, of_old.collect()), (late, others)] {
         let late = Scenario { percepts, ..shipped() }.among(others).unwrap();
-        let frames = late.camera_frames();
+        let frames = late.scenes();
         assert_eq!((frames[0].others(), &frames[0].percept), (late.others(0), &late.percepts[0]));
         let late = play(&late, Goal::Ergonomics);
         assert_sound(&late, "the person is one of the others at first");
