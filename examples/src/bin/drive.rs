@@ -343,7 +343,7 @@ impl Options {
             RobotJoints::moca(),
             self.interface.into(),
         )?;
-        let tracker = People::new(PeopleSettings::default(), TrackerSettings::default())?;
+        let tracker = People::new(PeopleSettings::untracked(), TrackerSettings::default())?;
         let driven = self.drive(session, scenario, &mut robot, clock, |attendant, ended, clock| {
             seen_by_others(&people, tracker, attendant, ended, clock);
         });

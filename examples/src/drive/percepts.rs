@@ -62,7 +62,7 @@ pub fn watch_percepts(
 /// Reads a recording to its end, or until nobody takes its frames any more. Frames without ids get those of [`People`].
 fn read(file: File, to: &SyncSender<(SystemTime, Scene)>) -> Result<()> {
     let mut reader = Reader::new(BufReader::new(file))?;
-    let mut people = People::new(PeopleSettings::default(), TrackerSettings::default())?;
+    let mut people = People::new(PeopleSettings::untracked(), TrackerSettings::default())?;
     while let Some(percept) = reader.next() {
         let (mut percept, mut others) = (percept?, reader.others().to_vec());
         people.identify(&mut percept, &mut others)?;

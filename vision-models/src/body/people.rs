@@ -94,8 +94,9 @@ impl People {
     }
 
     /// Gives ids to the person of a percept and to the `others` of its frame, if their source has
-    /// none. A body that cannot be followed stays without an id. While one person is alone, there
-    /// is nobody to confuse them with, and they get no id.
+    /// none. The settings are best [`PeopleSettings::untracked`]. A body that cannot be followed
+    /// stays without an id. While one person is alone, there is nobody to confuse them with, and
+    /// they get no id.
     ///
     /// # Errors
     /// Those of [`update`](Self::update).

@@ -126,7 +126,7 @@ impl Scenario {
     /// Percepts out of order.
     pub fn among(mut self, others: Vec<Vec<Body>>) -> Result<Self, Error> {
         self.others = others;
-        let mut people = People::new(PeopleSettings::default(), TrackerSettings::default())?;
+        let mut people = People::new(PeopleSettings::untracked(), TrackerSettings::default())?;
         for (percept, others) in self.percepts.iter_mut().zip(&mut self.others) {
             people.identify(percept, others)?;
         }

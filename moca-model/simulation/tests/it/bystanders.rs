@@ -198,3 +198,19 @@ fn crossing_people_keep_ids_and_speeds() {
     assert!(nearest < 0.35, "they pass at {nearest} m");
     assert!(measured > 300, "{measured} measured velocities");
 }
+
+/// Somebody who appears beside a person who vanishes is somebody else.
+#[test]
+fn vanished_people_are_not_replaced_by_neighbours() {
+    let mut tracker = People::new(PeopleSettings::untracked(), TrackerSettings::default()).unwrap();
+    let mut people = [0.0, 0.4].map(|y| Bystander::new(1, [3.0, y], None));
+    let mut ids = Vec::new();
+    for frame in 0..40_u32 {
+        let time = 0.05 * f64::from(frame);
+        let mut seen = [people[usize::from(frame >= 20)].look(time).with_id(None)];
+        tracker.identify(&mut nobody(time), &mut seen).unwrap();
+        ids.push(seen[0].id().unwrap());
+    }
+    assert!(ids[..20].iter().all(|id| *id == ids[0]), "{ids:?}");
+    assert!(ids[20..].iter().all(|id| *id == ids[20]) && ids[20] != ids[0], "{ids:?}");
+}
