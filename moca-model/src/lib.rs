@@ -49,7 +49,6 @@
 //!
 //! This is not safety-rated software.
 
-mod camera_frame;
 mod command;
 mod controller;
 mod dynamic_robot;
@@ -62,6 +61,7 @@ mod interaction;
 mod loop_controller;
 mod motion_limits;
 mod robot;
+mod scene;
 #[cfg(feature = "serde")]
 mod serial;
 mod settings;
@@ -71,7 +71,6 @@ mod singularity;
 mod stack;
 mod torque;
 
-pub use camera_frame::CameraFrame;
 pub use command::{BaseMotion, Command, DriveReason, Outcome};
 pub use controller::Controller;
 pub use dynamic_robot::{DynamicRobot, DynamicRobotSettings};
@@ -90,6 +89,7 @@ pub use robot::moca::{
     MOCA_URDF, MOCA_WHEEL_LEVER, MOCA_WHEEL_SPEED, moca, moca_description,
 };
 pub use robot::moca_safety::moca_safety;
+pub use scene::Scene;
 pub use settings::{ControllerSettings, DesiredMotion, Goal, SpaceSettings};
 pub use shared_space::SharedSpace;
 pub use simulation::SimulatedRobot;

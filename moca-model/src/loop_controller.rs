@@ -7,10 +7,10 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use hrsw_safety::Fault;
 use whole_body::control_loop::{ControlLaw, JointCommand, JointMeasurement, RobotStatus};
 
-use crate::camera_frame::CameraFrame;
 use crate::error::Error;
 use crate::grasped_object::GraspedObject;
 use crate::gripping::{GripTime, Gripping};
+use crate::scene::Scene;
 use crate::torque::start::Start;
 use crate::torque::{LONGEST_INTERVAL, Measured, TorqueController};
 
@@ -47,7 +47,7 @@ const REFUSED: u32 = 20;
 /// let controller = Controller::new(moca()?, ergonomics, ControllerSettings::default(), &MOCA_HOME)?;
 /// let controller = TorqueController::new(controller, TorqueLoopSettings::new(Compensation::BARE))?;
 /// let (mut law, frames) = LoopController::new(controller);
-/// // The thread of the camera: frames.try_send(CameraFrame::from(percept)). The loop, each millisecond:
+/// // The thread of the camera: frames.try_send(Scene::from(percept)). The loop, each millisecond:
 /// let mut measured = JointMeasurement::resting(MOCA_HOME.to_vec(), 10);
 /// measured.torque.fill(Some(0.0));
 /// let mut command = JointCommand::at_rest(&measured);
@@ -59,7 +59,7 @@ const REFUSED: u32 = 20;
 #[derive(Debug)]
 pub struct LoopController {
     controller: TorqueController,
-    frames: Receiver<CameraFrame>,
+    frames: Receiver<Scene>,
     stops: bool,
     /// The measurement of the delay, until it is known.
     start: Option<Start>,
@@ -82,7 +82,7 @@ impl Acknowledgement {
 
 impl LoopController {
     /// Creates the law from a controller that has not made a step. Also returns the sender of its camera frames.
-    pub fn new(controller: TorqueController) -> (Self, SyncSender<CameraFrame>) {
+    pub fn new(controller: TorqueController) -> (Self, SyncSender<Scene>) {
         let (sender, frames) = sync_channel(WAITING);
         let start = Start::of(&controller);
         let law = Self {

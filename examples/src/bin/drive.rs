@@ -37,6 +37,8 @@ use moca_simulation::plant::RobotNoise;
 use moca_simulation::run::Scenario;
 use percept_recording::{self, IfPartial, Recording};
 use serde::Serialize;
+#[cfg(feature = "ros2")]
+use vision_models::{People, PeopleSettings, TrackerSettings};
 
 /// Stature of a person whose recording gives none \[m\].
 const DEFAULT_STATURE: f64 = 1.75;
@@ -303,7 +305,7 @@ impl Options {
             let map = build_map(session, &person, &MapOptions::default(), None)?;
             (person, map)
         };
-        let mut scenario = Scenario::new(percepts, &person, map)?.among(others);
+        let mut scenario = Scenario::new(percepts, &person, map)?.among(others)?;
         if let Some((path, file)) = settings {
             scenario =
                 with_settings(scenario, &file).with_context(|| path.display().to_string())?;
@@ -336,8 +338,7 @@ impl Options {
             writeln!(session.output(), "a robot on ROS 2; Ctrl-C ends it")?;
             session.output().flush()?;
             let interrupt = session.interrupt().clone();
-            server
-                .serve(period, &scenario.camera_frames(), &mut clock, || interrupt.requested())?;
+            server.serve(period, &scenario.scenes(), &mut clock, || interrupt.requested())?;
             for topic in &server.statistics() {
                 writeln!(session.output(), "{}", TopicReport::from(topic))?;
             }
@@ -349,8 +350,9 @@ impl Options {
             RobotJoints::moca(),
             self.interface.into(),
         )?;
+        let tracker = People::new(PeopleSettings::untracked(), TrackerSettings::default())?;
         let driven = self.drive(session, scenario, &mut robot, clock, |attendant, ended, clock| {
-            seen_by_others(&people, attendant, ended, clock);
+            seen_by_others(&people, tracker, attendant, ended, clock);
         });
         let messages = Ros2Report::from(&robot.close()?);
         let report = driven.inspect_err(|_| session.warn(&messages))?;

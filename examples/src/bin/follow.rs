@@ -266,7 +266,7 @@ impl Options {
             }
         };
         let (person, map) = self.person(session, &header)?;
-        let mut scenario = Scenario::new(percepts, &person, map)?.among(others).arriving(&timings);
+        let mut scenario = Scenario::new(percepts, &person, map)?.among(others)?.arriving(&timings);
         scenario.posture = self.posture.settings()?;
         scenario.truth = match &self.truth {
             Some(path) => Some(TrueMotion::read(path)?),

@@ -8,7 +8,7 @@ use std::thread;
 use anyhow::Result;
 use ergo_map::{ErgonomicsMap, PersonFrame};
 use moca_drivers::{Logbook, LoopTick, RecordedCamera, Ticks};
-use moca_model::{Acknowledgement, CameraFrame};
+use moca_model::{Acknowledgement, Scene};
 use moca_simulation::run::{Encounter, RobotView, Scenario, Scorer};
 use nalgebra::{Isometry3, Vector3};
 
@@ -20,7 +20,7 @@ pub struct Attendant<'a> {
     session: &'a Session,
     scenario: &'a Scenario,
     ticks: Ticks,
-    frames: SyncSender<CameraFrame>,
+    frames: SyncSender<Scene>,
     book: Logbook,
     acknowledgement: Acknowledgement,
     scorer: Scorer<&'a ErgonomicsMap>,
@@ -42,7 +42,7 @@ impl<'a> Attendant<'a> {
     pub fn new(
         session: &'a Session,
         scenario: &'a Scenario,
-        (ticks, frames, acknowledgement): (Ticks, SyncSender<CameraFrame>, Acknowledgement),
+        (ticks, frames, acknowledgement): (Ticks, SyncSender<Scene>, Acknowledgement),
         records: Option<Records>,
     ) -> Self {
         let robot = RobotView {
@@ -68,7 +68,7 @@ impl<'a> Attendant<'a> {
 
     /// The camera that plays the recording.
     pub fn camera(&self) -> RecordedCamera {
-        RecordedCamera::new(self.scenario.camera_frames())
+        RecordedCamera::new(self.scenario.scenes())
     }
 
     /// Reads the ticks that have come.
@@ -103,7 +103,7 @@ impl<'a> Attendant<'a> {
     }
 
     /// Shows the loop a recorded frame as its cameras see it.
-    pub fn show(&mut self, mut frame: CameraFrame) {
+    pub fn show(&mut self, mut frame: Scene) {
         match self.encounter.show(&frame.percept, &self.robot) {
             Ok(percept) => {
                 frame.percept = percept;
@@ -114,7 +114,7 @@ impl<'a> Attendant<'a> {
     }
 
     /// Gives the loop a frame.
-    pub fn see(&mut self, frame: CameraFrame) {
+    pub fn see(&mut self, frame: Scene) {
         if let Some(kept) = &mut self.records {
             let written = kept.see(&frame);
             keep(&mut self.records, &mut self.failure, written);

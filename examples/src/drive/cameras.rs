@@ -7,10 +7,10 @@ use std::time::Duration;
 #[cfg(feature = "ros2")]
 use moca_drivers::ros2::{Ros2People, SeenPeople};
 #[cfg(feature = "ros2")]
-use moca_model::CameraFrame;
+use moca_model::Scene;
 use moca_model::whole_body::control_loop::{Clock, MonotonicClock};
 #[cfg(feature = "ros2")]
-use vision_models::Percept;
+use vision_models::{People, Percept};
 
 use super::attendant::Attendant;
 
@@ -32,10 +32,11 @@ pub fn recorded(attendant: &mut Attendant<'_>, ended: &AtomicBool, mut clock: Mo
     }
 }
 
-/// A camera of another node on the ROS 2 graph.
+/// A camera of another node on the ROS 2 graph. Frames without ids get those of `tracker`.
 #[cfg(feature = "ros2")]
 pub fn seen_by_others(
     people: &Ros2People,
+    mut tracker: People,
     attendant: &mut Attendant<'_>,
     ended: &AtomicBool,
     clock: MonotonicClock,
@@ -47,9 +48,11 @@ pub fn seen_by_others(
             attendant.acknowledge();
         }
         let Ok(seen) = people.seen.recv_timeout(WAKES) else { continue };
-        let SeenPeople { taken, body, others, action, surface } = seen;
+        let SeenPeople { taken, body, mut others, action, surface } = seen;
         let age = taken.elapsed().map_or(0.0, |age| age.as_secs_f64());
-        let percept = Percept { time: clock.now() - age, body, action, surface };
-        attendant.see(CameraFrame::from(percept).with_others(&others));
+        let mut percept = Percept { time: clock.now() - age, body, action, surface };
+        // The controller refuses a frame out of order.
+        let _ = tracker.identify(&mut percept, &mut others);
+        attendant.see(Scene::from(percept).with_others(&others));
     }
 }

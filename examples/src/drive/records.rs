@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use moca_drivers::Logbook;
-use moca_model::CameraFrame;
+use moca_model::Scene;
 #[cfg(feature = "mcap")]
 use moca_model::whole_body::Model;
 #[cfg(feature = "mcap")]
@@ -69,7 +69,7 @@ impl Records {
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn see(&mut self, frame: &CameraFrame) -> Result<()> {
+    pub fn see(&mut self, frame: &Scene) -> Result<()> {
         let time = frame.percept.time;
         if self.last.is_none_or(|last| time > last + APART) {
             self.last = Some(time);

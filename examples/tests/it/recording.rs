@@ -10,8 +10,8 @@ use percept_recording::{
 };
 use proptest::prelude::*;
 use vision_models::{
-    Action, Body, Body25, Confidence, Keypoint, Percept, RecognisedAction, RecognisedSurface,
-    Surface,
+    Action, Body, Body25, Confidence, Keypoint, Percept, PersonId, RecognisedAction,
+    RecognisedSurface, Surface,
 };
 
 const HEADER: &str =

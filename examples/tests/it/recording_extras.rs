@@ -2,9 +2,11 @@
 
 use nalgebra::Point3;
 use percept_recording::{
-    Header, IfPartial, MeasuredSegments, Reader, Recording, Stamp, Timing, Writer,
+    Header, IfPartial, MeasuredSegments, Reader, Recording, RecordingError, Stamp, Timing, Writer,
 };
-use vision_models::{Action, Body, Body25, Confidence, Keypoint, Percept, RecognisedAction};
+use vision_models::{
+    Action, Body, Body25, Confidence, Keypoint, Percept, PersonId, RecognisedAction,
+};
 
 /// The times of the parts of a percept are kept. Recordings without them are read as before.
 #[test]
@@ -82,4 +84,45 @@ fn errors_in_other_people_name_them() {
     let mut writer = Writer::new(Vec::new(), &Header::default()).unwrap();
     let error = writer.write_people(&percept, &[body], &Timing::default()).unwrap_err().to_string();
     assert!(error.contains("NaN") && error.contains("other person 1"), "{error}");
+}
+
+#[test]
+fn each_person_has_an_id_of_their_own() {
+    let header = r#"{"format":"moca-recording","version":2,"frame":"world","rate":20.0}"#;
+    let somebody = format!("[1.0,0.0,1.6,0.9]{}", ",null".repeat(24));
+    let read = |ids: &str| {
+        let frame = format!(
+            r#"{{"time":0.0,"keypoints":[{somebody}],"others":[[{somebody}]]{ids},"action":null,"surface":null}}"#
+        );
+        let text = format!("{header}\n{frame}\n");
+        let mut reader = Reader::new(text.as_bytes()).unwrap();
+        let percept = reader.next().unwrap()?;
+        let bodies = percept.body.iter().chain(reader.others());
+        Ok(bodies.map(|body| body.id().map(PersonId::number)).collect::<Vec<_>>())
+    };
+    let error = |ids: &str| -> String {
+        let read: Result<_, RecordingError> = read(ids);
+        read.unwrap_err().to_string()
+    };
+    assert_eq!(read("").unwrap(), [None, None], "an old recording");
+    assert_eq!(read(r#","ids":[7,null]"#).unwrap(), [Some(7), None]);
+    for (wrong, told) in
+        [("[7]", "[Some(7)]"), ("[7,7]", "[Some(7), Some(7)]"), ("[1,2,3]", "2, of")]
+    {
+        let error = error(&format!(r#","ids":{wrong}"#));
+        assert!(error.contains("line 2: the ids of the people") && error.contains(told), "{error}");
+    }
+    for wrong in ["[-1,2]", "[0.5,2]", "[\"a\",2]", "3"] {
+        let error = error(&format!(r#","ids":{wrong}"#));
+        assert!(error.starts_with("line 2, column"), "{error}");
+    }
+    // The writer refuses the same.
+    let mut body = Body::default();
+    let position = Point3::new(1.0, 0.0, 1.6);
+    body.set(Body25::Nose, Some(Keypoint { position, confidence: Confidence::ONE }));
+    let body = body.with_id(PersonId::new(7));
+    let percept = Percept { time: 0.0, body: Some(body.clone()), action: None, surface: None };
+    let mut writer = Writer::new(Vec::new(), &Header::default()).unwrap();
+    let error = writer.write_people(&percept, &[body], &Timing::default()).unwrap_err().to_string();
+    assert!(error.contains("[Some(7), Some(7)]"), "{error}");
 }

@@ -32,8 +32,8 @@ pub enum Error {
 
     /// There is no room to track all people in view.
     #[error(
-        "{got} people are in view beside the one who may work with the robot, {left_out} more than are kept \
-         apart with those of the frames before: there is room for {most}"
+        "{got} people are in view, {left_out} more than there is room for with those of the frames before: \
+         {most} beside the one who may work with the robot"
     )]
     TooManyPeople {
         /// Number of bodies that were given.

@@ -2,9 +2,8 @@
 
 use hrsw::Capsule;
 use nalgebra::Vector3;
-use vision_models::{Body, Body25, Percept};
+use vision_models::{Body, Body25, PersonId};
 
-use crate::age::Age;
 use crate::approach::PersonBody;
 use crate::body_parts::{Limb, PARTS, Part};
 use crate::body_region::ContactLimits;
@@ -19,8 +18,6 @@ const NOISE: f64 = 0.03;
 /// deviations that count.
 const MOST_SPREAD: f64 = 0.15;
 const DEVIATIONS: f64 = 3.0;
-/// Largest distance between two observations of the same person \[m\].
-const AGREEMENT: f64 = 0.25;
 /// Speed that nobody reaches \[m/s\]: 12.4 m/s over 20 m of the world record of 100 m, Berlin 2009
 /// (IAAF's analysis).
 const FASTEST: f64 = 12.5;
@@ -82,6 +79,7 @@ impl Seen {
 /// The person's capsules and their velocities.
 #[derive(Debug, Clone)]
 pub(super) struct PersonBodies {
+    id: Option<PersonId>,
     settings: PersonBodySettings,
     joints: [Option<Seen>; Body25::COUNT],
     velocities: JointVelocities,
@@ -89,8 +87,7 @@ pub(super) struct PersonBodies {
     /// alone is not believed, but a person may be there.
     doubtful: Option<Sighting>,
     newest: f64,
-    /// Time of the newest frame that shows no person, or a person at a place that they can have
-    /// reached \[s\].
+    /// Time of the newest frame that shows the person at a place that they can have reached \[s\].
     plausible: f64,
     /// Contact limits of each part.
     contacts: [Option<ContactLimit>; PARTS.len()],
@@ -104,6 +101,7 @@ impl PersonBodies {
 
     pub(super) fn new(settings: PersonBodySettings, limits: &ContactLimits) -> Self {
         Self {
+            id: None,
             settings,
             contacts: PARTS.map(|part| limits.of(part.region)),
             joints: [None; Body25::COUNT],
@@ -125,52 +123,32 @@ impl PersonBodies {
         self.bodies.clear();
     }
 
-    /// Returns the age of the newest plausible frame. A frame is plausible if it shows no person,
-    /// or a person at a place that they can have reached since the frame before.
-    pub(super) fn age(&self, now: f64) -> Age {
-        Age::new((now - self.plausible).max(0.0)).unwrap_or(Age::NEVER)
+    /// Returns the id of the person in the newest frame.
+    pub(super) fn id(&self) -> Option<PersonId> {
+        self.id
     }
 
-    /// Takes a camera frame. If nobody is fast enough to have reached the place that it shows,
-    /// returns the smallest speed that would explain it \[m/s\].
-    pub(super) fn observe(&mut self, percept: &Percept) -> Option<f64> {
-        let Some(body) = &percept.body else {
-            // A frame without a person does not change what is known of the person seen before.
-            self.plausible = percept.time;
-            return None;
-        };
-        self.see(percept.time, body)
+    /// Returns the time of the newest frame that shows the person at a place that they can have
+    /// reached since the frame before \[s\].
+    pub(super) fn plausible(&self) -> f64 {
+        self.plausible
     }
 
     /// Returns true if no person is known here.
     pub(super) fn is_empty(&self) -> bool {
-        self.joints.iter().all(Option::is_none)
-    }
-
-    /// Returns the distance from the last place of the person to a body of a frame of this time
-    /// \[m\]. None if the person cannot have gone there.
-    pub(super) fn way_to(&self, time: f64, body: &Body) -> Option<f64> {
-        let (places, least) = (self.places(), self.settings.least_confidence);
-        // Uses the trunk, or else all joints.
-        let by = |joints: &[Body25]| Displacement::of(joints, body, &places, least);
-        let moved = by(&ROOT).or_else(|| by(&Body25::ALL))?;
-        moved.is_within(JUMP_SPEED * (time - self.newest)).then(|| moved.median.norm())
-    }
-
-    /// Returns true if a body of a frame of this time is at the person's last place.
-    pub(super) fn is_where(&self, time: f64, body: &Body) -> bool {
-        self.way_to(time, body).is_some_and(|way| way <= AGREEMENT)
+        self.doubtful.is_none() && self.joints.iter().all(Option::is_none)
     }
 
     /// Takes the body of a frame. Joints that are missing move along with the trunk. If nobody is
     /// fast enough to have reached its place, the body is doubted, and the smallest speed that
     /// explains it \[m/s\] is returned.
     pub(super) fn see(&mut self, time: f64, body: &Body) -> Option<f64> {
+        self.id = body.id();
         let doubtful = self.doubtful.take();
         let least = self.settings.least_confidence;
-        let displacement =
-            |from: &Places| Displacement::of(&ROOT, body, from, least).unwrap_or_default();
-        let (displaced, elapsed) = (displacement(&self.places()), time - self.newest);
+        let displacement = |from: &Places| Displacement::of(body, from, least).unwrap_or_default();
+        let places = self.joints.map(|seen| seen.map(|seen| seen.place));
+        let (displaced, elapsed) = (displacement(&places), time - self.newest);
         let moved = displaced.median;
         let jumped = !displaced.is_within(JUMP_SPEED * elapsed);
         if jumped {
@@ -314,11 +292,6 @@ impl PersonBodies {
         let pelvis = self.velocities.of(Body25::MidHip, now, separation.human_speed);
         pelvis.map_or(Vector3::zeros(), |velocity| velocity.mean.xy().push(0.0))
     }
-
-    /// Returns the last places of the joints.
-    fn places(&self) -> Places {
-        self.joints.map(|seen| seen.map(|seen| seen.place))
-    }
 }
 
 /// Returns the largest speed of a part whose velocity is not measured \[m/s\].
@@ -373,11 +346,11 @@ struct Displacement {
 }
 
 impl Displacement {
-    /// Computes the displacement of `joints` of a body from their places `before`.
-    fn of(joints: &[Body25], body: &Body, before: &Places, least_confidence: f64) -> Option<Self> {
-        let mut moved = [Vector3::zeros(); Body25::COUNT];
+    /// Computes the displacement of the trunk of a body from its places `before`.
+    fn of(body: &Body, before: &Places, least_confidence: f64) -> Option<Self> {
+        let mut moved = [Vector3::zeros(); ROOT.len()];
         let mut count = 0;
-        for &joint in joints {
+        for joint in ROOT {
             let now = place(body, joint, least_confidence);
             if let (Some(now), Some(before)) = (now, before[joint as usize])
                 && let Some(slot) = moved.get_mut(count)

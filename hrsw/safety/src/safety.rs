@@ -6,11 +6,10 @@ use vision_models::{Body, Percept};
 
 use crate::age::Age;
 use crate::approach::{ApproachRows, JointMotion, Nearest, PersonBody, RobotBody};
-use crate::bystanders::{Bystanders, MOST};
 use crate::distance::proximity;
 use crate::error::{Error, check_size, positive};
 use crate::fault::Fault;
-use crate::person_bodies::PersonBodies;
+use crate::people::SeenPeople;
 use crate::safety_state::SafetyState;
 use crate::separation::SeparationSettings;
 use crate::settings::SafetySettings;
@@ -77,10 +76,9 @@ pub struct SafetyInput {
 #[derive(Debug, Clone)]
 pub struct Safety {
     settings: SafetySettings,
-    person: PersonBodies,
-    others: Bystanders,
+    people: SeenPeople,
     /// The capsules of all people in this tick.
-    people: Vec<PersonBody>,
+    bodies: Vec<PersonBody>,
     /// Largest accelerations of the joints.
     acceleration_limits: Vec<f64>,
     /// Speed at which the robot can leave a person \[m/s\].
@@ -134,14 +132,12 @@ impl Safety {
                 return Err(Error::Size { what: "a body's index", got, wanted: count });
             }
         }
-        let person = PersonBodies::new(settings.person, &settings.contact);
         // A pair of two bodies of the gripper adds two for the grasped object.
         let mut own_pairs = Vec::with_capacity(3 * settings.own_pairs.len());
         own_pairs.extend_from_slice(&settings.own_pairs);
         Ok(Self {
-            others: Bystanders::new(settings.person, &settings.contact),
-            people: Vec::with_capacity(PersonBodies::ROOM + Bystanders::room()),
-            person,
+            people: SeenPeople::new(settings.person, &settings.contact),
+            bodies: Vec::with_capacity(SeenPeople::room()),
             acceleration_limits: accelerations.to_vec(),
             full_speed,
             velocity_change: accelerations.iter().map(|limit| limit * period).collect(),
@@ -183,32 +179,32 @@ impl Safety {
         self.own_pairs.truncate(self.settings.own_pairs.len());
     }
 
-    /// Takes a camera frame.
+    /// Takes the person of a camera frame who works with the robot. A person without an id is the
+    /// one of the frame before.
     ///
     /// # Errors
     /// [`Error::BodySpeed`] if the person is at a place that nobody can have reached since the
     /// frame before. The robot keeps its distance from that place, and from the one before.
+    /// [`Error::TooManyPeople`] if there is no room for a new person.
     pub fn observe(&mut self, percept: &Percept) -> Result<(), Error> {
-        self.person.observe(percept).map_or(Ok(()), |speed| Err(Error::BodySpeed { speed }))
+        self.people.observe(percept)
     }
 
-    /// Takes the bodies of the other people in the frame of a percept. The robot keeps its distance
-    /// from each of them.
+    /// Takes the bodies of the other people in the frame of a percept, after the percept. The robot
+    /// keeps its distance from each of them, at the velocities of their own joints. A new person
+    /// has the speed of [`SeparationSettings`] until theirs is measured. A person without an id is
+    /// new in each frame, and is remembered like any other: such a source soon stops the robot.
     ///
     /// # Errors
     /// [`Error::TooManyPeople`] if there is no room for all of them. The robot does not know of the
-    /// rest.
+    /// rest. [`Error::BodySpeed`] as in [`observe`](Self::observe).
     pub fn observe_others(&mut self, percept: &Percept, bodies: &[Body]) -> Result<(), Error> {
-        match self.others.observe(percept, bodies) {
-            0 => Ok(()),
-            left_out => Err(Error::TooManyPeople { got: bodies.len(), left_out, most: MOST }),
-        }
+        self.people.observe_others(percept, bodies)
     }
 
     /// Forgets all observations of people, for frames whose times turned out to be wrong.
     pub fn forget(&mut self) {
-        self.person.forget();
-        self.others.forget();
+        self.people.forget();
         self.nearest = None;
     }
 
@@ -239,11 +235,8 @@ impl Safety {
             self.contact_speed = 0.0;
         }
         let separation = *self.separation.settings();
-        self.person_velocity = self.person.velocity(input.now, &separation);
-        let person = self.person.place(input.now, &separation, self.contact_speed);
-        self.people.clear();
-        self.people.extend_from_slice(person);
-        self.others.place(input.now, &separation, &mut self.people);
+        self.person_velocity = self.people.velocity(input.now, &separation);
+        self.people.place(input.now, &separation, self.contact_speed, &mut self.bodies);
         self.measure_people(motion, bodies)?;
         let change = Some(&*self.velocity_change);
         let motion = JointMotion { braking: None, change, ..*motion };
@@ -263,7 +256,7 @@ impl Safety {
     ) -> Result<(), Error> {
         let change = Some(&*self.velocity_change);
         let motion = JointMotion { braking: None, change, ..*motion };
-        let (people, rows) = (&self.people, &mut self.separation_rows);
+        let (people, rows) = (&self.bodies, &mut self.separation_rows);
         self.nearest = self.separation.write(&motion, bodies, people, rows)?;
         Ok(())
     }
@@ -278,7 +271,7 @@ impl Safety {
     /// Reports the measured distances to the supervisor. `bodies` are those of
     /// [`measure`](Self::measure). Allocates nothing.
     pub fn decide(&mut self, bodies: &[RobotBody], input: &SafetyInput) {
-        let age = self.person.age(input.now);
+        let age = self.people.age(input.now);
         self.wait(if age > input.age { age } else { input.age }, input.elapsed);
         self.leaving_speed = match self.supervisor.state() {
             SafetyState::Retreat => self.speed_of_who_comes(bodies),
@@ -290,7 +283,7 @@ impl Safety {
     /// protective distance \[m/s\].
     fn speed_of_who_comes(&self, bodies: &[RobotBody]) -> f64 {
         let pair = self.nearest.and_then(|nearest| {
-            let (body, part) = (bodies.get(nearest.robot)?, self.people.get(nearest.other)?);
+            let (body, part) = (bodies.get(nearest.robot)?, self.bodies.get(nearest.other)?);
             Some((body, part, part.velocity?))
         });
         pair.map_or(0.0, |(body, part, velocity)| {
@@ -369,12 +362,12 @@ impl Safety {
 
     /// Returns the capsules of the person who may work with the robot, in the world frame.
     pub fn person_bodies(&self) -> &[PersonBody] {
-        self.person.placed()
+        self.people.placed()
     }
 
     /// Returns the capsules of all people in the world frame, first those of
     /// [`person_bodies`](Self::person_bodies).
     pub fn all_bodies(&self) -> &[PersonBody] {
-        &self.people
+        &self.bodies
     }
 }

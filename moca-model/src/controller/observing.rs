@@ -38,18 +38,23 @@ impl Controller {
             let (now, newest) = (self.clock.now(), self.clock.newest());
             return Err(Error::Frame { fault, stamp: percept.time, now, newest });
         }
-        if let Err(error) = self.safety.observe(percept) {
-            self.report(FrameFault::ImpossibleSpeed.into());
-            return Err(error.into());
-        }
+        let seen = self.safety.observe(percept);
+        self.keep(seen)?;
         self.space.observe(percept)?;
         self.look(percept);
         self.turn_to_camera()?;
-        let kept = self.safety.observe_others(percept, others);
-        if kept.is_err() {
-            self.report(Fault::TooManyPeople);
+        let seen = self.safety.observe_others(percept, others);
+        self.keep(seen)
+    }
+
+    /// Reports the fault of a frame that safety cannot keep.
+    fn keep(&mut self, seen: Result<(), hrsw_safety::Error>) -> Result<(), Error> {
+        match seen {
+            Err(hrsw_safety::Error::TooManyPeople { .. }) => self.report(Fault::TooManyPeople),
+            Err(_) => self.report(FrameFault::ImpossibleSpeed.into()),
+            Ok(()) => {}
         }
-        Ok(kept?)
+        Ok(seen?)
     }
 
     /// Returns an error unless people can have these bodies, in metres around the robot. All frames are checked here.

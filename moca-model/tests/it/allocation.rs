@@ -4,13 +4,13 @@ use ergo_map::ErgonomicsQuadratic;
 use moca_model::whole_body::Data;
 use moca_model::whole_body::control_loop::{ControlLaw, JointCommand};
 use moca_model::{
-    CameraFrame, Controller, ControllerSettings, GraspedObject, ImpedanceSettings, JointImpedance,
-    JointState, Kinematics, MOCA_HOME, MOCA_TOOL, SimulatedRobot, moca, moca_safety,
+    Controller, ControllerSettings, GraspedObject, ImpedanceSettings, JointImpedance, JointState,
+    Kinematics, MOCA_HOME, MOCA_TOOL, Scene, SimulatedRobot, moca, moca_safety,
 };
 use nalgebra::{Matrix3, Point3, Vector3};
 use vision_models::{Action, Body, Body25, Confidence, Keypoint, Percept, RecognisedAction, Tool};
 
-use crate::drive::{Drive, body, loop_controller, percept};
+use crate::drive::{Drive, loop_controller, others, percept};
 
 /// The number of allocations of `action` on this thread.
 fn allocations(action: impl FnOnce()) -> u64 {
@@ -105,12 +105,12 @@ fn a_tick_of_the_controller_allocates_nothing() {
 fn frames_of_several_people_allocate_nothing() {
     let (mut law, frames, measured) = loop_controller();
     let mut command = JointCommand::at_rest(&measured);
-    let others = [6.0, 8.0].map(body);
+    let others = others(&[6.0, 8.0]);
     let counted = allocation_counter::measure(|| {
         for tick in 0..200_u32 {
             let now = f64::from(tick) * 1e-3;
             if tick.is_multiple_of(50) {
-                let frame = CameraFrame::from(percept(now, Some(4.0))).with_others(&others);
+                let frame = Scene::from(percept(now, Some(4.0))).with_others(&others);
                 frames.try_send(frame).unwrap();
             }
             law.step(now, &measured, &mut command).unwrap();

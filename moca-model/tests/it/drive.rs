@@ -10,11 +10,13 @@ use moca_model::whole_body::control_loop::JointMeasurement;
 use moca_model::whole_body::torque::Compensation;
 use moca_model::whole_body::{Data, Model};
 use moca_model::{
-    AnswerDelay, CameraFrame, Controller, ControllerSettings, Error, LoopController, MOCA_HOME,
+    AnswerDelay, Controller, ControllerSettings, Error, LoopController, MOCA_HOME, Scene,
     SimulatedRobot, TorqueController, TorqueLoopSettings,
 };
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
-use vision_models::{Action, Body, Body25, Confidence, Keypoint, Percept, RecognisedAction};
+use vision_models::{
+    Action, Body, Body25, Confidence, Keypoint, Percept, PersonId, RecognisedAction,
+};
 
 use crate::shared::MOCA;
 
@@ -39,6 +41,12 @@ pub(crate) fn body(x: f64) -> Body {
     body
 }
 
+/// Returns people at these places, each with their own id.
+pub(crate) fn others(places: &[f64]) -> Vec<Body> {
+    let people = (1..).zip(places);
+    people.map(|(number, &x)| body(x).with_id(PersonId::new(number))).collect()
+}
+
 pub(crate) fn percept(time: f64, person: Option<f64>) -> Percept {
     doing(Action::Walking, time, person)
 }
@@ -50,14 +58,14 @@ pub(crate) fn doing(action: Action, time: f64, person: Option<f64>) -> Percept {
 
 /// Returns a controller that takes frames from another thread, the sender of the frames, and joints at rest. The robot
 /// is assumed to respond without delay.
-pub(crate) fn loop_controller() -> (LoopController, SyncSender<CameraFrame>, JointMeasurement) {
+pub(crate) fn loop_controller() -> (LoopController, SyncSender<Scene>, JointMeasurement) {
     loop_controller_of(AnswerDelay::Known(0.0))
 }
 
 /// Returns the same for a robot with this response delay.
 pub(crate) fn loop_controller_of(
     delay: AnswerDelay,
-) -> (LoopController, SyncSender<CameraFrame>, JointMeasurement) {
+) -> (LoopController, SyncSender<Scene>, JointMeasurement) {
     let controller = Drive::new().controller;
     let settings = TorqueLoopSettings { delay, ..TorqueLoopSettings::new(Compensation::BARE) };
     let controller = TorqueController::new(controller, settings).unwrap();
@@ -131,8 +139,7 @@ impl Drive {
     /// Takes a camera frame of the present scene and returns the controller's result.
     pub(crate) fn see(&mut self) -> Result<(), Error> {
         let percept = percept((self.stamp)(self.time()), self.person);
-        let others: Vec<_> = self.others.iter().map(|&x| body(x)).collect();
-        self.controller.observe_people(&percept, &others)
+        self.controller.observe_people(&percept, &others(&self.others))
     }
 
     /// Makes a period with the true configuration as the measurement.

@@ -7,7 +7,7 @@ use hrsw_safety::{ClockFault, Fault, FrameFault, SafetyState};
 use moca_model::Error;
 use vision_models::Percept;
 
-use crate::drive::{Drive, PERIOD, percept};
+use crate::drive::{Drive, PERIOD, others, percept};
 use crate::faults::{towards_work, unusable, usable};
 use crate::units::standing;
 
@@ -68,11 +68,10 @@ fn scenarios() -> BTreeMap<String, Scenario> {
         }),
         (Fault::TooManyPeople, |drive| {
             // The people are far away and apart from each other.
-            let seen = |place: f64| percept(0.0, Some(place)).body.unwrap();
-            let others: Vec<_> = (0..5).map(|who| seen(50.0 + 10.0 * f64::from(who))).collect();
+            let people = others(&[50.0, 60.0, 70.0, 80.0, 90.0]);
             drive.camera = false;
             let frame = percept(drive.time(), drive.person);
-            let error = drive.controller.observe_people(&frame, &others).unwrap_err();
+            let error = drive.controller.observe_people(&frame, &people).unwrap_err();
             assert!(matches!(
                 error,
                 Error::Safety(hrsw_safety::Error::TooManyPeople { got: 5, left_out: 1, most: 4 })

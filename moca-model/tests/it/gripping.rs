@@ -12,7 +12,7 @@ use crate::drive::{FRAME, PERIOD, loop_controller, percept};
 /// A law, its last command, and a measurement that the test changes.
 struct Looped {
     law: LoopController,
-    frames: std::sync::mpsc::SyncSender<moca_model::CameraFrame>,
+    frames: std::sync::mpsc::SyncSender<moca_model::Scene>,
     measured: JointMeasurement,
     command: JointCommand,
     tick: u32,

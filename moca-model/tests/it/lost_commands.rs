@@ -2,7 +2,7 @@
 
 use hrsw_safety::Fault;
 use moca_model::whole_body::control_loop::{ControlLaw, JointCommand};
-use moca_model::{CameraFrame, DynamicRobot, DynamicRobotSettings, MOCA_HOME};
+use moca_model::{DynamicRobot, DynamicRobotSettings, MOCA_HOME, Scene};
 
 use crate::drive::{FRAME, PERIOD, loop_controller, percept};
 use crate::shared::MOCA;
@@ -23,7 +23,7 @@ fn drive(lost: u32, moments: u32) -> (Vec<(u32, Fault)>, f64) {
     for tick in 0..1000 * (moments + 1) {
         let now = f64::from(tick) * PERIOD;
         if tick.is_multiple_of(FRAME) {
-            let _ = frames.try_send(CameraFrame::from(percept(now, None)));
+            let _ = frames.try_send(Scene::from(percept(now, None)));
         }
         robot.measure(&mut noise).unwrap();
         let told = robot.measured();

@@ -2,10 +2,9 @@
 
 use hrsw_safety::{PersonBody, SafetyState};
 use moca_model::Error;
-use nalgebra::Point3;
-use vision_models::{Action, Body, Body25, Confidence, Keypoint, Tool};
+use vision_models::{Action, Body, Percept, PersonId, Tool};
 
-use crate::drive::{Drive, FRAME, body, doing, percept};
+use crate::drive::{Drive, FRAME, body, doing, others, percept};
 
 #[test]
 fn others_in_the_way_are_not_touched() {
@@ -44,7 +43,7 @@ fn nobody_else_is_worked_with() {
     for tick in 0..1500_u32 {
         if tick.is_multiple_of(FRAME) {
             let work = doing(Action::Using(Tool::Drill), drive.time(), drive.person);
-            drive.controller.observe_people(&work, &[body(4.0)]).unwrap();
+            drive.controller.observe_people(&work, &others(&[4.0])).unwrap();
         }
         drive.controller.set_external_force(0.0);
         drive.step();
@@ -60,9 +59,9 @@ fn nobody_else_is_worked_with() {
     assert!(others.iter().all(stands));
 }
 
-/// Each body of a frame is matched to a known person, in any order.
+/// Each body of a frame is that of the person with its id, in any order and at any place that they can have reached.
 #[test]
-fn people_are_told_apart_by_where_they_are() {
+fn people_are_told_apart_by_their_ids() {
     let mut drive = Drive::new();
     drive.camera = false;
     let mut look = |bodies: &[Body]| {
@@ -70,30 +69,39 @@ fn people_are_told_apart_by_where_they_are() {
         (0..FRAME).for_each(|_| drive.step());
         seen
     };
-    let mut bodies = [10.0, 12.0, 14.0, 16.0].map(body);
+    let mut people = others(&[10.0, 12.0, 14.0, 16.0]);
     for frame in 0..40 {
-        bodies.rotate_left(frame % 3);
-        look(&bodies[..=frame % 4]).unwrap();
+        people.rotate_left(frame % 3);
+        look(&people[..=frame % 4]).unwrap();
     }
-    // The legs of one person come into sight, and then nothing else of them is seen.
-    let knee =
-        |x| Some(Keypoint { position: Point3::new(x, 0.1, 0.5), confidence: Confidence::ONE });
-    let mut whole = body(10.0);
-    whole.set(Body25::LeftKnee, knee(10.0));
-    look(&[whole]).unwrap();
-    let mut legs = Body::default();
-    legs.set(Body25::LeftKnee, knee(10.02));
-    for _ in 0..4 {
-        look(&[legs.clone()]).unwrap();
+    let is_too_many = |error: &Error| {
+        use hrsw_safety::Error::TooManyPeople;
+        matches!(error, Error::Safety(TooManyPeople { got: 1, left_out: 1, most: 4 }))
+    };
+    // Another id is another person, also where somebody is.
+    let error = look(&[body(10.0).with_id(PersonId::new(9))]).unwrap_err();
+    assert!(is_too_many(&error), "{error}");
+    // Nobody can be at the other end of the room in the next frame.
+    let jumped = body(20.0).with_id(people[0].id());
+    let error = look(&[jumped]).unwrap_err();
+    let too_fast =
+        matches!(error, Error::Safety(hrsw_safety::Error::BodySpeed { speed }) if speed > 12.5);
+    assert!(too_fast, "{error}");
+}
+
+/// People without ids may be anybody: each frame adds new ones, until there are too many.
+#[test]
+fn people_without_ids_soon_stop_the_robot() {
+    let mut drive = Drive::new();
+    drive.camera = false;
+    for frame in 0..8 {
+        let seen = drive.controller.observe_people(&percept(drive.time(), None), &[body(10.0)]);
+        drive.run(0.05);
+        assert_eq!(seen.is_ok(), frame < 4, "frame {frame}");
+        let bodies = drive.controller.safety().all_bodies();
+        assert!(bodies.iter().all(|body| body.velocity.is_none()), "no speed is measured");
     }
-    let error = look(&[body(20.0)]).unwrap_err();
-    assert!(
-        matches!(
-            error,
-            Error::Safety(hrsw_safety::Error::TooManyPeople { got: 1, left_out: 1, most: 4 })
-        ),
-        "{error}"
-    );
+    assert_eq!(drive.state(), SafetyState::ProtectiveStop);
 }
 
 /// A person who first stands among the others and then works with the robot no longer counts as one of them.
@@ -101,12 +109,16 @@ fn people_are_told_apart_by_where_they_are() {
 fn working_person_stops_counting_as_another() {
     let mut drive = Drive::new();
     drive.camera = false;
+    let at_work = |time| {
+        let percept = doing(Action::Using(Tool::Drill), time, None);
+        Percept { body: others(&[5.0, 3.0]).pop(), ..percept }
+    };
     let mut look = |work: bool| {
         let time = drive.time();
         let (percept, others) = if work {
-            (doing(Action::Using(Tool::Drill), time, Some(3.0)), vec![body(5.0)])
+            (at_work(time), others(&[5.0]))
         } else {
-            (percept(time, None), vec![body(5.0), body(3.0)])
+            (percept(time, None), others(&[5.0, 3.0]))
         };
         drive.controller.observe_people(&percept, &others).unwrap();
         drive.controller.set_external_force(0.0);
@@ -124,10 +136,10 @@ fn working_person_stops_counting_as_another() {
 /// Frames come from another thread.
 mod from_another_thread {
     use hrsw_safety::SafetyState;
-    use moca_model::CameraFrame;
+    use moca_model::Scene;
     use moca_model::whole_body::control_loop::{ControlLaw, JointCommand};
 
-    use super::{Drive, body, percept};
+    use super::{Drive, percept};
     use crate::drive::loop_controller;
 
     fn state_with(others: &[f64]) -> SafetyState {
@@ -135,8 +147,8 @@ mod from_another_thread {
         let mut command = JointCommand::at_rest(&measured);
         for tick in 0..150_u32 {
             let now = f64::from(tick) * 1e-3;
-            let bodies: Vec<_> = others.iter().map(|&x| body(x)).collect();
-            let frame = CameraFrame::from(percept(now, None)).with_others(&bodies);
+            let bodies = crate::drive::others(others);
+            let frame = Scene::from(percept(now, None)).with_others(&bodies);
             assert_eq!(frame.others(), &bodies[..bodies.len().min(5)]);
             frames.send(frame).unwrap();
             law.step(now, &measured, &mut command).unwrap();

@@ -5,6 +5,7 @@ use nalgebra::Point3;
 use vision_models::{Body, Body25, Confidence};
 
 use crate::error::RecordingError;
+use crate::excerpt::excerpt;
 use crate::format::Header;
 use crate::timing::Stamp;
 
@@ -105,6 +106,22 @@ pub(super) fn confidence(
         what: format!("the confidence of {}", of()),
         got: value.to_string(),
         wanted: "a probability in [0, 1]".to_owned(),
+    })
+}
+
+/// Checks that each of `people` has an id of their own, or none.
+pub(super) fn ids(line: usize, ids: &[Option<u64>], people: usize) -> Result<(), RecordingError> {
+    let mut known: Vec<_> = ids.iter().flatten().collect();
+    known.sort_unstable();
+    let is_twice = known.windows(2).any(|pair| matches!(pair, [one, other] if one == other));
+    if ids.len() == people && !is_twice {
+        return Ok(());
+    }
+    Err(RecordingError::Value {
+        line,
+        what: "the ids of the people".to_owned(),
+        got: excerpt(&format!("{ids:?}")),
+        wanted: format!("{people}, of the person and of each other, all different or null"),
     })
 }
 

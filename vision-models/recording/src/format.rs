@@ -92,6 +92,8 @@ pub(super) struct FrameLine {
     pub(super) keypoints: Vec<Value>,
     #[serde(default)]
     pub(super) others: Vec<Vec<Value>>,
+    /// Ids of the person of `keypoints`, then of `others`.
+    pub(super) ids: Option<Vec<Option<u64>>>,
     pub(super) action: Option<Label>,
     pub(super) surface: Option<Label>,
 }
@@ -117,6 +119,8 @@ pub(super) struct FrameLineOut {
     pub(super) keypoints: KeypointsOut,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(super) others: Vec<KeypointsOut>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) ids: Option<Vec<Option<u64>>>,
     pub(super) action: Option<LabelOut>,
     pub(super) surface: Option<LabelOut>,
 }

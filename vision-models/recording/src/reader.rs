@@ -8,7 +8,7 @@ use nalgebra::Point3;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 use vision_models::{
-    Action, Body, Body25, Keypoint, Percept, RecognisedAction, RecognisedSurface, Surface,
+    Action, Body, Body25, Keypoint, Percept, PersonId, RecognisedAction, RecognisedSurface, Surface,
 };
 
 use crate::check;
@@ -254,12 +254,19 @@ fn parse_frame(
     })?;
     let line = number;
     let time = check::time(line, frame.time, previous)?;
-    let body = body(line, &frame.keypoints)?;
+    let ids = frame.ids.unwrap_or_else(|| vec![None; 1 + frame.others.len()]);
+    check::ids(line, &ids, 1 + frame.others.len())?;
+    let mut ids = ids.into_iter().map(|id| id.map(PersonId::new));
+    let mut known = |body: Option<Body>| {
+        let id = ids.next().flatten();
+        body.map(|body| body.with_id(id))
+    };
+    let body = known(body(line, &frame.keypoints)?);
     let others = frame
         .others
         .iter()
         .zip(1..)
-        .map(|(keypoints, person)| body_of_other(line, keypoints, person));
+        .map(|(keypoints, person)| body_of_other(line, keypoints, person).map(&mut known));
     let others: Vec<Option<Body>> = others.collect::<Result<_, _>>()?;
     let stamp = |of, label: &Option<Label>| {
         let stamp = label.as_ref().map(|label| (label.captured, label.arrived)).unwrap_or_default();

@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use serde::Serialize;
-use vision_models::{Body, Body25, Confidence, Percept};
+use vision_models::{Body, Body25, Confidence, Percept, PersonId};
 
 use crate::check;
 use crate::error::RecordingError;
@@ -91,7 +91,12 @@ impl<W: Write> Writer<W> {
             Some(body) => written(line, body)?,
             None => [None; Body25::COUNT],
         };
-        let seen = others.iter().filter(|body| body.iter().next().is_some());
+        let is_seen = |body: &&Body| body.iter().next().is_some();
+        let seen = others.iter().filter(is_seen);
+        let id = |body: &Body| body.id().map(PersonId::number);
+        let worker = percept.body.as_ref().filter(is_seen).and_then(id);
+        let ids: Vec<_> = std::iter::once(worker).chain(seen.clone().map(id)).collect();
+        check::ids(line, &ids, ids.len())?;
         let others = seen.zip(1..).map(|(body, person)| {
             written(line, body).map_err(|error| check::of_other(error, person))
         });
@@ -113,6 +118,7 @@ impl<W: Write> Writer<W> {
             arrived,
             keypoints,
             others,
+            ids: ids.iter().any(Option::is_some).then_some(ids),
             action: percept
                 .action
                 .map(|seen| label(seen.action.name(), seen.confidence, of_action)),

@@ -3,6 +3,7 @@
 use nalgebra::{Isometry3, Matrix3, Point3, center};
 
 use super::joint_layout::Middle;
+use super::people::PersonId;
 use crate::confidence::Confidence;
 
 /// The joints of `BODY_25`. The discriminant is the index in `OpenPose`'s output.
@@ -133,12 +134,12 @@ pub struct Keypoint {
 }
 
 /// A person in one camera frame: the position of each of the twenty-five joints that was seen, in
-/// the world frame. A measured joint also has the covariance of its position. The default has no
-/// joints.
+/// the world frame. A measured joint also has the covariance of its position. A tracked person has
+/// an id, which stays the same from frame to frame. The default has neither joints nor an id.
 ///
 /// ```
 /// use nalgebra::{Matrix3, Point3};
-/// use vision_models::{Body, Body25, Confidence, Keypoint};
+/// use vision_models::{Body, Body25, Confidence, Keypoint, PersonId};
 ///
 /// let mut body = Body::default();
 /// let nose = Keypoint { position: Point3::new(2.0, 0.0, 1.6), confidence: Confidence::ONE };
@@ -149,9 +150,11 @@ pub struct Keypoint {
 /// // Known to 2 cm, each axis.
 /// body.set_measured(Body25::Nose, nose, Matrix3::identity() * 0.02_f64.powi(2));
 /// assert!(body.covariance(Body25::Nose).is_some());
+/// assert_eq!(body.with_id(PersonId::new(3)).id(), Some(PersonId::new(3)));
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Body {
+    id: Option<PersonId>,
     keypoints: [Option<Keypoint>; Body25::COUNT],
     covariances: [Option<Matrix3<f64>>; Body25::COUNT],
 }
@@ -160,6 +163,17 @@ impl Body {
     /// Creates a body from its keypoints in the order of [`Body25::ALL`], without covariances.
     pub fn new(keypoints: [Option<Keypoint>; Body25::COUNT]) -> Self {
         Self { keypoints, ..Self::default() }
+    }
+
+    /// Returns the body with the id of its person, or without one.
+    #[must_use]
+    pub fn with_id(self, id: impl Into<Option<PersonId>>) -> Self {
+        Self { id: id.into(), ..self }
+    }
+
+    /// Returns the id of the person, if the source tracks people.
+    pub fn id(&self) -> Option<PersonId> {
+        self.id
     }
 
     /// Returns the joint if it was seen.
@@ -217,6 +231,7 @@ impl Body {
     pub fn transformed(&self, motion: &Isometry3<f64>) -> Self {
         let rotation = *motion.rotation.to_rotation_matrix().matrix();
         Self {
+            id: self.id,
             keypoints: self.keypoints.map(|keypoint| {
                 keypoint
                     .map(|keypoint| Keypoint { position: motion * keypoint.position, ..keypoint })

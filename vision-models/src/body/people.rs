@@ -15,6 +15,7 @@ use super::{
     tracker::check_time,
 };
 use crate::error::Error;
+use crate::percept::Percept;
 
 /// Follows several people at once and selects the one who engages with the robot.
 ///
@@ -89,6 +90,29 @@ impl People {
         self.tracks.retain(|track| !track.is_gone(time, &self.settings));
         self.merge(time);
         self.select(time);
+        Ok(())
+    }
+
+    /// Gives ids to the person of a percept and to the `others` of its frame, if their source has
+    /// none. The settings are best [`PeopleSettings::untracked`]. A body that cannot be followed
+    /// stays without an id. While one person is alone, there is nobody to confuse them with, and
+    /// they get no id.
+    ///
+    /// # Errors
+    /// Those of [`update`](Self::update).
+    pub fn identify(&mut self, percept: &mut Percept, others: &mut [Body]) -> Result<(), Error> {
+        let is_alone = others.is_empty() && self.tracks.is_empty();
+        let bodies = || percept.body.iter().chain(&*others);
+        if is_alone || bodies().any(|body| body.id().is_some()) {
+            return Ok(());
+        }
+        let bodies: Vec<_> = bodies().cloned().collect();
+        self.update(percept.time, &bodies)?;
+        for body in percept.body.iter_mut().chain(others) {
+            if let Some(track) = self.tracks.iter().find(|track| track.has(body)) {
+                body.clone_from(track.measured());
+            }
+        }
         Ok(())
     }
 

@@ -76,15 +76,24 @@ proptest! {
         prop_assert_eq!(written(&header, &back), bytes);
     }
 
-    /// The other people in a frame are kept, except those without a visible joint. A frame without others does not
-    /// mention them.
+    /// The other people in a frame are kept with everybody's ids, except those without a visible joint. A frame without
+    /// others or ids does not mention them.
     #[test]
     fn other_people_are_kept(
-        percepts in any_percepts(),
-        others in prop::collection::vec(prop::collection::vec(any_body(), 0..4), 8),
+        mut percepts in any_percepts(),
+        others in prop::collection::vec(prop::collection::vec((any_body(), any::<bool>()), 0..4), 8),
+        tracked in any::<bool>(),
     ) {
+        let known = |body: Body, id: u64| body.with_id(tracked.then(|| PersonId::new(id)));
+        for percept in &mut percepts {
+            percept.body = percept.body.take().map(|body| known(body, u64::MAX));
+        }
         let others = others.into_iter().map(|bodies| {
-            bodies.into_iter().map(Option::unwrap_or_default).collect::<Vec<_>>()
+            let bodies = bodies.into_iter().zip(10..).map(|((body, has_id), id)| {
+                let body = body.unwrap_or_default();
+                if has_id { known(body, id) } else { body }
+            });
+            bodies.collect::<Vec<_>>()
         });
         let others: Vec<_> = others.collect();
         let mut writer = Writer::new(Vec::new(), &Header::default()).unwrap();
@@ -92,12 +101,18 @@ proptest! {
             writer.write_people(percept, others, &Timing::default()).unwrap();
         }
         let text = String::from_utf8(writer.finish().unwrap()).unwrap();
+        prop_assert!(tracked || !text.contains("ids"));
         let recording = whole(&text, IfPartial::Refuse).unwrap();
+        for (back, percept) in recording.percepts.iter().zip(&percepts) {
+            let id = |percept: &Percept| percept.body.as_ref().and_then(Body::id);
+            prop_assert_eq!(id(back), id(percept));
+        }
         for ((back, others), line) in recording.others.iter().zip(&others).zip(text.lines().skip(1)) {
             let seen: Vec<_> = others.iter().filter(|body| body.iter().next().is_some()).collect();
             prop_assert_eq!(back.len(), seen.len());
             prop_assert_eq!(line.contains("others"), !seen.is_empty());
             for (back, body) in back.iter().zip(seen) {
+                prop_assert_eq!(back.id(), body.id());
                 for joint in Body25::ALL {
                     let (back, joint) = (back.get(joint), body.get(joint));
                     prop_assert_eq!(back.is_some(), joint.is_some());

@@ -1,7 +1,7 @@
 use moca_drivers::ros2::messages::{Float64MultiArray, PoseArray, Text, Time};
 use moca_drivers::ros2::{Perceived, Refusal};
 use nalgebra::{Matrix3, Point3};
-use vision_models::{Action, Body25, Surface, Tool};
+use vision_models::{Action, Body, Body25, PersonId, Surface, Tool};
 
 use super::{after, body};
 
@@ -93,6 +93,29 @@ fn confidences_go_with_the_body_of_their_stamp() {
     let seen = perceived.take_body(&poses, after(130)).unwrap();
     assert_eq!(seen.body.unwrap().iter().count(), 25, "who is seen counts");
     assert_eq!(seen.action, None, "but the robot works with nobody of unknown confidence");
+}
+
+/// A source that tracks people adds their ids. NaN is none.
+#[test]
+fn ids_follow_the_confidences() {
+    let mut poses = body();
+    poses.poses.extend_from_within(..);
+    poses.poses.extend_from_within(..25);
+    let with_ids = |ids: [f64; 3]| {
+        let mut message = confidences(&poses, 0.9);
+        message.data.extend(ids);
+        message
+    };
+    let mut perceived = Perceived::default();
+    perceived.take_confidences(&with_ids([4.0, f64::NAN, 0.0])).unwrap();
+    let seen = perceived.take_body(&poses, after(80)).unwrap();
+    let ids: Vec<_> = seen.body.iter().chain(&seen.others).map(Body::id).collect();
+    assert_eq!(ids, [Some(PersonId::new(4)), None, Some(PersonId::new(0))]);
+    assert_eq!(seen.body.unwrap().get(Body25::Nose).unwrap().confidence.value(), 0.9);
+    for wrong in [-1.0, 0.5, 1e17, f64::INFINITY] {
+        let refused = perceived.take_confidences(&with_ids([4.0, wrong, 0.0])).unwrap_err();
+        assert_eq!(refused, Refusal::Id { value: wrong });
+    }
 }
 
 #[test]

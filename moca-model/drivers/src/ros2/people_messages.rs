@@ -37,6 +37,11 @@ pub(super) fn body_messages(stamp: Time, person: Option<&Body>, others: &[Body])
         body.covariance(joint)
             .map_or([f64::NAN; COVARIANCE], |of| [of.m11, of.m12, of.m13, of.m22, of.m23, of.m33])
     });
+    // Ids follow the confidences if the source tracks people.
+    let is_tracked = people.iter().any(|body| body.id().is_some());
+    #[expect(clippy::cast_precision_loss, reason = "ids count people")]
+    let ids = people.iter().map(|body| body.id().map_or(f64::NAN, |id| id.number() as f64));
+    let confidences = confidences.chain(ids.filter(|_| is_tracked));
     BodyMessages {
         confidences: stamped(stamp, ("joint", 1), confidences),
         covariances: stamped(stamp, ("joint", COVARIANCE), covariances),

@@ -4,7 +4,8 @@ use std::time::SystemTime;
 
 use nalgebra::{Matrix3, Point3};
 use vision_models::{
-    Action, Body, Body25, Confidence, Keypoint, RecognisedAction, RecognisedSurface, Surface,
+    Action, Body, Body25, Confidence, Keypoint, PersonId, RecognisedAction, RecognisedSurface,
+    Surface,
 };
 
 use super::WORLD_FRAME;
@@ -17,7 +18,7 @@ use super::stamps::Stamps;
 /// Time for which a published action or surface stays valid \[s\].
 const HOLDS: f64 = 1.0;
 
-/// People that another program's camera has seen.
+/// People that another program's camera has seen, with ids if it tracks people.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SeenPeople {
     /// Time at which the camera took the frame.
@@ -36,8 +37,8 @@ pub struct SeenPeople {
 #[derive(Clone, Debug)]
 pub struct Perceived {
     stamps: Stamps,
-    /// Confidences of the joints of the body with this stamp.
-    confidences: Option<(Time, Vec<Confidence>)>,
+    /// Confidences of the joints of the bodies with this stamp, and the ids of these people.
+    confidences: Option<(Time, Vec<Confidence>, Vec<Option<PersonId>>)>,
     /// Covariances of the joints of the body with this stamp: xx, xy, xz, yy, yz, zz \[m²\].
     covariances: Option<(Time, Vec<[f64; COVARIANCE]>)>,
     action: Option<(RecognisedAction, SystemTime)>,
@@ -61,8 +62,8 @@ impl Perceived {
     /// the odometry. A joint that was not seen has three NaN. Orientations have no meaning. Further groups of the same
     /// length belong to other people.
     ///
-    /// The confidences and covariances of the joints are those that came before with the same stamp. If confidences are missing, the positions
-    /// of the joints are uncertain. The robot then keeps away from these people and ignores their actions, so it works
+    /// The confidences and covariances of the joints are those that came before with the same stamp. If confidences are
+    /// missing, the positions of the joints are uncertain. The robot then keeps away from these people and ignores their actions, so it works
     /// with nobody and touches nobody.
     ///
     /// # Errors
@@ -76,21 +77,23 @@ impl Perceived {
         let known = self
             .confidences
             .as_ref()
-            .filter(|(stamp, of)| *stamp == poses.header.stamp && of.len() == poses.poses.len());
+            .filter(|(stamp, of, _)| *stamp == poses.header.stamp && of.len() == found);
         let sure = known.is_some();
-        let confidences: &[Confidence] = known.map_or(&[], |(_, of)| of);
-        let mut confidences = confidences.chunks(expected);
+        let (confidences, ids): (&[_], &[_]) = known.map_or((&[], &[]), |(_, of, ids)| (of, ids));
+        let (mut confidences, mut ids) = (confidences.chunks(expected), ids.iter().copied());
         let known = self
             .covariances
             .as_ref()
-            .filter(|(stamp, of)| *stamp == poses.header.stamp && of.len() == poses.poses.len());
+            .filter(|(stamp, of)| *stamp == poses.header.stamp && of.len() == found);
         let covariances: &[[f64; COVARIANCE]] = known.map_or(&[], |(_, of)| of);
         let mut covariances = covariances.chunks(expected);
         let people = poses.poses.chunks_exact(expected);
         let people = people.map(|poses| {
             let (confidences, covariances) =
                 (confidences.next().unwrap_or_default(), covariances.next().unwrap_or_default());
-            body(poses, confidences, covariances)
+            let id = ids.next().flatten();
+            let body = body(poses, confidences, covariances)?;
+            Ok(body.map(|body| body.with_id(id)))
         });
         let mut people = people.collect::<Result<Vec<_>, _>>()?.into_iter();
         let (body, others) = (people.next().flatten(), people.flatten().collect());
@@ -107,18 +110,24 @@ impl Perceived {
         Ok(SeenPeople { taken, body, others, action, surface })
     }
 
-    /// Takes the confidences of body joints: their stamp \[s, ns\], then a number from 0 to 1 for each pose. They must
-    /// come before the body joints.
+    /// Takes the confidences of body joints: their stamp \[s, ns\], then a number from 0 to 1 for each pose. A source that
+    /// tracks people adds the id of each person, NaN for none. They must come before the body joints.
     ///
     /// # Errors
     /// Why the confidences are refused; those before are then kept.
     pub fn take_confidences(&mut self, message: &Float64MultiArray) -> Result<(), Refusal> {
-        let (stamp, values) = of_stamp("body confidences", message, Body25::COUNT)?;
+        let what = "body confidences";
+        let (stamp, values) = of_stamp(what, message)?;
+        let with_id = Body25::COUNT + 1;
+        let ids = if values.len() % with_id == 0 { values.len() / with_id } else { 0 };
+        let (values, ids) = values.split_at(values.len() - ids);
+        check_rows(what, values, Body25::COUNT)?;
         let confidence = |value: &f64| {
             Confidence::new(*value).map_err(|_| Refusal::Confidence { value: *value })
         };
         let values = values.iter().map(confidence).collect::<Result<_, _>>()?;
-        self.confidences = Some((stamp, values));
+        let ids = ids.iter().copied().map(id).collect::<Result<_, _>>()?;
+        self.confidences = Some((stamp, values, ids));
         Ok(())
     }
 
@@ -128,7 +137,9 @@ impl Perceived {
     /// # Errors
     /// Why the covariances are refused; those before are then kept.
     pub fn take_covariances(&mut self, message: &Float64MultiArray) -> Result<(), Refusal> {
-        let (stamp, values) = of_stamp("body covariances", message, COVARIANCE * Body25::COUNT)?;
+        let what = "body covariances";
+        let (stamp, values) = of_stamp(what, message)?;
+        check_rows(what, values, COVARIANCE * Body25::COUNT)?;
         self.covariances = Some((stamp, values.as_chunks().0.to_vec()));
         Ok(())
     }
@@ -158,21 +169,25 @@ impl Perceived {
     }
 }
 
-/// Returns the stamp and the numbers behind it, a multiple of `length`.
+/// Returns the stamp and the numbers behind it.
 fn of_stamp<'a>(
     what: &'static str,
     message: &'a Float64MultiArray,
-    length: usize,
 ) -> Result<(Time, &'a [f64]), Refusal> {
-    let size = Refusal::Size { what, found: message.data.len(), expected: 2 + length };
+    let size = Refusal::Size { what, found: message.data.len(), expected: 2 };
     let Some(([sec, nanosec], values)) = message.data.split_first_chunk() else { return Err(size) };
-    if values.is_empty() || values.len() % length != 0 {
-        return Err(size);
-    }
     // The conversion saturates: an invalid stamp matches no body.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "as above")]
     let stamp = Time { sec: *sec as i32, nanosec: *nanosec as u32 };
     Ok((stamp, values))
+}
+
+/// Returns an error unless there are rows, all of this length.
+fn check_rows(what: &'static str, values: &[f64], length: usize) -> Result<(), Refusal> {
+    if values.is_empty() || values.len() % length != 0 {
+        return Err(Refusal::Size { what, found: 2 + values.len(), expected: 2 + length });
+    }
+    Ok(())
 }
 
 /// Returns the name and the confidence of a text, which is 1 if the text has none.
@@ -180,6 +195,15 @@ fn named(text: &str) -> Result<(&str, Confidence), Refusal> {
     let Some((name, number)) = text.rsplit_once(' ') else { return Ok((text, Confidence::ONE)) };
     let Ok(value) = number.parse() else { return Ok((text, Confidence::ONE)) };
     Ok((name, Confidence::new(value).map_err(|_| Refusal::Confidence { value })?))
+}
+
+/// Returns the id of a person; `None` for NaN.
+fn id(value: f64) -> Result<Option<PersonId>, Refusal> {
+    // Doubles hold whole numbers up to 2⁵³.
+    let is_whole = (0.0..=9_007_199_254_740_992.0).contains(&value) && value.fract() == 0.0;
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked above")]
+    let id = is_whole.then(|| PersonId::new(value as u64));
+    if id.is_some() || value.is_nan() { Ok(id) } else { Err(Refusal::Id { value }) }
 }
 
 /// Returns the body with these joints; `None` if no joint was seen. Joints of unknown confidence count as seen.

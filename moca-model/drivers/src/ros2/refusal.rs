@@ -114,6 +114,12 @@ pub enum Refusal {
         /// Value of the confidence.
         value: f64,
     },
+    /// The id of a person is no whole number from 0 to 2⁵³.
+    #[error("a person's id of {value}, expected a whole number from 0 to 2^53, or NaN")]
+    Id {
+        /// Value of the id.
+        value: f64,
+    },
     /// The robot refuses the command.
     #[error(transparent)]
     Command(#[from] CommandRefusal),

@@ -3,8 +3,8 @@
 use std::fmt;
 use std::time::SystemTime;
 
-use moca_model::CameraFrame;
 use moca_model::MOCA_BASE_JOINTS;
+use moca_model::Scene;
 use moca_model::whole_body::control_loop::{Clock, JointCommand, JointMeasurement, RobotSide};
 use nalgebra::UnitQuaternion;
 use ros2_client::Publisher;
@@ -107,7 +107,7 @@ impl Ros2Server {
     pub fn serve(
         &mut self,
         period: f64,
-        frames: &[CameraFrame],
+        frames: &[Scene],
         clock: &mut impl Clock,
         mut stop: impl FnMut() -> bool,
     ) -> Result<(), Ros2Error> {
@@ -128,7 +128,7 @@ impl Ros2Server {
             self.publish_measured();
             self.act()?;
             self.silent.iter_mut().for_each(|silent| *silent = silent.saturating_add(1));
-            let is_due = |frame: &&CameraFrame| begun + frame.percept.time - first <= due;
+            let is_due = |frame: &&Scene| begun + frame.percept.time - first <= due;
             if let Some(frame) = coming.next_if(is_due) {
                 self.publish_seen(frame);
             }
@@ -218,7 +218,7 @@ impl Ros2Server {
     }
 
     /// Publishes a camera frame.
-    fn publish_seen(&self, frame: &CameraFrame) {
+    fn publish_seen(&self, frame: &Scene) {
         let (percept, others) = (&frame.percept, frame.others());
         if let Some(seen) = &percept.action {
             let _ = self.actions.publish(Text { data: seen.action.name().to_owned() });

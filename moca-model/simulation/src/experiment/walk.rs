@@ -65,15 +65,13 @@ impl Walk {
                 Some(film) => film.see(percept)?,
                 None => percept,
             };
-            // Frames do not overtake each other.
-            if percept.is_some() {
-                others.push(film.as_ref().map(FilmedPerson::others).unwrap_or_default());
-            }
-            transport.send(percept, 0.0);
+            let others = film.as_ref().map(FilmedPerson::others).unwrap_or_default();
+            transport.send(percept.map(|percept| (percept, others)), 0.0);
         }
-        for (at, percept) in transport {
+        for (at, (percept, seen)) in transport {
             arrivals.push(at);
             percepts.push(percept);
+            others.push(seen);
         }
         // The robot starts when the first frame has arrived.
         if let (Some(arrival), Some(first)) = (arrivals.first_mut(), percepts.first()) {
@@ -93,8 +91,8 @@ impl Walk {
         draw: &mut ChaCha8Rng,
     ) -> Result<Scenario, Error> {
         let person = Person::new(map.stature())?;
-        let mut scenario = Scenario::new(self.percepts.clone(), &person, map.clone())?;
-        scenario.others.clone_from(&self.others);
+        let mut scenario = Scenario::new(self.percepts.clone(), &person, map.clone())?
+            .among(self.others.clone())?;
         scenario.arrivals.clone_from(&self.arrivals);
         scenario.truth.clone_from(&self.motion);
         (scenario.ergonomics, _) = map.fit(&FIT)?;

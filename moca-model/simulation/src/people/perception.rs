@@ -1,7 +1,7 @@
 //! Perception of a person by camera and recogniser.
 
 use rand_chacha::ChaCha8Rng;
-use vision_models::{Percept, Tool};
+use vision_models::{Percept, PersonId, Tool};
 
 use super::camera::{Camera, CameraSettings};
 use super::person::Person;
@@ -10,23 +10,27 @@ use super::recogniser::Recogniser;
 /// Camera frames a second.
 pub const FRAME_RATE: f64 = 20.0;
 
-/// A camera with its networks. The same draws give the same percepts.
+/// A camera with its networks, and a tracker that never loses the person. The same draws give the
+/// same percepts.
 #[derive(Clone, Debug)]
 pub struct Perception {
+    id: PersonId,
     camera: Camera,
     recogniser: Recogniser,
 }
 
 impl Perception {
-    /// Creates a camera that looks for `duration` \[s\], over which its jumps and vanishings are spread. `tool` is the
-    /// one for the surface that faces the on-board camera.
+    /// Creates a camera that looks for `duration` \[s\], over which its jumps and vanishings are spread. The person has
+    /// this id. `tool` is the one for the surface that faces the on-board camera.
     pub fn new(
+        id: PersonId,
         settings: CameraSettings,
         duration: f64,
         tool: Tool,
         [camera, recogniser]: [ChaCha8Rng; 2],
     ) -> Self {
         Self {
+            id,
             camera: Camera::new(settings, duration, camera),
             recogniser: Recogniser::new(tool, recogniser),
         }
@@ -42,6 +46,7 @@ impl Perception {
     pub fn look(&mut self, time: f64, person: &Person, in_view: bool) -> Option<Percept> {
         // The random numbers are always drawn, so that later ones do not depend on what is seen.
         let body = self.camera.see(time, &person.joints()).filter(|_| in_view);
+        let body = body.map(|body| body.with_id(self.id));
         let (action, surface) = self.recogniser.recognise(person.action(), body.is_some());
         let percept = Percept { time, body, action, surface };
         (!self.camera.loses_frame()).then_some(percept)

@@ -4,7 +4,7 @@ use human_perception::random;
 use nalgebra::{Point2, Vector2};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
-use vision_models::{Action, Percept, Tool};
+use vision_models::{Action, Percept, PersonId, Tool};
 
 use super::activity::Activity;
 use super::camera::CameraSettings;
@@ -108,7 +108,13 @@ impl Walker {
                     Occupation::Walking => Activity::Walk,
                 },
             ),
-            perception: Perception::new(settings.camera, settings.duration, settings.tool, eyes),
+            perception: Perception::new(
+                PersonId::new(0),
+                settings.camera,
+                settings.duration,
+                settings.tool,
+                eyes,
+            ),
             movements: generator(settings.seed, Stream::Movements),
             next_movement: 0.0,
             motion: Vec::new(),

@@ -5,12 +5,12 @@ use human_perception::percepts::PostureSettings;
 use moca_model::whole_body::Model;
 use moca_model::whole_body::torque::Compensation;
 use moca_model::{
-    BoxSide, CameraFrame, ControllerSettings, GraspedObject, MOCA_HOME, SpaceSettings,
+    BoxSide, ControllerSettings, GraspedObject, MOCA_HOME, Scene, SpaceSettings,
     TorqueLoopSettings, WorkFace, moca, moca_safety,
 };
 use moca_replay::recorded::Recorder;
 use percept_recording::{Timing, arrivals};
-use vision_models::{Body, Percept, Surface};
+use vision_models::{Body, People, PeopleSettings, Percept, Surface, TrackerSettings};
 
 use super::true_person::TrueMotion;
 use crate::Error;
@@ -120,11 +120,17 @@ impl Scenario {
         self
     }
 
-    /// Sets the other people in view, frame by frame.
-    #[must_use]
-    pub fn among(mut self, others: Vec<Vec<Body>>) -> Self {
+    /// Sets the other people in view, frame by frame. Frames without ids get those of [`People`].
+    ///
+    /// # Errors
+    /// Percepts out of order.
+    pub fn among(mut self, others: Vec<Vec<Body>>) -> Result<Self, Error> {
         self.others = others;
-        self
+        let mut people = People::new(PeopleSettings::untracked(), TrackerSettings::default())?;
+        for (percept, others) in self.percepts.iter_mut().zip(&mut self.others) {
+            people.identify(percept, others)?;
+        }
+        Ok(self)
     }
 
     /// The other people in view of a frame.
@@ -133,10 +139,10 @@ impl Scenario {
     }
 
     /// The camera frames with everybody in view.
-    pub fn camera_frames(&self) -> Vec<CameraFrame> {
+    pub fn scenes(&self) -> Vec<Scene> {
         let frames = self.percepts.iter().enumerate();
         let frame = |(index, percept): (usize, &Percept)| {
-            CameraFrame::from(percept.clone()).with_others(self.others(index))
+            Scene::from(percept.clone()).with_others(self.others(index))
         };
         frames.map(frame).collect()
     }

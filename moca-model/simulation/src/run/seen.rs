@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use nalgebra::{Point3, Vector3};
-use vision_models::{Body, Body25};
+use vision_models::{Body, Body25, PersonId};
 
 use crate::judges::body;
 use crate::people::Joints;
@@ -58,53 +58,41 @@ impl SeenPerson {
     }
 }
 
-/// Largest speed of a person between frames \[m/s\], and the noise \[m\].
-const FASTEST: f64 = 3.0;
-const NOISE: f64 = 0.3;
-
 /// Time for which a person counts who is not seen again \[s\].
 const REMEMBERED: f64 = 1.0;
 
 /// The people besides the one who works with the robot.
 #[derive(Clone, Debug, Default)]
 pub(super) struct SeenOthers {
-    /// Each person with the time and place where they were seen last \[s, m\].
-    people: Vec<(f64, Point3<f64>, SeenPerson)>,
+    /// Each person with their id, and the time when they were seen last \[s\].
+    people: Vec<(Option<PersonId>, f64, SeenPerson)>,
 }
 
 impl SeenOthers {
-    /// Takes the bodies of a frame. Each belongs to the nearest person who can have gone there. The person who works
-    /// with the robot from now on, at `person`, is removed.
+    /// Takes the bodies of a frame. The person who works with the robot from now on is removed. A body without an id
+    /// is a new person.
     pub(super) fn update(
         &mut self,
         time: f64,
-        person: Option<&Body>,
+        worker: Option<&Body>,
         bodies: &[Body],
         least_confidence: f64,
     ) {
-        self.people.retain(|(last, ..)| time - last <= REMEMBERED);
+        let worker = worker.and_then(Body::id);
+        self.people.retain(|(id, last, _)| {
+            time - last <= REMEMBERED && (worker.is_none() || *id != worker)
+        });
         for body in bodies {
-            let Some(place) = body.get(Body25::MidHip).map(|seen| seen.position) else { continue };
-            let ways = self.people.iter_mut().filter(|(last, ..)| *last < time);
-            let nearest = ways.min_by(|(_, one, _), (_, other, _)| {
-                (one - place).norm().total_cmp(&(other - place).norm())
-            });
-            let same = nearest.filter(|(last, before, _)| {
-                (place - *before).norm() <= FASTEST * (time - *last) + NOISE
-            });
-            if let Some((last, before, person)) = same {
-                (*last, *before) = (time, place);
+            let id = body.id();
+            let mut people = self.people.iter_mut();
+            if let Some((_, last, person)) = people.find(|known| id.is_some() && known.0 == id) {
+                *last = time;
                 person.update(time, body, least_confidence);
             } else {
                 let mut person = SeenPerson::default();
                 person.update(time, body, least_confidence);
-                self.people.push((time, place, person));
+                self.people.push((id, time, person));
             }
-        }
-        if let Some(pelvis) = person.and_then(|body| body.get(Body25::MidHip)) {
-            self.people.retain(|(last, place, _)| {
-                *last == time || (pelvis.position - place).norm() > NOISE
-            });
         }
     }
 

@@ -1,7 +1,5 @@
 //! One robot, one controller, a person and passers-by, for some seconds.
 
-use std::collections::VecDeque;
-
 use ergo_map::ErgonomicsQuadratic;
 use human_perception::random;
 use moca_model::whole_body::Model;
@@ -9,7 +7,7 @@ use moca_model::{Controller, ControllerSettings, Goal, GraspedObject, MOCA_HOME}
 use nalgebra::{Matrix3, Vector2, Vector3};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
-use vision_models::{Body, Percept, Tool};
+use vision_models::{Body, Percept, PersonId, Tool};
 
 use super::disturbance::{Disturbance, Disturbances};
 use super::monitor::{Monitor, Tick};
@@ -47,9 +45,6 @@ const DROP: f64 = 0.1;
 const PASSERS_BY: u64 = 2;
 const STREAMS: u64 = 3;
 
-/// Time for which the frames of passers-by are kept \[s\]. None arrives later.
-const LATEST: f64 = 2.0;
-
 fn generator(seed: u64, stream: Stream) -> ChaCha8Rng {
     random::generator(seed, stream as u64)
 }
@@ -64,8 +59,6 @@ pub(super) struct Episode {
     passers_by: Vec<Witnessed>,
     /// The camera, for each of them.
     cameras: Vec<Perception>,
-    /// What the camera saw of them, and at which tick.
-    frames_of_passers_by: VecDeque<(usize, Vec<Body>)>,
     transport: Transport,
     task: Task,
     disturbances: Disturbances,
@@ -109,7 +102,8 @@ impl Episode {
             passers_by.push(Witnessed::new(Wanderer::passing_by(streams(0), robot)));
             let camera = CameraSettings { drop: 0.0, ..camera };
             let eyes = [streams(1), streams(2)];
-            cameras.push(Perception::new(camera, 0.0, Tool::Drill, eyes));
+            let id = PersonId::new(1 + number);
+            cameras.push(Perception::new(id, camera, 0.0, Tool::Drill, eyes));
         }
         let period = settings.period;
         let mut monitor = Monitor::new(model, &settings, &start)?;
@@ -120,10 +114,9 @@ impl Episode {
         Ok(Self {
             monitor,
             person: Witnessed::new(Wanderer::new(generator(seed, Stream::Person), robot)),
-            perception: Perception::new(camera, 0.0, Tool::Drill, eyes),
+            perception: Perception::new(PersonId::new(0), camera, 0.0, Tool::Drill, eyes),
             passers_by,
             cameras,
-            frames_of_passers_by: VecDeque::new(),
             transport: Transport::new(generator(seed, Stream::Transport)),
             task: Task::new(generator(seed, Stream::Task)),
             disturbances: Disturbances::new(generator(seed, Stream::Disturbances), drive),
@@ -174,8 +167,8 @@ impl Episode {
         }
         self.advance_disturbances(now)?;
         self.look(now);
-        while let Some(percept) = self.transport.arrived(now) {
-            self.receive(percept, now)?;
+        while let Some((percept, others)) = self.transport.arrived(now) {
+            self.receive(percept, &others, now)?;
         }
         if self.has_tasks {
             self.task.advance(now, self.plant.controller_mut().space_mut(), &hand)?;
@@ -245,8 +238,8 @@ impl Episode {
         Ok(())
     }
 
-    /// Gives the controller a frame, or what has become of it.
-    fn receive(&mut self, percept: Percept, now: f64) -> Result<(), Error> {
+    /// Gives the controller a frame with passers-by, or what has become of it.
+    fn receive(&mut self, percept: Percept, others: &[Body], now: f64) -> Result<(), Error> {
         let disturbance = self.disturbances.present(now);
         let is_seen = percept.body.is_some()
             && !disturbance.is_some_and(|(disturbance, _)| disturbance.hides_the_person());
@@ -255,11 +248,7 @@ impl Episode {
         if is_seen {
             self.person.show(tick, &error);
         }
-        let passers_by = self.frames_of_passers_by.iter().find(|(taken, _)| *taken == tick);
-        let others: Vec<_> = passers_by
-            .into_iter()
-            .flat_map(|(_, bodies)| bodies.iter().map(|body| body.transformed(&error)))
-            .collect();
+        let others: Vec<_> = others.iter().map(|body| body.transformed(&error)).collect();
         for frame in self.disturbances.frames(percept) {
             let others = if frame.time == time { &others[..] } else { &[] };
             let taken = self.plant.observe_people(&frame, others);
@@ -296,11 +285,7 @@ impl Episode {
         let seen = others.filter_map(|(other, camera)| {
             camera.look(now, other.person.person(), true).and_then(|percept| percept.body)
         });
-        self.frames_of_passers_by.push_back((self.tick, seen.collect()));
-        let oldest = self.tick.saturating_sub(ticks(LATEST, self.period));
-        while self.frames_of_passers_by.front().is_some_and(|(taken, _)| *taken < oldest) {
-            self.frames_of_passers_by.pop_front();
-        }
+        let others = seen.collect();
         let person = &self.person.person;
         let mut percept = self.perception.look(now, person.person(), person.is_in_view());
         if let Some(percept) = &mut percept {
@@ -313,7 +298,8 @@ impl Episode {
             });
             percept.body = percept.body.take().filter(|_| self.seen_whole);
         }
-        self.transport.send(percept, self.disturbances.delay());
+        let frame = percept.map(|percept| (percept, others));
+        self.transport.send(frame, self.disturbances.delay());
     }
 
     /// The first tick with something wrong.

@@ -1,9 +1,7 @@
 //! The camera beside the workplace, and the way of its frames to the controller.
 
-use std::collections::VecDeque;
-
 use human_perception::random;
-use vision_models::{Body, Percept, Tool};
+use vision_models::{Body, Percept, PersonId, Tool};
 
 use super::faults::Faults;
 use crate::people::{CameraSettings, FRAME_RATE, Perception, Person, Transport};
@@ -13,16 +11,11 @@ const WORKER: u64 = 400;
 const BYSTANDER: u64 = 410;
 const TRANSPORT: u64 = 420;
 
-/// How long bodies of others are kept \[s\]: no frame arrives later.
-const LATEST: f64 = 4.0;
-
 /// One camera, which knows the person who works with the robot.
 #[derive(Clone, Debug)]
 pub(super) struct Eye {
     worker: Perception,
     bystander: Perception,
-    /// What was seen of others, and in the frame of which time \[s\].
-    others: VecDeque<(f64, Vec<Body>)>,
     transport: Transport,
     /// Ticks from one frame to the next.
     interval: u64,
@@ -33,14 +26,13 @@ impl Eye {
         let faults = Faults::default();
         let perception = |stream, camera| {
             let eyes = [stream, stream + 1].map(|stream| random::generator(seed, stream));
-            Perception::new(camera, 0.0, Tool::Drill, eyes)
+            Perception::new(PersonId::new(stream), camera, 0.0, Tool::Drill, eyes)
         };
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at least 1")]
         let interval = (1.0 / (FRAME_RATE * period)).round().max(1.0) as u64;
         Self {
             worker: perception(WORKER, faults.camera()),
             bystander: perception(BYSTANDER, of_bystander(&faults)),
-            others: VecDeque::new(),
             transport: Transport::new(random::generator(seed, TRANSPORT)),
             interval,
         }
@@ -65,21 +57,14 @@ impl Eye {
         }
         let in_view = !faults.occluded;
         let other = bystander.and_then(|person| self.bystander.look(now, person, in_view));
-        let bodies = other.and_then(|percept| percept.body).into_iter().collect();
-        self.others.push_back((now, bodies));
-        while self.others.front().is_some_and(|(taken, _)| *taken < now - LATEST) {
-            self.others.pop_front();
-        }
+        let others = other.and_then(|percept| percept.body).into_iter().collect();
         let percept = self.worker.look(now, worker, in_view);
-        self.transport.send(percept, faults.latency);
+        self.transport.send(percept.map(|percept| (percept, others)), faults.latency);
     }
 
     /// The next frame that has arrived by now \[s\], with the other people in it.
     pub(super) fn arrived(&mut self, now: f64) -> Option<(Percept, Vec<Body>)> {
-        let percept = self.transport.arrived(now)?;
-        let taken = self.others.iter().find(|(taken, _)| *taken == percept.time);
-        let others = taken.map(|(_, bodies)| bodies.clone());
-        Some((percept, others.unwrap_or_default()))
+        self.transport.arrived(now)
     }
 }
 

@@ -7,6 +7,7 @@
     missing_docs
 )]
 
+mod bystanders;
 mod calm;
 mod calmness;
 mod experiment;

@@ -7,7 +7,7 @@ use moca_model::Goal;
 use moca_simulation::people::Walker;
 use moca_simulation::run::{Run, Scenario, Summary};
 use nalgebra::Vector3;
-use vision_models::{Body, Body25, Confidence, Keypoint};
+use vision_models::{Body, Body25, Confidence, Keypoint, PersonId};
 
 use crate::support::{average_map, cases, recorded};
 
@@ -84,9 +84,11 @@ fn others_in_a_recording_are_kept_away_from() {
         body
     };
     let among = |bodies: &[Body]| {
+        let bodies: Vec<_> =
+            (1..).zip(bodies).map(|(id, body)| body.clone().with_id(PersonId::new(id))).collect();
         let scenario = Scenario { percepts: scenario.percepts.clone(), ..shipped() };
-        let others = vec![bodies.to_vec(); scenario.percepts.len()];
-        play(&scenario.among(others), Goal::Ergonomics)
+        let others = vec![bodies; scenario.percepts.len()];
+        play(&scenario.among(others).unwrap(), Goal::Ergonomics)
     };
     let beside = among(&[standing_at(0.7, 0.7)]);
     assert_sound(&beside, "somebody beside the tool");
@@ -103,13 +105,23 @@ fn others_in_a_recording_are_kept_away_from() {
     for (percept, others) in late.iter_mut().zip(&mut others).take(work.unwrap()) {
         others.extend(percept.body.take());
     }
-    let late = Scenario { percepts: late, ..shipped() }.among(others);
-    let frames = late.camera_frames();
-    assert_eq!((frames[0].others(), &frames[0].percept), (late.others(0), &late.percepts[0]));
-    let late = play(&late, Goal::Ergonomics);
-    assert_sound(&late, "the person is one of the others at first");
-    assert_eq!(late.separation_violations, 0);
-    assert!(late.together > 0.8 * alone.together, "{} {}", late.together, alone.together);
+    // An old recording has no ids.
+    let bare = |body: &Body| body.clone().with_id(None);
+    let old = late.iter().cloned().map(|mut percept| {
+        percept.body = percept.body.as_ref().map(bare);
+        percept
+    });
+    let (old, of_old) =
+        (old.collect(), others.iter().map(|bodies| bodies.iter().map(bare).collect()));
+    for (percepts, others) in [(old, of_old.collect()), (late, others)] {
+        let late = Scenario { percepts, ..shipped() }.among(others).unwrap();
+        let frames = late.scenes();
+        assert_eq!((frames[0].others(), &frames[0].percept), (late.others(0), &late.percepts[0]));
+        let late = play(&late, Goal::Ergonomics);
+        assert_sound(&late, "the person is one of the others at first");
+        assert_eq!(late.separation_violations, 0);
+        assert!(late.together > 0.8 * alone.together, "{} {}", late.together, alone.together);
+    }
     let crowd: Vec<_> = (0..5).map(|place| standing_at(-6.0, f64::from(place))).collect();
     let (four, five) = (among(&crowd[..4]), among(&crowd));
     assert_eq!((four.protective_stops, five.protective_stops), (0, 1));

@@ -6,7 +6,9 @@ use moca_simulation::people::{
 use nalgebra::{Point3, Vector2};
 use proptest::prelude::*;
 use rand_chacha::{ChaCha8Rng, rand_core::SeedableRng};
-use vision_models::{Body25, Percept, Tool};
+use vision_models::{Body25, Percept, PersonId, Tool};
+
+const ID: PersonId = PersonId::new(0);
 
 const PERIOD: f64 = 0.001;
 
@@ -73,7 +75,8 @@ fn people_do_what_nobody_expects() {
 
 /// Frames of a wanderer through a camera with these settings: the true person and the percept.
 fn frames(settings: CameraSettings, seed: u64) -> Vec<(Person, Option<Percept>)> {
-    let mut perception = Perception::new(settings, 12.0, Tool::Drill, [draw(seed), draw(!seed)]);
+    let mut perception =
+        Perception::new(ID, settings, 12.0, Tool::Drill, [draw(seed), draw(!seed)]);
     let mut frames = Vec::new();
     let mut next = 0.0;
     wander(seed, |time, wanderer| {
@@ -111,7 +114,7 @@ fn joint_errors_stay_below_the_largest() {
 #[test]
 fn nobody_out_of_view_is_seen() {
     let mut perception =
-        Perception::new(CameraSettings::PERFECT, 1.0, Tool::Drill, [draw(1), draw(2)]);
+        Perception::new(ID, CameraSettings::PERFECT, 1.0, Tool::Drill, [draw(1), draw(2)]);
     wander(3, |time, wanderer| {
         let percept = perception.look(time, wanderer.person(), wanderer.is_in_view()).unwrap();
         assert_eq!(percept.body.is_some(), wanderer.is_in_view());
@@ -140,9 +143,9 @@ proptest! {
         while now < time + 0.2 {
             while let Some((time, lost)) = to_send.next_if(|(time, _)| *time <= now) {
                 let percept = Percept { time, body: None, action: None, surface: None };
-                transport.send((!lost).then_some(percept), 0.0);
+                transport.send((!lost).then_some((percept, Vec::new())), 0.0);
             }
-            while let Some(percept) = transport.arrived(now) {
+            while let Some((percept, _)) = transport.arrived(now) {
                 let late = now - percept.time;
                 prop_assert!((0.02..=0.09 + PERIOD).contains(&late), "{late} s");
                 arrived.push(percept.time);

@@ -157,7 +157,8 @@ fn what_was_done_plays_again() {
     assert!(read(&truth).percepts.len() > 390);
     let Setup { map, robot, .. } = setup();
     let scenario = Scenario::new(recording.percepts, &map.person().clone(), map).unwrap();
-    let mut scenario = scenario.among(recording.others).arriving(&recording.timings).kinematic();
+    let mut scenario =
+        scenario.among(recording.others).unwrap().arriving(&recording.timings).kinematic();
     scenario.settings = robot.controller;
     let run = Run::new(&scenario, Goal::Ergonomics).unwrap();
     let summary = run.play(|_, _| ControlFlow::Continue(())).unwrap();

@@ -27,6 +27,8 @@ struct PerceptLine {
     keypoints: Option<Vec<Option<[f64; 4]>>>,
     /// The keypoints of each other person in the frame.
     others: Option<Vec<Vec<Option<[f64; 4]>>>>,
+    /// Ids of the person, then of each other person. Null for those who were not tracked.
+    ids: Option<Vec<Option<u64>>>,
     /// The person's action.
     action: Option<serde_json::Value>,
     /// The surface in front of the on-board camera.
@@ -64,8 +66,13 @@ pub(super) fn write_recording(file: &mut McapWriter, text: &[u8]) -> Result<(), 
         let time = percept.time;
         file.write_bytes(channel, time, line)?;
         let person = percept.body.iter().map(|body| drawn(time, "person", body));
-        let others = others.iter().zip(1..);
-        let others = others.map(|(body, number)| drawn(time, &format!("other {number}"), body));
+        let others = others.iter().zip(1..).map(|(body, number)| {
+            let name = match body.id() {
+                Some(id) => format!("person {}", id.number()),
+                None => format!("other {number}"),
+            };
+            drawn(time, &name, body)
+        });
         let everybody: Vec<Entity> = person.chain(others).collect();
         if !everybody.is_empty() {
             file.write(scene, time, &SceneUpdate::from(everybody))?;

@@ -19,19 +19,18 @@ use crate::percept::Percept;
 /// ```
 /// use vision_models::PersonId;
 ///
-/// fn same(one: PersonId, other: PersonId) -> bool {
-///     one == other
-/// }
+/// assert_eq!(PersonId::new(3).number(), 3);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct PersonId(u64);
 
 impl PersonId {
-    pub(super) fn new(number: u64) -> Self {
+    /// Creates the id of a source that tracks people.
+    pub const fn new(number: u64) -> Self {
         Self(number)
     }
 
-    /// Returns the number, counted from zero.
+    /// Returns the number.
     pub fn number(self) -> u64 {
         self.0
     }
@@ -135,7 +134,7 @@ impl PersonTrack {
 
     /// Returns true if this body of the newest frame belongs to the person.
     pub(super) fn has(&self, body: &Body) -> bool {
-        self.claimed && self.measured == *body
+        self.claimed && self.measured.keypoints() == body.keypoints()
     }
 
     /// Assigns a body of the frame to this person.
@@ -148,8 +147,8 @@ impl PersonTrack {
         self.expected = floor.map(|floor| floor.position).or(self.expected);
         let length = |segment| self.tracker.segment(segment).map(|known| known.length);
         let walking = self.tracker.predict(time).map(|person| person.velocity).unwrap_or_default();
-        self.body = self.joints.update(body, &seen, time, walking, length);
-        self.measured = body.clone();
+        self.body = self.joints.update(body, &seen, time, walking, length).with_id(self.id);
+        self.measured = body.clone().with_id(self.id);
         (self.first, self.last) = (self.first.min(time), time);
         self.claimed = true;
         Ok(())

@@ -1,4 +1,4 @@
-//! Camera frames that show all people in view.
+//! Scenes: camera frames with everybody in view.
 
 use hrsw_safety::MOST_OTHERS;
 use vision_models::{Body, Percept};
@@ -6,32 +6,32 @@ use vision_models::{Body, Percept};
 /// Number of stored people: one more than the robot can keep away from, at which it stops.
 const ROOM: usize = MOST_OTHERS + 1;
 
-/// A camera frame: the person who works with the robot, and the other people in view. Its size is fixed, so that it
-/// passes between threads without an allocation.
+/// A camera frame: the person who works with the robot, and the other people in view. Each body has the id of its
+/// person, if the source tracks people. The size is fixed, so that a scene passes between threads without an allocation.
 ///
 /// ```
-/// use moca_model::CameraFrame;
+/// use moca_model::Scene;
 /// use vision_models::{Body, Percept};
 ///
 /// let percept = Percept { time: 0.05, body: None, action: None, surface: None };
-/// let frame = CameraFrame::from(percept).with_others(&[Body::default()]);
+/// let frame = Scene::from(percept).with_others(&[Body::default()]);
 /// assert_eq!(frame.others().len(), 1);
 /// ```
 #[derive(Debug, Clone, PartialEq)]
-pub struct CameraFrame {
+pub struct Scene {
     /// The person who works with the robot.
     pub percept: Percept,
     others: [Body; ROOM],
     count: usize,
 }
 
-impl From<Percept> for CameraFrame {
+impl From<Percept> for Scene {
     fn from(percept: Percept) -> Self {
         Self { percept, others: std::array::from_fn(|_| Body::default()), count: 0 }
     }
 }
 
-impl CameraFrame {
+impl Scene {
     /// Sets the other people in view. At most five are kept, one more than
     /// [`Controller::observe_people`](crate::Controller::observe_people) has room for, so that a crowd stops the robot.
     #[must_use]
