@@ -92,8 +92,8 @@ impl Perceived {
             let (confidences, covariances) =
                 (confidences.next().unwrap_or_default(), covariances.next().unwrap_or_default());
             let id = ids.next().flatten();
-            let body = body(poses, confidences, covariances)?;
-            Ok(body.map(|body| body.with_id(id)))
+            let body = body(poses, confidences, covariances);
+            body.map(|body| body.map(|body| body.with_id(id)))
         });
         let mut people = people.collect::<Result<Vec<_>, _>>()?.into_iter();
         let (body, others) = (people.next().flatten(), people.flatten().collect());
@@ -184,7 +184,7 @@ fn of_stamp<'a>(
 
 /// Returns an error unless there are rows, all of this length.
 fn check_rows(what: &'static str, values: &[f64], length: usize) -> Result<(), Refusal> {
-    if values.is_empty() || values.len() % length != 0 {
+    if values.is_empty() || !values.len().is_multiple_of(length) {
         return Err(Refusal::Size { what, found: 2 + values.len(), expected: 2 + length });
     }
     Ok(())
