@@ -117,7 +117,7 @@ impl Perceived {
     /// Why the confidences are refused; those before are then kept.
     pub fn take_confidences(&mut self, message: &Float64MultiArray) -> Result<(), Refusal> {
         let what = "body confidences";
-        let (stamp, values) = of_stamp(what, message)?;
+        let (stamp, values) = of_stamp(what, message, Body25::COUNT)?;
         let with_id = Body25::COUNT + 1;
         let ids = if values.len() % with_id == 0 { values.len() / with_id } else { 0 };
         let (values, ids) = values.split_at(values.len() - ids);
@@ -137,9 +137,9 @@ impl Perceived {
     /// # Errors
     /// Why the covariances are refused; those before are then kept.
     pub fn take_covariances(&mut self, message: &Float64MultiArray) -> Result<(), Refusal> {
-        let what = "body covariances";
-        let (stamp, values) = of_stamp(what, message)?;
-        check_rows(what, values, COVARIANCE * Body25::COUNT)?;
+        let (what, length) = ("body covariances", COVARIANCE * Body25::COUNT);
+        let (stamp, values) = of_stamp(what, message, length)?;
+        check_rows(what, values, length)?;
         self.covariances = Some((stamp, values.as_chunks().0.to_vec()));
         Ok(())
     }
@@ -169,12 +169,13 @@ impl Perceived {
     }
 }
 
-/// Returns the stamp and the numbers behind it.
+/// Returns the stamp and the numbers behind it, which are to be rows of this length.
 fn of_stamp<'a>(
     what: &'static str,
     message: &'a Float64MultiArray,
+    length: usize,
 ) -> Result<(Time, &'a [f64]), Refusal> {
-    let size = Refusal::Size { what, found: message.data.len(), expected: 2 };
+    let size = Refusal::Size { what, found: message.data.len(), expected: 2 + length };
     let Some(([sec, nanosec], values)) = message.data.split_first_chunk() else { return Err(size) };
     // The conversion saturates: an invalid stamp matches no body.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "as above")]
