@@ -120,10 +120,11 @@ impl Guided {
     /// above or below may leave none; they then stop.
     fn step_aside(&mut self, before: LedPerson, wanted: Vector2<f64>, (gap, judge): (f64, &Judge)) {
         self.person = before;
+        let Some(ahead) = wanted.try_normalize(0.0) else { return self.person.bump() };
         for turn in ASIDE.into_iter().flat_map(|turn| [turn, -turn]) {
             let mut aside = self.person.clone();
-            aside.slide(Rotation2::new(turn) * wanted.normalize(), wanted.norm());
-            if wanted.norm() > 0.0 && judge.gap(&joints(&aside), ROOM) >= gap - SHIFT {
+            aside.slide(Rotation2::new(turn) * ahead, wanted.norm());
+            if judge.gap(&joints(&aside), ROOM) >= gap - SHIFT {
                 self.person = aside;
                 return;
             }
