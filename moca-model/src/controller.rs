@@ -1,45 +1,37 @@
 //! The controller, which takes percepts at camera rate and returns commands once a millisecond.
 
 mod base_drive;
-mod coming_to_rest;
+mod commanded_motion;
 mod goal_share;
 mod grasping;
 mod looking;
-mod measuring;
 mod observing;
 mod reporting;
 mod turning;
 
-use ahqp_core::{JerkLimits, Status, VelocityInterval, integrate_pose};
+use ahqp_core::{Status, integrate_pose};
 use ergo_map::ErgonomicsQuadratic;
 use hrsw::Softening;
 use hrsw_safety::{Fault, LoopClock, RobotLimits, Safety, SafetyState};
-use nalgebra::{Isometry3, Vector3};
+use nalgebra::Isometry3;
+use vision_models::Freshness;
 use whole_body::Model;
+use whole_body::torque::Following;
 
 use crate::command::{Command, Outcome};
 use crate::error::{Error, check_size};
-use crate::following_error::FollowingErrorLimit;
-use crate::grasped_object::{BoxSide, GraspedObject};
-use crate::interaction::{Interaction, Transition};
-use crate::motion_limits::{
-    Motion, TickTimes, admit_braking, bound_held_acceleration, brake, braking_limits,
-    desired_limits, joint_limits, write_intervals,
-};
+use crate::interaction::Phase;
+use crate::motion_limits::TickTimes;
 use crate::robot::kinematics::Kinematics;
-use crate::robot::moca::{MOCA_AXIS_SPEED, MOCA_BASE_JOINTS};
+use crate::robot::moca::MOCA_AXIS_SPEED;
 use crate::settings::{ControllerSettings, Goal};
 use crate::shared_space::{POSITION_ROWS, SharedSpace};
+use crate::situation::Situation;
 use crate::stack::{CollaborationStack, GoalTerms, Levels, StackInput, StackSettings};
-use base_drive::BaseDrive;
-use goal_share::{ACTIVATES_OVER, GoalConditions, GoalShare};
-use looking::SeenSurface;
-use turning::HandTurn;
-
-/// Time in which the robot slows down while nothing is seen, and speeds up again \[s\].
-const SLOWS_OVER: f64 = 0.5;
-/// Age of the newest body from which on the robot comes to rest \[s\]. The person has then been lost for a second.
-const RESTS_AFTER: f64 = 1.5;
+use commanded_motion::CommandedMotion;
+use goal_share::{ACTIVATES_OVER, GoalShare};
+use grasping::Workpiece;
+use reporting::Reports;
 
 /// Ergonomic collaboration with a person: AHQP over the robot, the shared workspace and the
 /// person's ergonomics.
@@ -65,59 +57,19 @@ const RESTS_AFTER: f64 = 1.5;
 /// ```
 #[derive(Debug, Clone)]
 pub struct Controller {
-    robot: Kinematics,
     settings: ControllerSettings,
     ergonomics: ErgonomicsQuadratic,
+    robot: Kinematics,
     clock: LoopClock,
-    following_error: FollowingErrorLimit,
     space: SharedSpace,
+    situation: Situation,
     safety: Safety,
     stack: CollaborationStack,
-    joint_limits: Vec<JerkLimits>,
-    desired_limits: [JerkLimits; 6],
-    /// Limits for coming to rest, of the joints and of ẋ_d.
-    joint_braking: Vec<JerkLimits>,
-    desired_braking: Vec<JerkLimits>,
-    /// Configuration at which tasks are computed: commanded for joints that follow positions, measured for others.
-    reference: Vec<f64>,
-    /// Whether each joint follows positions.
-    follows_position: Vec<bool>,
-    /// Time between the last two ticks before this one \[s\].
-    elapsed_before: f64,
-    /// q̇* before the last tick, and its rate of change in it.
-    last_velocity: Vec<f64>,
-    acceleration: Vec<f64>,
-    /// Velocity intervals of the joints, then of ẋ_d.
-    intervals: Vec<VelocityInterval>,
-    /// Velocity intervals of the joints that must return within their limits.
-    returns: Vec<VelocityInterval>,
-    /// Joint velocities as near to rest as the intervals allow.
-    braking: Vec<f64>,
-    command: Command,
-    /// The worst fault that was reported since the last command.
-    fault: Option<Fault>,
-    /// The object that the robot holds for the person to work on.
-    object: Option<GraspedObject>,
-    /// The side of the object that the person sees, or will see after a turn.
-    shown: BoxSide,
-    base_drive: Option<BaseDrive>,
-    /// Velocity intervals of the base while safety does not need more.
-    gentle: Vec<VelocityInterval>,
-    hand_turn: HandTurn,
-    seen_surface: SeenSurface,
-    interaction: Interaction,
-    /// Change of the phase in the last tick.
-    transition: Option<Transition>,
-    /// Whether the external force was measured since the last command.
-    measures_force: bool,
-    /// Last measured yaw of the base \[rad\].
-    yaw: f64,
-    speed: f64,
-    /// Whether the last velocities keep the protective distances.
-    keeps_separation: bool,
-    /// Whether they are close to the limits of the separation rows.
-    at_limit: bool,
+    motion: CommandedMotion,
+    workpiece: Workpiece,
     goal_share: GoalShare,
+    reports: Reports,
+    command: Command,
 }
 
 impl Controller {
@@ -141,7 +93,6 @@ impl Controller {
         let limits = RobotLimits { accelerations: &accelerations, speed: MOCA_AXIS_SPEED };
         let safety = Safety::new(layout, settings.safety.clone(), &limits, settings.period)?;
         let clock = LoopClock::new(settings.period, settings.clock())?;
-        let rest = vec![0.0; n];
         let softening = Softening {
             margin: settings.space.margin,
             position_rows: POSITION_ROWS,
@@ -159,59 +110,23 @@ impl Controller {
             budget: settings.budget,
         };
         let stack = CollaborationStack::new(&robot, &stack, &safety)?;
-        robot.update(&settings.posture.configuration)?;
-        let base_drive = match settings.base {
-            Some(_) if settings.levels == Levels::Extended => {
-                Some(BaseDrive::new(MOCA_BASE_JOINTS, &robot, &settings.posture.configuration)?)
-            }
-            _ => None,
-        };
-        robot.update(configuration)?;
+        let motion = CommandedMotion::new(&mut robot, &settings, configuration)?;
         let tool = *robot.world_from_tool();
-        let joint_limits = joint_limits(robot.model())?;
-        let desired_limits = desired_limits(&settings.desired)?;
-        let free = VelocityInterval { lower: f64::NEG_INFINITY, upper: f64::INFINITY };
+        let space = SharedSpace::new(&settings, &tool)?;
         Ok(Self {
-            space: SharedSpace::new(&settings, &tool)?,
-            joint_braking: braking_limits(&joint_limits)?,
-            desired_braking: braking_limits(&desired_limits)?,
-            joint_limits,
-            desired_limits,
-            reference: configuration.to_vec(),
-            follows_position: vec![false; n],
-            elapsed_before: settings.period,
-            last_velocity: rest.clone(),
-            acceleration: rest.clone(),
-            intervals: vec![VelocityInterval { lower: 0.0, upper: 0.0 }; n + 6],
-            returns: vec![VelocityInterval { lower: 0.0, upper: 0.0 }; n],
-            braking: rest,
-            command: Command::at_rest(configuration, tool),
-            following_error: FollowingErrorLimit::new(
-                settings.following_error,
-                robot.model(),
-                settings.period,
-            )?,
-            fault: None,
-            object: None,
-            shown: BoxSide::Front,
-            gentle: vec![free; settings.base.map_or(0, |_| MOCA_BASE_JOINTS)],
-            base_drive,
-            hand_turn: HandTurn::resting(Vector3::x_axis()),
-            seen_surface: SeenSurface::default(),
-            interaction: Interaction::default(),
-            transition: None,
-            measures_force: false,
-            yaw: 0.0,
-            speed: 1.0,
-            keeps_separation: true,
-            at_limit: false,
+            situation: space.situation()?,
+            workpiece: Workpiece::none(),
             goal_share: GoalShare::NONE,
-            clock,
-            robot,
+            reports: Reports::default(),
+            command: Command::at_rest(configuration, tool),
             settings,
             ergonomics,
+            robot,
+            clock,
+            space,
             safety,
             stack,
+            motion,
         })
     }
 
@@ -235,7 +150,7 @@ impl Controller {
     /// [`Error::WrongSize`] for a configuration of the wrong size. The supervisor is then informed, and
     /// [`command`](Self::command) brakes as well.
     pub fn step(&mut self, now: f64, configuration: &[f64]) -> Result<&Command, Error> {
-        let size = check_size("configuration", configuration, self.braking.len());
+        let size = check_size("configuration", configuration, self.motion.braking.len());
         let tick = self.clock.tick(now);
         if tick.forgets {
             self.space.forget();
@@ -243,8 +158,7 @@ impl Controller {
         }
         tick.fault.into_iter().for_each(|fault| self.report(fault));
         let period = self.settings.period;
-        let before = std::mem::replace(&mut self.elapsed_before, tick.elapsed);
-        let times = TickTimes::new(tick.elapsed, before, &self.settings);
+        let times = self.motion.begin(tick.elapsed, &self.settings);
         // The robot moved at the last velocities until this tick came.
         self.integrate(tick.elapsed - period);
         let in_time = !matches!(tick.fault, Some(Fault::Clock(_) | Fault::EarlyTick));
@@ -252,15 +166,33 @@ impl Controller {
         if !measured {
             self.report(Fault::BadMeasurement);
         }
-        self.last_velocity.copy_from_slice(&self.command.joint_velocity);
+        self.motion.remember_velocity(&self.command);
+        self.command.transition = None;
         if !(measured && in_time && self.control(times)) {
-            self.halt(times);
+            self.motion.halt(&mut self.command, times.step);
+            self.safety.wait(self.clock.age(), times.elapsed);
         }
-        self.remember_acceleration(times.step);
+        self.motion.remember_acceleration(&self.command, times.step);
         self.integrate(period);
-        self.measures_force = false;
         self.finish();
         size.map(|()| &self.command)
+    }
+
+    /// Takes the measured configuration and keeps the commanded state near it. Returns false if it cannot be used.
+    fn measure(&mut self, configuration: &[f64], elapsed: f64) -> bool {
+        let Self { motion, robot, command, .. } = self;
+        let following = motion.measure(robot, command, configuration, elapsed);
+        if following == Some(Following::Reached) {
+            self.report(Fault::FollowingError);
+        }
+        following.is_some()
+    }
+
+    /// Computes tasks at the commanded positions of these joints from now on. They follow positions, by torques.
+    pub(crate) fn follow_positions(&mut self, joints: &[usize]) {
+        for (index, follows) in self.motion.follows_position.iter_mut().enumerate() {
+            *follows = joints.contains(&index);
+        }
     }
 
     /// Computes the velocities of a tick. Returns false if they cannot be computed.
@@ -270,7 +202,8 @@ impl Controller {
             self.report(Fault::BadData);
             return false;
         }
-        self.advance_speed(elapsed);
+        let is_lost = self.situation.is_shared && self.situation.freshness() == Freshness::Lost;
+        self.motion.advance_speed(is_lost, elapsed);
         self.advance_activation(elapsed);
         let time = self.clock.now().unwrap_or_default();
         if self.interact(time).and_then(|()| self.advance_hand(elapsed)).is_err() {
@@ -278,127 +211,76 @@ impl Controller {
             return false;
         }
         self.decide_base();
-        self.write_intervals(times);
+        self.motion.write_intervals(&self.command, times, self.safety.speed_scale());
         match self.solve() {
             Ok(Status::Solved) => {}
             Ok(_) => self.report(Fault::IterationLimit),
             Err(_) => {
                 self.report(Fault::NoSolution);
-                self.brake();
+                self.motion.brake(&mut self.command);
             }
         }
         true
     }
 
-    /// Lowers the speed scale to zero when nothing has been seen for too long, and raises it again otherwise.
-    fn advance_speed(&mut self, elapsed: f64) {
-        let step = elapsed / SLOWS_OVER;
-        let seen = !self.space.is_shared() || self.space.age() <= RESTS_AFTER;
-        self.speed = (self.speed + if seen { step } else { -step }).clamp(0.0, 1.0);
-    }
-
     /// Updates the share of ergonomics in the third level.
     fn advance_activation(&mut self, elapsed: f64) {
-        let conditions = GoalConditions {
-            wanted: self.settings.goal == Goal::Ergonomics && self.space.is_shared(),
-            rests: self.space.is_at_rest(),
-            at_limit: self.at_limit,
-        };
+        let situation = &self.situation;
+        let wanted = self.settings.goal == Goal::Ergonomics && situation.is_shared;
         // The paper's ergonomics begin at once.
         let time = match self.settings.levels {
             Levels::Extended => ACTIVATES_OVER,
             Levels::Paper => self.settings.period,
         };
-        self.command.activation = self.goal_share.advance(conditions, elapsed, time);
+        self.command.activation =
+            self.goal_share.advance(wanted, situation.is_at_rest, elapsed, time);
     }
 
     /// Decides whether the base stands in this tick.
     fn decide_base(&mut self) {
-        let Some(drive) = &mut self.base_drive else { return };
-        let hindered = self.command.safety == SafetyState::Retreat || !self.keeps_separation;
-        let turns = self.hand_turn.is_turning();
-        drive.decide(&self.robot, &self.reference, self.space.is_at_rest() && !turns, hindered);
+        let Some(drive) = &mut self.motion.base_drive else { return };
+        let hindered = self.command.safety == SafetyState::Retreat || !self.motion.keeps_separation;
+        let rests = self.situation.is_at_rest && !self.workpiece.hand_turn.is_turning();
+        drive.decide(&self.robot, &self.motion.reference, rests, hindered);
         self.command.base_motion = drive.motion();
     }
 
-    fn write_intervals(&mut self, times: TickTimes) {
-        let (joints, desired) = self.intervals.split_at_mut(self.reference.len());
-        let motion = Motion {
-            position: &self.reference,
-            velocity: &self.command.joint_velocity,
-            acceleration: &self.acceleration,
-        };
-        let scale = self.speed.min(self.safety.speed_scale());
-        let base = self.settings.base.map_or(0, |_| MOCA_BASE_JOINTS.min(joints.len()));
-        let (limits, (of_base, of_arm)) =
-            (self.joint_limits.split_at(base), joints.split_at_mut(base));
-        let (base, arm) = motion.split_at(base);
-        write_intervals(limits.0, base, scale, times, of_base);
-        write_intervals(limits.1, arm, scale, times, of_arm);
-        bound_held_acceleration(arm.velocity, times.step, of_arm);
-        if let Some(drive) = &self.base_drive {
-            drive.write(&self.command.joint_velocity, times.step, joints, &mut self.gentle);
-        }
-        let limits = [&self.joint_limits[..], &self.joint_braking];
-        admit_braking(limits, motion, times.step, joints, &mut self.returns);
-        // Comes to rest without passing it: near it, the acceleration fades at the limit of jerk.
-        self.braking.copy_from_slice(&self.command.joint_velocity);
-        brake(&self.joint_braking, &self.acceleration, times.step, &mut self.braking);
-        for (braking, interval) in self.braking.iter_mut().zip(joints) {
-            *braking = braking.max(interval.lower).min(interval.upper);
-        }
-        let twist = self.command.desired_twist.as_slice();
-        let motion = Motion { position: &[0.0; 6], velocity: twist, acceleration: &[0.0; 6] };
-        // Safety does not slow down the desired pose, which moves along with a robot that stops.
-        write_intervals(&self.desired_limits, motion, self.speed, times, desired);
-    }
-
-    /// Updates the acceleration from the change of q̇* in `step` \[s\]. If q̇* had to change for longer, the limit is
-    /// used.
-    fn remember_acceleration(&mut self, step: f64) {
-        let change = self.command.joint_velocity.iter().zip(&self.last_velocity);
-        let all = self.acceleration.iter_mut().zip(change).zip(&self.joint_limits);
-        for ((acceleration, (velocity, last)), limits) in all {
-            let most = limits.limits().acceleration();
-            *acceleration = ((velocity - last) / step).clamp(-most, most);
-        }
-    }
-
     fn solve(&mut self) -> Result<Status, Error> {
-        let placed = self.ergonomics.placed(&self.space.working_frame()?);
-        let ergonomics = self.space.person().map(|_| &placed);
+        let (situation, motion) = (&self.situation, &mut self.motion);
+        let placed = self.ergonomics.placed(&situation.frame);
+        let ergonomics = situation.worker.map(|_| &placed);
         let velocity = &self.command.joint_velocity;
         let input = StackInput {
             desired: &self.command.desired,
             workspace: self.space.workspace(),
             goal: GoalTerms {
                 ergonomics,
-                drift: self.space.person_velocity(),
+                drift: situation.velocity,
                 activation: self.command.activation,
             },
             velocity,
-            intervals: &self.intervals,
-            returns: &self.returns,
-            gentle: &self.gentle,
+            intervals: &motion.intervals,
+            returns: &motion.returns,
+            gentle: &motion.gentle,
             safety: &self.safety,
-            braking: &self.braking,
+            braking: &motion.braking,
         };
         let solution = self.stack.solve(&mut self.robot, &input)?;
         let status = solution.status();
         self.command.outcome = Outcome::Solved(status);
-        let (joints, rest) = solution.best().split_at(self.braking.len());
+        let (joints, rest) = solution.best().split_at(motion.braking.len());
         let (desired, slack) = rest.split_at(6);
         self.command.joint_velocity.copy_from_slice(joints);
         self.command.desired_twist.copy_from_slice(desired);
         self.command.slack.copy_from_slice(slack);
-        let motion = self.robot.motion(&self.command.joint_velocity);
-        let separation = self.stack.separation();
+        let moves = self.robot.motion(&self.command.joint_velocity);
+        let (safety, separation) = (&self.safety, self.stack.separation());
         let share =
-            separation.map_or(0.0, |rows| self.safety.braking_share(&motion, rows, &self.braking));
-        self.keeps_separation = share == 0.0;
-        self.at_limit =
-            separation.is_some_and(|rows| self.safety.is_at_limit(rows, motion.velocity));
-        self.go_towards_rest(share);
+            separation.map_or(0.0, |rows| safety.braking_share(&moves, rows, &motion.braking));
+        motion.keeps_separation = share == 0.0;
+        self.goal_share.at_limit =
+            separation.is_some_and(|rows| safety.is_at_limit(rows, moves.velocity));
+        motion.go_towards_rest(&mut self.command, share);
         Ok(status)
     }
 
@@ -417,17 +299,10 @@ impl Controller {
     /// Writes the parts of the command other than velocities and positions.
     fn finish(&mut self) {
         let command = &mut self.command;
-        command.intention = self.space.intention();
-        command.phase = self.interaction.phase();
-        command.transition = self.transition.take();
+        command.intention = self.situation.intention;
         command.safety = self.safety.supervisor().state();
-        command.fault = self.fault.take();
-        if let ([x, y, turn, ..], true) =
-            (&command.joint_velocity[..], self.settings.base.is_some())
-        {
-            let (sine, cosine) = self.yaw.sin_cos();
-            command.base_twist = [cosine * x + sine * y, cosine * y - sine * x, *turn];
-        }
+        command.fault = std::mem::take(&mut self.reports).fault;
+        self.motion.write_base_twist(command);
     }
 
     /// The last command; at rest before the first step.
@@ -445,7 +320,17 @@ impl Controller {
         &self.stack
     }
 
-    /// The shared workspace and the tracked person.
+    /// Where the person may be by now, and what they want, as the last tick saw it.
+    pub fn situation(&self) -> &Situation {
+        &self.situation
+    }
+
+    /// The phase of the interaction.
+    pub fn phase(&self) -> Phase {
+        self.command.phase
+    }
+
+    /// The shared workspace.
     pub fn space(&self) -> &SharedSpace {
         &self.space
     }

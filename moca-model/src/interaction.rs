@@ -89,7 +89,7 @@ pub(crate) enum Sight {
 
 /// Inputs of the conditions of transitions.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Situation {
+pub(crate) struct Conditions {
     /// Time on the clock of the ticks \[s\].
     pub(crate) time: f64,
     /// The person's intention; apart while the shared workspace belongs to nobody.
@@ -105,29 +105,16 @@ pub(crate) struct Situation {
     pub(crate) sight: Sight,
 }
 
-/// The phase and the last transition.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct Interaction {
-    phase: Phase,
-}
-
-impl Interaction {
-    /// The phase of the interaction.
-    pub(crate) fn phase(self) -> Phase {
-        self.phase
-    }
-
-    /// Makes at most one transition whose condition is met, and returns it.
-    pub(crate) fn advance(&mut self, situation: &Situation) -> Option<Transition> {
-        let (to, reason) = next(self.phase, situation)?;
-        let from = std::mem::replace(&mut self.phase, to);
-        Some(Transition { time: situation.time, from, to, reason })
-    }
+/// Makes at most one transition whose condition is met, and returns it.
+pub(crate) fn advance(phase: &mut Phase, conditions: &Conditions) -> Option<Transition> {
+    let (to, reason) = next(*phase, conditions)?;
+    let from = std::mem::replace(phase, to);
+    Some(Transition { time: conditions.time, from, to, reason })
 }
 
 /// The next phase and the reason, if a condition is met.
-fn next(phase: Phase, situation: &Situation) -> Option<(Phase, Reason)> {
-    let &Situation { intention, grasps, mismatch, arrived, sight, .. } = situation;
+fn next(phase: Phase, conditions: &Conditions) -> Option<(Phase, Reason)> {
+    let &Conditions { intention, grasps, mismatch, arrived, sight, .. } = conditions;
     let idle = intention.tool().is_none() && intention.walking().is_none();
     if phase == Phase::Looking && idle {
         let back = if intention.is_together() { Phase::Working } else { Phase::Apart };
@@ -175,13 +162,13 @@ mod tests {
     const MISMATCH: (Surface, Surface, BoxSide) =
         (Surface::Drilled, Surface::Smooth, BoxSide::Back);
 
-    fn working() -> Situation {
+    fn working() -> Conditions {
         let intention = Intention::Together { walking: None, tool: Some(Tool::Polisher) };
         let sight = Sight::Known;
-        Situation { time: 1.0, intention, grasps: true, mismatch: None, arrived: true, sight }
+        Conditions { time: 1.0, intention, grasps: true, mismatch: None, arrived: true, sight }
     }
 
-    fn situations() -> impl Strategy<Value = Situation> {
+    fn situations() -> impl Strategy<Value = Conditions> {
         let tool = prop_oneof![Just(None), Just(Some(Tool::Drill)), Just(Some(Tool::Polisher))];
         let walking = prop::option::of((0_usize..8).prop_map(|i| WalkingDirection::ALL[i]));
         let together =
@@ -191,7 +178,7 @@ mod tests {
         (intention, any::<[bool; 3]>(), sight).prop_map(|(intention, flags, sight)| {
             let [grasps, wrong, arrived] = flags;
             let mismatch = (wrong && grasps && intention.tool().is_some()).then_some(MISMATCH);
-            Situation { time: 0.0, intention, grasps, mismatch, arrived, sight }
+            Conditions { time: 0.0, intention, grasps, mismatch, arrived, sight }
         })
     }
 
@@ -200,11 +187,11 @@ mod tests {
         fn object_only_turns_for_a_working_person(
             situations in prop::collection::vec(situations(), 1..60),
         ) {
-            let mut interaction = Interaction::default();
+            let mut phase = Phase::default();
             for situation in &situations {
-                let before = interaction.phase();
-                let transition = interaction.advance(situation);
-                let after = interaction.phase();
+                let before = phase;
+                let transition = advance(&mut phase, situation);
+                let after = phase;
                 prop_assert_eq!(transition.is_some(), before != after
                     || matches!(transition.map(|t| t.reason), Some(Reason::WrongSurface { .. })));
                 if !situation.intention.is_together() {
@@ -222,39 +209,39 @@ mod tests {
         fn a_situation_that_lasts_comes_to_one_phase(
             before in prop::collection::vec(situations(), 0..10), last in situations(),
         ) {
-            let mut interaction = Interaction::default();
-            for situation in &before { interaction.advance(situation); }
+            let mut phase = Phase::default();
+            for situation in &before { advance(&mut phase, situation); }
             // The right side counts as shown once the robot has begun to turn to it.
-            let lasting = Situation { mismatch: None, ..last };
-            for _ in 0..4 { interaction.advance(&lasting); }
-            let phase = interaction.phase();
-            for _ in 0..4 { prop_assert_eq!(interaction.advance(&lasting), None); }
-            prop_assert_eq!(interaction.phase(), phase);
+            let lasting = Conditions { mismatch: None, ..last };
+            for _ in 0..4 { advance(&mut phase, &lasting); }
+            let settled = phase;
+            for _ in 0..4 { prop_assert_eq!(advance(&mut phase, &lasting), None); }
+            prop_assert_eq!(phase, settled);
         }
     }
 
     #[test]
     fn phases_follow_handover_work_and_turning() {
-        let mut interaction = Interaction::default();
+        let mut phase = Phase::default();
         let offered = Intention::Together { walking: None, tool: None };
-        let empty = Situation { intention: offered, grasps: false, arrived: false, ..working() };
-        let apart = Situation { intention: Intention::Apart, ..working() };
-        let empty_handed = Situation { intention: offered, ..working() };
-        let hidden = Situation { sight: Sight::Hidden, ..apart };
-        let wrong = Situation { mismatch: Some(MISMATCH), arrived: false, ..working() };
+        let empty = Conditions { intention: offered, grasps: false, arrived: false, ..working() };
+        let apart = Conditions { intention: Intention::Apart, ..working() };
+        let empty_handed = Conditions { intention: offered, ..working() };
+        let hidden = Conditions { sight: Sight::Hidden, ..apart };
+        let wrong = Conditions { mismatch: Some(MISMATCH), arrived: false, ..working() };
         let direction = WalkingDirection::Left;
         let walking = Intention::Together { walking: Some(direction), tool: Some(Tool::Drill) };
-        let walking = Situation { intention: walking, ..working() };
+        let walking = Conditions { intention: walking, ..working() };
         let steps = [
             (empty, Phase::Handover, Reason::Engages),
-            (Situation { arrived: true, ..empty }, Phase::Grasping, Reason::Arrived),
-            (Situation { grasps: true, ..empty }, Phase::Working, Reason::Grasped),
+            (Conditions { arrived: true, ..empty }, Phase::Grasping, Reason::Arrived),
+            (Conditions { grasps: true, ..empty }, Phase::Working, Reason::Grasped),
             (apart, Phase::Apart, Reason::Leaves),
             (hidden, Phase::Looking, Reason::Hidden),
             (apart, Phase::Apart, Reason::Seen),
             (hidden, Phase::Looking, Reason::Hidden),
             (empty_handed, Phase::Working, Reason::Seen),
-            (Situation { sight: Sight::Hidden, ..empty_handed }, Phase::Looking, Reason::Hidden),
+            (Conditions { sight: Sight::Hidden, ..empty_handed }, Phase::Looking, Reason::Hidden),
             (wrong, Phase::Working, Reason::Engages),
             (
                 wrong,
@@ -266,10 +253,10 @@ mod tests {
             (working(), Phase::Working, Reason::Stands),
             (apart, Phase::Apart, Reason::Leaves),
         ];
-        for (situation, phase, reason) in steps {
-            let transition = interaction.advance(&situation).unwrap();
-            assert_eq!((transition.to, transition.reason), (phase, reason));
-            assert_eq!(interaction.phase(), phase);
+        for (situation, expected, reason) in steps {
+            let transition = advance(&mut phase, &situation).unwrap();
+            assert_eq!((transition.to, transition.reason), (expected, reason));
+            assert_eq!(phase, expected);
         }
     }
 }

@@ -67,6 +67,7 @@ mod serial;
 mod settings;
 mod shared_space;
 mod simulation;
+mod situation;
 mod stack;
 mod torque;
 
@@ -92,6 +93,7 @@ pub use scene::Scene;
 pub use settings::{ControllerSettings, DesiredMotion, Goal, SpaceSettings};
 pub use shared_space::SharedSpace;
 pub use simulation::SimulatedRobot;
+pub use situation::Situation;
 pub use stack::{
     CollaborationStack, GoalTerms, Levels, PostureSettings, StackInput, StackSettings,
 };

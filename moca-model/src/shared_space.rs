@@ -7,13 +7,12 @@ use hrsw::{
 };
 use hrsw_safety::FollowingDistance;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3, Vector6};
-use vision_models::{
-    BodyTracker, Intention, Percept, StatureEstimate, TrackedPerson, TrackerSettings,
-};
+use vision_models::{BodyTracker, Percept, StatureEstimate, TrackedPerson, TrackerSettings};
 
 use crate::error::Error;
 use crate::intention::IntentionFilter;
 use crate::settings::ControllerSettings;
+use crate::situation::Situation;
 
 /// Distance of the workspace from the person's frame, beside its lead, up to which it is in place \[m, rad\].
 const IN_PLACE: f64 = 0.05;
@@ -169,14 +168,14 @@ impl SharedSpace {
         Ok(self.moving.reshape_orientation(shape, duration)?)
     }
 
-    /// Advances frame and workspace by `period` to the time `now` \[s\].
+    /// Advances frame and workspace by `period` to the time `now` \[s\], and returns the situation then.
     ///
     /// # Errors
     /// Poses that are not finite.
-    pub fn advance(&mut self, now: f64, period: f64) -> Result<(), Error> {
+    pub fn advance(&mut self, now: f64, period: f64) -> Result<Situation, Error> {
         let seen_before = self.person.is_some();
         self.person = self.tracker.predict(now).or(self.person);
-        let usable = self.person.filter(|person| person.status.is_usable());
+        let usable = self.person.filter(|person| person.freshness.is_usable());
         if let Some(person) = usable {
             if !seen_before {
                 self.frame.reset(person.world_from_person())?;
@@ -194,7 +193,32 @@ impl SharedSpace {
         self.follow(period)?;
         self.carry(usable.is_some())?;
         self.moving.advance(period)?;
-        Ok(())
+        self.situation()
+    }
+
+    /// The situation at the time of the last advance.
+    pub(crate) fn situation(&self) -> Result<Situation, Error> {
+        let is_shared = self.carrier == Carrier::Person;
+        let (pose, behind) = (self.frame.pose(), self.following_distance());
+        let way = pose.inv_mul(self.workspace().world_from_workspace());
+        let off = way.translation.vector - behind;
+        let forward = pose.rotation * Vector3::x();
+        let twist = self.frame.twist();
+        let is_slow = twist.xy().norm() <= 0.06 && twist[5].abs() <= 0.12;
+        Ok(Situation {
+            worker: self.person,
+            intention: self.intention.intention(),
+            is_shared,
+            is_in_place: is_shared
+                && off.norm() <= self.lead + IN_PLACE
+                && way.rotation.angle() <= IN_PLACE,
+            is_at_rest: self.hold.is_held() && is_slow,
+            frame: PersonFrame::new(
+                pose.translation.vector + pose.rotation * behind,
+                forward.y.atan2(forward.x),
+            )?,
+            velocity: self.drift.fixed_rows::<3>(0).into_owned(),
+        })
     }
 
     /// The target of the person's frame, and its twist.
@@ -217,9 +241,9 @@ impl SharedSpace {
     /// Falls behind a person who walks away while they work with the robot, and catches up otherwise.
     fn follow(&mut self, period: f64) -> Result<(), Error> {
         let Some(following) = &mut self.following_distance else { return Ok(()) };
-        let person = self
-            .person
-            .filter(|person| person.status.is_usable() && self.intention.intention().is_together());
+        let person = self.person.filter(|person| {
+            person.freshness.is_usable() && self.intention.intention().is_together()
+        });
         let away = person.map_or(0.0, |person| {
             let outward = person.world_from_person().rotation * self.bearing;
             -self.drift.xy().dot(&outward.xy())
@@ -277,28 +301,6 @@ impl SharedSpace {
         &mut self.moving
     }
 
-    /// The person's intention.
-    pub fn intention(&self) -> Intention {
-        self.intention.intention()
-    }
-
-    /// Whether the workspace belongs to the person, who works with the robot and was seen.
-    pub fn is_shared(&self) -> bool {
-        self.carrier == Carrier::Person
-    }
-
-    /// Returns true if the workspace belongs to the person and has reached them.
-    pub fn is_in_place(&self) -> bool {
-        let way = self.frame.pose().inv_mul(self.workspace().world_from_workspace());
-        let off = way.translation.vector - self.following_distance();
-        self.is_shared() && off.norm() <= self.lead + IN_PLACE && way.rotation.angle() <= IN_PLACE
-    }
-
-    /// The person as tracked, if anybody was seen.
-    pub fn person(&self) -> Option<&TrackedPerson> {
-        self.person.as_ref()
-    }
-
     /// The person as tracked at the time `now` \[s\], if anybody was seen.
     pub fn person_at(&self, now: f64) -> Option<TrackedPerson> {
         self.tracker.predict(now)
@@ -309,37 +311,8 @@ impl SharedSpace {
         self.tracker.stature()
     }
 
-    /// The time since the person was seen \[s\]; infinite if never.
-    pub fn age(&self) -> f64 {
-        self.person.map_or(f64::INFINITY, |person| person.age)
-    }
-
-    /// The walking velocity of the tracked person in world axes \[m/s\]; zero if they are lost or the frame is held.
-    /// The velocity of the smooth frame differs, since the frame also reduces its distance to the person.
-    pub fn person_velocity(&self) -> Vector3<f64> {
-        self.drift.fixed_rows::<3>(0).into_owned()
-    }
-
-    /// Whether the frame is held in the world and moves at most at 0.06 m/s and 0.12 rad/s.
-    pub fn is_at_rest(&self) -> bool {
-        let twist = self.frame.twist();
-        self.hold.is_held() && twist.xy().norm() <= 0.06 && twist[5].abs() <= 0.12
-    }
-
     /// The offset by which the workspace stays behind a person who walks away, in the person's axes \[m\].
-    pub fn following_distance(&self) -> Vector3<f64> {
+    fn following_distance(&self) -> Vector3<f64> {
         self.bearing * self.following_distance.map_or(0.0, |following| following.distance())
-    }
-
-    /// The person's frame that the controller uses. It is smooth in time and moved by the following distance, so that
-    /// the tool keeps its place in a workspace that falls behind.
-    ///
-    /// # Errors
-    /// Never, since the frame is always finite.
-    pub fn working_frame(&self) -> Result<PersonFrame, Error> {
-        let pose = self.frame.pose();
-        let forward = pose.rotation * Vector3::x();
-        let origin = pose.translation.vector + pose.rotation * self.following_distance();
-        Ok(PersonFrame::new(origin, forward.y.atan2(forward.x))?)
     }
 }

@@ -1,6 +1,7 @@
 //! The person's body: its keypoints in one frame, and its track over time.
 
 mod filter;
+mod freshness;
 mod identity;
 mod image_body;
 #[cfg(feature = "inference")]
@@ -21,6 +22,7 @@ mod track;
 mod tracker;
 mod two_models;
 
+pub use freshness::Freshness;
 pub use image_body::{ImageBody, ImageKeypoint};
 #[cfg(feature = "inference")]
 pub use joint_files::JointFrame;
@@ -30,7 +32,7 @@ pub use keypoints::{Body, Body25, Keypoint};
 pub use lengths::{SegmentLength, StatureEstimate};
 pub use observed::{MetricBody, ObservedBody};
 pub use people::{People, PeopleSettings, PersonId, PersonTrack};
-pub use pose::{TrackStatus, TrackedPerson};
+pub use pose::TrackedPerson;
 pub use possible::ImpossibleBody;
 pub use segment::BodySegment;
 pub use settings::TrackerSettings;

@@ -84,9 +84,9 @@ pub use action::{Action, ActionGroup, Intention, Tool, WalkingDirection};
 #[cfg(feature = "inference")]
 pub use body::JointFrame;
 pub use body::{
-    Body, Body25, BodySegment, BodyTracker, ImageBody, ImageKeypoint, ImpossibleBody, JointLayout,
-    JointVelocity, Keypoint, MetricBody, Middle, ObservedBody, People, PeopleSettings, PersonId,
-    PersonTrack, SegmentLength, StatureEstimate, TrackStatus, TrackedPerson, TrackerSettings,
+    Body, Body25, BodySegment, BodyTracker, Freshness, ImageBody, ImageKeypoint, ImpossibleBody,
+    JointLayout, JointVelocity, Keypoint, MetricBody, Middle, ObservedBody, People, PeopleSettings,
+    PersonId, PersonTrack, SegmentLength, StatureEstimate, TrackedPerson, TrackerSettings,
 };
 pub use camera::{CalibratedCamera, Camera, DepthImage, DepthNoise, Distortion, Intrinsics};
 #[cfg(feature = "inference")]

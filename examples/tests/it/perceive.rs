@@ -13,7 +13,7 @@ use human_perception::percepts::{Assessor, Perceiver, PerceiverSettings, assess}
 use moca_simulation::people::{CameraSettings, Occupation, WalkerSettings, WalkingPath};
 use moca_simulation::rendering::{Film, Viewpoint};
 use vision_models::{
-    Body, Body25, BodyTracker, DepthImage, ImageBody, LiftingSettings, Percept, TrackStatus,
+    Body, Body25, BodyTracker, DepthImage, Freshness, ImageBody, LiftingSettings, Percept,
     TrackerSettings,
 };
 
@@ -94,7 +94,7 @@ fn walk(viewpoint: Viewpoint, seed: u64, until: f64) -> Figures {
             figures.lost += 1;
             continue;
         };
-        figures.lost += u32::from(person.status == TrackStatus::Lost);
+        figures.lost += u32::from(!person.freshness.is_usable());
         let error = (person.floor - at(Body25::MidHip).xy()).norm();
         figures.pelvis += error.powi(2);
         figures.worst = figures.worst.max(error);

@@ -1,7 +1,7 @@
 //! Velocities of a person's joints, from their positions in camera frames alone.
 
 use nalgebra::{Matrix3, Vector3};
-use vision_models::{Body, Body25};
+use vision_models::{Body, Body25, Freshness};
 
 use crate::measured_velocity::MeasuredVelocity;
 
@@ -27,9 +27,6 @@ pub(crate) const LIMB_GATE: f64 = 0.3;
 /// Largest speed from frame to frame \[m/s\]: that of a person who walks (ISO 13855). A person who
 /// moves faster has jumped, and velocities are measured again.
 pub(crate) const JUMP_SPEED: f64 = 1.6;
-/// Longest time without seeing a joint after which its velocity is still continued, and for which
-/// the last one is believed with growing uncertainty \[s\].
-const GAP: f64 = 0.5;
 /// Time for which a joint must have been seen before its velocity counts \[s\].
 const SETTLING: f64 = 0.3;
 /// Standard deviation of the acceleration of a person who stands and may begin to lean or walk
@@ -208,7 +205,7 @@ impl Group {
         sigma: f64,
     ) {
         let elapsed = self.seen.map(|seen| time - seen.last);
-        if elapsed.is_none_or(|elapsed| elapsed > GAP) {
+        if elapsed.is_none_or(|elapsed| !Freshness::at(elapsed).is_usable()) {
             self.begin(sigma);
         } else if let Some(elapsed) = elapsed.filter(|elapsed| *elapsed > 0.0) {
             self.predict(elapsed);
@@ -296,7 +293,7 @@ impl Group {
     fn velocity(&self, now: f64) -> Option<MeasuredVelocity> {
         let seen = self.seen?;
         let age = (now - seen.last).max(0.0);
-        let is_measured = age <= GAP && seen.last - seen.since >= SETTLING;
+        let is_measured = Freshness::at(age).is_usable() && seen.last - seen.since >= SETTLING;
         let uncertainty = DEVIATIONS * self.deviation() + ONSET * age;
         is_measured.then_some(MeasuredVelocity { mean: self.velocity, uncertainty })
     }

@@ -63,7 +63,7 @@ impl LoopTick {
         (self.desired_twist, self.phase, self.transition) = (desired_twist, phase, transition);
         (self.safety, self.cause) = (safety, supervisor.cause().copied());
         self.waits = supervisor.unacknowledged().is_some();
-        self.person = controller.space().person().copied();
+        self.person = controller.situation().worker;
         self.holds = controller.object().is_some();
     }
 }

@@ -166,7 +166,7 @@ impl Picture {
             waits: supervisor.waits_for_acknowledgement(),
             ergonomics: asks_for_ergonomics(cell),
             grasps: controller.object().is_some(),
-            rests: controller.space().is_at_rest(),
+            rests: controller.situation().is_at_rest,
             reba,
             pair,
             floor: place(Who::Worker).unwrap_or_default(),

@@ -17,34 +17,26 @@ const FOLLOWS_WITHIN: f64 = 0.5;
 pub(super) struct GoalShare {
     together: f64,
     free: f64,
-}
-
-/// Conditions of a tick.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct GoalConditions {
-    /// Whether ergonomics are wanted.
-    pub(super) wanted: bool,
-    /// Whether the workspace rests.
-    pub(super) rests: bool,
-    /// Whether separation was at its limit.
+    /// Whether separation was at its limit in the last tick.
     pub(super) at_limit: bool,
 }
 
 impl GoalShare {
     /// The share while nobody works with the robot.
-    pub(super) const NONE: Self = Self { together: 0.0, free: 1.0 };
+    pub(super) const NONE: Self = Self { together: 0.0, free: 1.0, at_limit: false };
 
-    /// Advances the share by `elapsed` \[s\] and returns it. Ergonomics come and go in `activation_time` \[s\].
+    /// Advances the share by `elapsed` \[s\] and returns it. Ergonomics are wanted or not, and come and go in
+    /// `activation_time` \[s\]. The workspace rests or not.
     pub(super) fn advance(
         &mut self,
-        conditions: GoalConditions,
+        wanted: bool,
+        rests: bool,
         elapsed: f64,
         activation_time: f64,
     ) -> f64 {
-        let GoalConditions { wanted, rests, at_limit } = conditions;
         let step = elapsed / activation_time;
         self.together = (self.together + if wanted { step } else { -step }).clamp(0.0, 1.0);
-        let rate = match (rests, at_limit) {
+        let rate = match (rests, self.at_limit) {
             (false, _) => 1.0 / FOLLOWS_WITHIN,
             (true, true) => -1.0 / HELD_WITHIN,
             (true, false) => 1.0 / BACK_WITHIN,
@@ -62,8 +54,8 @@ mod tests {
 
     /// The share after so many milliseconds of these conditions.
     fn after(share: &mut GoalShare, ticks: u32, rests: bool, at_limit: bool) -> f64 {
-        let conditions = GoalConditions { wanted: true, rests, at_limit };
-        (0..ticks).fold(0.0, |_, _| share.advance(conditions, PERIOD, 0.5))
+        share.at_limit = at_limit;
+        (0..ticks).fold(0.0, |_, _| share.advance(true, rests, PERIOD, 0.5))
     }
 
     #[test]

@@ -37,33 +37,33 @@ impl Controller {
         let settings = &self.settings.intention;
         let seen = percept.surface.filter(|seen| seen.confidence.value() >= settings.enter);
         // The surface of a turning object is seen late.
-        let still = !matches!(self.interaction.phase(), Phase::Turning { .. });
+        let still = !matches!(self.command.phase, Phase::Turning { .. });
         let (Some(seen), Some(side), true) = (seen, self.side_that_faces_camera(), still) else {
-            self.seen_surface.since = None;
+            self.workpiece.seen_surface.since = None;
             return;
         };
-        let Some(object) = &mut self.object else { return };
+        let Some(object) = &mut self.workpiece.object else { return };
         let known = object.surface_of(side);
         if known.is_none_or(|known| known == seen.surface) {
-            self.seen_surface.since = None;
-            self.seen_surface.known |= known.is_some();
+            self.workpiece.seen_surface.since = None;
+            self.workpiece.seen_surface.known |= known.is_some();
             return;
         }
-        let since = match self.seen_surface.since {
+        let since = match self.workpiece.seen_surface.since {
             Some((since, at, surface)) if (at, surface) == (side, seen.surface) => since,
             _ => percept.time,
         };
-        self.seen_surface.since = Some((since, side, seen.surface));
+        self.workpiece.seen_surface.since = Some((since, side, seen.surface));
         if percept.time - since >= settings.dwell {
             object.identify(side, seen.surface);
-            self.seen_surface = SeenSurface { since: None, known: true };
+            self.workpiece.seen_surface = SeenSurface { since: None, known: true };
         }
     }
 
     /// The camera's knowledge of the object.
     pub(super) fn sight(&self) -> Sight {
-        let wants = self.settings.on_board_camera.is_some() && self.object.is_some();
-        if !wants || self.seen_surface.known {
+        let wants = self.settings.on_board_camera.is_some() && self.workpiece.object.is_some();
+        if !wants || self.workpiece.seen_surface.known {
             Sight::Known
         } else if self.side_that_faces_camera().is_some() {
             Sight::Facing
@@ -75,7 +75,7 @@ impl Controller {
     /// Turns the object about the vertical until the side nearest to the camera faces it, in the phase for that. The
     /// base, which carries the camera, turns along. So the goal moves from frame to frame.
     pub(super) fn turn_to_camera(&mut self) -> Result<(), Error> {
-        if self.interaction.phase() != Phase::Looking || self.sight() != Sight::Hidden {
+        if self.command.phase != Phase::Looking || self.sight() != Sight::Hidden {
             return Ok(());
         }
         let Some(NearestSide { normal, way, .. }) = self.side_nearest_to_camera() else {
@@ -96,9 +96,9 @@ impl Controller {
     }
 
     fn side_nearest_to_camera(&self) -> Option<NearestSide> {
-        let (object, camera) = (self.object.as_ref()?, self.settings.on_board_camera?);
+        let (object, camera) = (self.workpiece.object.as_ref()?, self.settings.on_board_camera?);
         let camera = Vector3::from(camera);
-        let [x, y, yaw, ..] = self.reference[..] else { return None };
+        let [x, y, yaw, ..] = self.motion.reference[..] else { return None };
         let (sine, cosine) = yaw.sin_cos();
         let camera = Vector3::new(
             x + cosine * camera.x - sine * camera.y,

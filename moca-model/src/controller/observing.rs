@@ -77,13 +77,13 @@ impl Controller {
     /// Updates the person's place and the distances to the robot.
     pub(super) fn watch(&mut self, elapsed: f64) -> Result<(), Error> {
         let Some(now) = self.clock.now() else { return Ok(()) };
-        self.space.advance(now, elapsed)?;
+        self.situation = self.space.advance(now, elapsed)?;
         let input = SafetyInput {
             now,
             elapsed,
             age: self.clock.age(),
-            together: self.space.is_shared(),
-            measures_force: self.measures_force,
+            together: self.situation.is_shared,
+            measures_force: self.reports.measures_force,
         };
         let (robot, safety, velocity) =
             (&mut self.robot, &mut self.safety, &self.command.joint_velocity);

@@ -8,7 +8,7 @@ use vision_models::Intention;
 use super::Controller;
 use crate::error::Error;
 use crate::grasped_object::BoxSide;
-use crate::interaction::{Phase, Situation};
+use crate::interaction::{Conditions, Phase, advance};
 
 /// Distance of the desired pose from the shared workspace up to which it counts as within \[m or rad\].
 const WITHIN: f64 = 1e-3;
@@ -57,41 +57,36 @@ impl HandTurn {
 }
 
 impl Controller {
-    /// The phase of the interaction.
-    pub fn phase(&self) -> Phase {
-        self.interaction.phase()
-    }
-
     /// The side of the object that the person sees, or will see after a turn.
     pub fn shown(&self) -> BoxSide {
-        self.shown
+        self.workpiece.shown
     }
 
     /// Goes on to the next phase if its condition holds, and starts its actions.
     pub(super) fn interact(&mut self, time: f64) -> Result<(), Error> {
-        let shared = self.space.is_shared();
-        let intention = if shared { self.space.intention() } else { Intention::Apart };
-        let mismatch = self.object.as_ref().and_then(|object| {
+        let shared = self.situation.is_shared;
+        let intention = if shared { self.situation.intention } else { Intention::Apart };
+        let mismatch = self.workpiece.object.as_ref().and_then(|object| {
             let needed = intention.tool()?.surface();
-            let shown = object.surface_of(self.shown)?;
+            let shown = object.surface_of(self.workpiece.shown)?;
             let side = object.side_with(needed).filter(|_| needed != shown)?;
             Some((shown, needed, side))
         });
-        let situation = Situation {
+        let conditions = Conditions {
             time,
             intention,
-            grasps: self.object.is_some(),
+            grasps: self.workpiece.object.is_some(),
             mismatch,
             arrived: self.has_arrived(),
             sight: self.sight(),
         };
-        let transition = self.interaction.advance(&situation);
+        let transition = advance(&mut self.command.phase, &conditions);
         match transition.map(|transition| (transition.from, transition.to)) {
             Some((_, Phase::Turning { to })) => self.turn_to(to)?,
-            Some((Phase::Looking, _)) => self.turn_to(self.shown)?,
+            Some((Phase::Looking, _)) => self.turn_to(self.workpiece.shown)?,
             _ => {}
         }
-        self.transition = transition;
+        self.command.transition = transition;
         Ok(())
     }
 
@@ -99,32 +94,32 @@ impl Controller {
     fn has_arrived(&self) -> bool {
         let workspace = self.space.workspace();
         let goal = self.space.moving().reference_goal();
-        self.space.is_in_place()
+        self.situation.is_in_place
             && workspace.reference().angle_to(&goal) <= THERE
-            && self.hand_turn.left == 0.0
+            && self.workpiece.hand_turn.left == 0.0
             && workspace.violation(&self.command.desired).amax() <= WITHIN
     }
 
     /// Turns the object so that it shows this side.
     pub(super) fn turn_to(&mut self, side: BoxSide) -> Result<(), Error> {
-        let Some(object) = &self.object else { return Ok(()) };
+        let Some(object) = &self.workpiece.object else { return Ok(()) };
         let goal = self.settings.space.tool * object.turn_to_show(side);
-        let (out, now) = (object.out_of(side), self.hand_turn.direction);
+        let (out, now) = (object.out_of(side), self.workpiece.hand_turn.direction);
         let way = self.space.workspace().reference().inverse() * goal;
-        self.shown = side;
+        self.workpiece.shown = side;
         let Some((axis, angle)) = way.axis_angle() else { return Ok(()) };
         // Two ways have the same length for the workspace only at about half a turn.
         let other = angle > PI - 1e-3 && !self.goes_about(&axis);
         let axis = if other { -axis } else { axis };
         self.space.moving_mut().reorient(goal, &axis)?;
         // Seen from the tool, the person goes around the object in the opposite direction.
-        self.hand_turn.axis = -axis;
+        self.workpiece.hand_turn.axis = -axis;
         let (flat, end) = (out.cross(&axis), now.cross(&axis));
         // The angle from the hand's present place to its goal about that axis, in [0, 2π).
         let angle = flat.cross(&end).dot(&axis).atan2(flat.dot(&end));
         let angle = angle.rem_euclid(TAU);
         // Rounding must not turn zero into a whole turn.
-        self.hand_turn.left = if angle > TAU - 1e-6 { 0.0 } else { angle };
+        self.workpiece.hand_turn.left = if angle > TAU - 1e-6 { 0.0 } else { angle };
         Ok(())
     }
 
@@ -160,13 +155,13 @@ impl Controller {
         let is_bounded = |joint: &usize| {
             limits.get(*joint).is_some_and(|limit| (limit.upper - limit.lower).is_finite())
         };
-        let bounded = || (0..self.reference.len()).filter(is_bounded);
+        let bounded = || (0..self.motion.reference.len()).filter(is_bounded);
         let most = bounded().map(|joint| along(joint).abs()).fold(0.0, f64::max);
-        let mut others = (0..self.reference.len()).filter(|joint| !is_bounded(joint));
+        let mut others = (0..self.motion.reference.len()).filter(|joint| !is_bounded(joint));
         let is_free = others.any(|joint| along(joint).abs() > NEARLY * most);
         let nearest = bounded().rev().find(|joint| along(*joint).abs() >= NEARLY * most);
         let nearest = nearest.and_then(|joint| {
-            let (limit, q) = (limits.get(joint)?, self.reference.get(joint)?);
+            let (limit, q) = (limits.get(joint)?, self.motion.reference.get(joint)?);
             let (above, below) = (limit.upper - q, q - limit.lower);
             Some(if along(joint) >= 0.0 { (above, below) } else { (below, above) })
         });

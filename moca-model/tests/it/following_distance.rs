@@ -44,14 +44,14 @@ fn places(settings: &ControllerSettings, velocity: [f64; 2]) -> [Vector3<f64>; 2
             }
             space.observe(&percept).unwrap();
         }
-        space.advance(time, PERIOD).unwrap();
+        let situation = space.advance(time, PERIOD).unwrap();
         let floor = Point3::new(4.0 + way.x, way.y, 0.0);
         let off = space.workspace().world_from_workspace().translation.vector - floor.coords;
         let place = Vector3::new(-off.x, -off.y, off.z);
         if time < STAND + WALK {
             places[0] = place;
             if time > 4.0 {
-                assert!(space.is_in_place(), "{time} s: {off:?}");
+                assert!(situation.is_in_place, "{time} s: {off:?}");
             }
         }
         places[1] = place;

@@ -27,6 +27,7 @@ mod shared;
 mod silence;
 mod simulation;
 mod singular;
+mod situation;
 mod slow_loops;
 mod stack_changes;
 mod states;

@@ -203,7 +203,7 @@ fn impossibly_fast_person_needs_second_sighting() {
             show(&mut drive, person).unwrap();
         }
         let followed = |drive: &Drive| {
-            let person = drive.controller.space().person().unwrap();
+            let person = drive.controller.situation().worker.unwrap();
             person.floor.x
         };
         let before = followed(&drive);

@@ -131,7 +131,7 @@ impl People {
     /// It is an input of [`Lifter::lift`](crate::Lifter::lift).
     pub fn heading_near(&self, body: &Body, now: f64) -> Option<f64> {
         let near = self.tracks.iter().filter_map(|track| {
-            let person = track.predict(now).filter(|person| person.status.is_usable())?;
+            let person = track.predict(now).filter(|person| person.freshness.is_usable())?;
             let floor = floor(body, &self.tracker, f64::INFINITY, track.facing(now))?;
             Some(((person.floor.coords - floor).norm(), person.heading))
         });

@@ -2,37 +2,14 @@
 
 use nalgebra::{Isometry3, Matrix2, Point2, Translation3, UnitQuaternion, Vector2, Vector3};
 
-/// The quality of a person's pose.
-///
-/// ```
-/// use vision_models::TrackStatus;
-///
-/// assert!(TrackStatus::Coasting.is_usable());
-/// assert!(!TrackStatus::Lost.is_usable());
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum TrackStatus {
-    /// Measured in the latest frames.
-    Tracked,
-    /// Unmeasured for a moment. The pose is predicted with the last velocity.
-    Coasting,
-    /// Unmeasured for longer than the coasting limit. The pose is the last prediction.
-    Lost,
-}
-
-impl TrackStatus {
-    /// Returns true if the controller may use the pose.
-    pub fn is_usable(self) -> bool {
-        self != Self::Lost
-    }
-}
+use super::freshness::Freshness;
 
 /// The person whom a [`BodyTracker`](crate::BodyTracker) follows: the pose on the floor of the
 /// world, the motion, and the age of both.
 ///
 /// ```
 /// use nalgebra::{Matrix2, Point2, Point3, Vector2};
-/// use vision_models::{TrackedPerson, TrackStatus};
+/// use vision_models::{Freshness, TrackedPerson};
 ///
 /// let person = TrackedPerson {
 ///     floor: Point2::new(2.0, 0.0),
@@ -43,7 +20,7 @@ impl TrackStatus {
 ///     velocity_covariance: Matrix2::identity() * 0.1_f64.powi(2),
 ///     age: 0.02,
 ///     heading_age: 0.02,
-///     status: TrackStatus::Tracked,
+///     freshness: Freshness::Tracked,
 /// };
 /// // Half a metre in front of the person is half a metre closer to the origin.
 /// let hand = person.world_from_person() * Point3::new(0.5, 0.0, 1.0);
@@ -57,20 +34,20 @@ pub struct TrackedPerson {
     pub floor: Point2<f64>,
     /// Yaw of the person's forward direction, unwrapped: it continues past ±π (rad).
     pub heading: f64,
-    /// Velocity of the pelvis over the floor (m/s). Zero if the person is lost.
+    /// Velocity of the pelvis over the floor (m/s). Zero if the person no longer coasts.
     pub velocity: Vector2<f64>,
     /// Yaw rate (rad/s). Zero if the heading is held.
     pub heading_rate: f64,
     /// Covariance of `floor` (m²).
     pub floor_covariance: Matrix2<f64>,
-    /// Covariance of `velocity` if the person is not lost (m²/s²).
+    /// Covariance of `velocity` while the person is tracked or coasts (m²/s²).
     pub velocity_covariance: Matrix2<f64>,
     /// Time since the position was last measured (s).
     pub age: f64,
     /// Time since the heading was last measured (s).
     pub heading_age: f64,
-    /// Status that follows from `age`.
-    pub status: TrackStatus,
+    /// Freshness that follows from `age`.
+    pub freshness: Freshness,
 }
 
 impl TrackedPerson {

@@ -1,6 +1,7 @@
 //! The parameters of the tracker.
 
 use super::filter::{LASTING, Measurement, Motion};
+use super::freshness::Freshness;
 use super::joints::TRUNK;
 use super::keypoints::Body25;
 use crate::error::Error;
@@ -32,12 +33,6 @@ pub(super) const ACQUIRE_FRAMES: u32 = 4;
 /// Frames agree if the person's position changes between them by less than this (m) plus the
 /// distance at maximum speed.
 pub(super) const ACQUIRE_RADIUS: f64 = 0.3;
-/// Largest age of the last measurement at which the person counts as tracked (s): a little more
-/// than two frames.
-pub(super) const TRACKED_AGE: f64 = 0.12;
-/// Largest age up to which a pose is predicted at constant velocity (s). Within it a walking person
-/// seldom changes their speed, and ten frames may be lost.
-pub(super) const COAST_LIMIT: f64 = 0.5;
 /// Drift of a standing person: spectral densities of the velocity (m²/s) and of the turning rate
 /// (rad²/s).
 const DRIFT: f64 = 3e-6;
@@ -101,7 +96,7 @@ impl TrackerSettings {
 
 /// Returns the motion of a person who stands or walks.
 pub(super) fn walking() -> Motion {
-    motion(WALKING, DRIFT, MAX_SPEED, COAST_LIMIT)
+    motion(WALKING, DRIFT, MAX_SPEED, Freshness::COASTING)
 }
 
 /// Returns the motion of a joint.
@@ -115,7 +110,7 @@ pub(super) fn moving(joint: Body25) -> Motion {
         LeftKnee | RightKnee => of_limb(0.8),
         _ => of_limb(1.5),
     };
-    motion(density, 0.0, max_speed, COAST_LIMIT)
+    motion(density, 0.0, max_speed, Freshness::COASTING)
 }
 
 /// Returns the motion of a heading.

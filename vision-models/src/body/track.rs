@@ -4,9 +4,10 @@ use nalgebra::Vector2;
 
 use super::{
     filter::Measurement,
+    freshness::Freshness,
     seen::Heading,
     settings::{
-        ACQUIRE_FRAMES, ACQUIRE_RADIUS, COAST_LIMIT, MAX_SPEED, TrackerSettings, jump_distance,
+        ACQUIRE_FRAMES, ACQUIRE_RADIUS, MAX_SPEED, TrackerSettings, jump_distance,
         outlier_distance, turning, walking,
     },
     two_models::TwoModels,
@@ -79,7 +80,7 @@ impl Track {
     ) -> bool {
         let motion = turning();
         let since = time - self.heading_time;
-        let elapsed = since.min(COAST_LIMIT);
+        let elapsed = since.min(Freshness::COASTING);
         let expected = self.heading.advanced(elapsed, &motion);
         let angle = nearest_branch(heading.angle, expected.position().x);
         let measured = settings.heading(angle, heading.variance);
@@ -92,7 +93,7 @@ impl Track {
             let (frames, nearest) = (frames.saturating_add(1), nearest.min(distance));
             jumped = nearest > jump_distance();
             let lasting = frames >= ACQUIRE_FRAMES;
-            if !(lasting && (jumped || since > COAST_LIMIT)) {
+            if !(lasting && (jumped || since > Freshness::COASTING)) {
                 self.turned = Some((frames, nearest));
                 return false;
             }
@@ -129,7 +130,7 @@ impl Candidate {
     fn agrees_with(&self, floor: &Vector2<f64>, time: f64) -> bool {
         let elapsed = time - self.time;
         let reach = ACQUIRE_RADIUS + MAX_SPEED * elapsed;
-        elapsed <= COAST_LIMIT && (floor - self.floor.position).norm() <= reach
+        elapsed <= Freshness::COASTING && (floor - self.floor.position).norm() <= reach
     }
 
     /// Returns the person's position and heading, if they were seen there for enough frames.

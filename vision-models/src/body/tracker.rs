@@ -4,13 +4,14 @@ use nalgebra::Point2;
 
 use super::{
     filter::Measurement,
+    freshness::Freshness,
     identity::Identity,
     lean::Lean,
     lengths::{SegmentLength, StatureEstimate},
-    pose::{TrackStatus, TrackedPerson},
+    pose::TrackedPerson,
     seen::{Facing, Heading, Seen},
     segment::BodySegment,
-    settings::{COAST_LIMIT, TRACKED_AGE, TURN_LIMIT, TrackerSettings, turning, walking},
+    settings::{TURN_LIMIT, TrackerSettings, turning, walking},
     track::{Candidate, Track, nearest_branch},
     two_models::TwoModels,
 };
@@ -25,8 +26,8 @@ use crate::percept::Percept;
 ///
 /// Measurements outside the gate are left out. If they last for several frames, agree with one
 /// another and are too far away for noise, the track restarts there. If measurements are missing,
-/// the track is predicted at constant velocity for at most half a second. The person is then lost.
-/// The lengths of segments measured after a restart show whether it is another person.
+/// the track is predicted at constant velocity for at most half a second. [`Freshness`] states how
+/// well the person's place is known. The lengths of segments measured after a restart show whether it is another person.
 ///
 /// [`update`](Self::update) takes each percept as it comes. [`predict`](Self::predict) returns the
 /// person's pose at any time and allocates nothing. Joints that are missing, have low confidence or
@@ -52,10 +53,6 @@ pub struct BodyTracker {
 }
 
 impl BodyTracker {
-    /// Age of the last measurement up to which the person's motion goes on as measured (s). Beyond
-    /// it the person is lost.
-    pub const COAST_LIMIT: f64 = COAST_LIMIT;
-
     /// Creates a tracker without a person.
     ///
     /// # Errors
@@ -99,7 +96,8 @@ impl BodyTracker {
         let (floors, heading) = (seen.floors(&lean, facing), seen.heading());
         let best = seen.best_floor(facing);
 
-        let track = self.track.as_mut().filter(|track| time - track.floor_time <= COAST_LIMIT);
+        let track =
+            self.track.as_mut().filter(|track| time - track.floor_time <= Freshness::COASTING);
         let outlier = match (track, best) {
             (Some(track), Some(_)) => {
                 let floors = floors.into_iter().flatten();
@@ -141,18 +139,12 @@ impl BodyTracker {
     /// more than 0.12 s, a clock is wrong and the person counts as lost.
     pub fn predict(&self, now: f64) -> Option<TrackedPerson> {
         let track = self.track.as_ref()?;
-        let age = age_at(now, track.floor_time, TRACKED_AGE);
-        let heading_age = age_at(now, track.heading_time, TRACKED_AGE);
-        let status = if age <= TRACKED_AGE {
-            TrackStatus::Tracked
-        } else if age <= COAST_LIMIT {
-            TrackStatus::Coasting
-        } else {
-            TrackStatus::Lost
-        };
+        let age = age_at(now, track.floor_time, Freshness::TRACKED);
+        let heading_age = age_at(now, track.heading_time, Freshness::TRACKED);
+        let freshness = Freshness::at(age);
         let coasted = extrapolated(now, track.floor_time);
         let advanced = track.floor.advanced(coasted, &walking());
-        let moving = if status == TrackStatus::Lost { 0.0 } else { 1.0 };
+        let moving = if freshness.is_usable() { 1.0 } else { 0.0 };
         let turning = if heading_age > TURN_LIMIT { 0.0 } else { 1.0 };
         let heading = Self::heading(track, now);
         Some(TrackedPerson {
@@ -164,7 +156,7 @@ impl BodyTracker {
             velocity_covariance: advanced.velocity_covariance(),
             age,
             heading_age,
-            status,
+            freshness,
         })
     }
 
@@ -231,9 +223,9 @@ fn age_at(now: f64, then: f64, tolerance: f64) -> f64 {
 }
 
 /// Returns how long a motion measured at `then` is continued until `now`: at most for
-/// [`COAST_LIMIT`], and for it if `now` is not a number.
+/// [`Freshness::COASTING`], and for it if `now` is not a number.
 fn extrapolated(now: f64, then: f64) -> f64 {
-    if now < then { 0.0 } else { (now - then).min(COAST_LIMIT) }
+    if now < then { 0.0 } else { (now - then).min(Freshness::COASTING) }
 }
 
 /// Checks that a time is finite and later than the previous one.

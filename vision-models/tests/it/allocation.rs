@@ -2,9 +2,9 @@
 
 use nalgebra::Point3;
 use vision_models::{
-    Body, Body25, BodyTracker, Camera, Confidence, DepthImage, DepthNoise, ImageBody,
+    Body, Body25, BodyTracker, Camera, Confidence, DepthImage, DepthNoise, Freshness, ImageBody,
     ImageKeypoint, Intrinsics, Keypoint, Lifter, LiftingSettings, People, PeopleSettings, Percept,
-    TrackStatus, TrackerSettings,
+    TrackerSettings,
 };
 
 #[test]
@@ -29,7 +29,7 @@ fn predicting_and_updating_allocate_nothing() {
             tracker.update(&percept).unwrap();
         }
         let pose = tracker.predict(now);
-        tracked += u32::from(pose.is_some_and(|pose| pose.status == TrackStatus::Tracked));
+        tracked += u32::from(pose.is_some_and(|pose| pose.freshness == Freshness::Tracked));
     };
     assert_eq!(allocation_counter::measure(|| (0..2000).for_each(tick)).count_total, 0);
     assert!(tracked > 1800, "the person was tracked in {tracked} ticks");

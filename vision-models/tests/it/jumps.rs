@@ -7,7 +7,7 @@ use nalgebra::{
 };
 use vision_models::{
     Body, Body25, BodySegment, BodyTracker, Camera, Confidence, DepthNoise, Error, Intrinsics,
-    Keypoint, People, PeopleSettings, Percept, PersonTrack, TrackStatus, TrackerSettings,
+    Keypoint, People, PeopleSettings, Percept, PersonTrack, TrackerSettings,
 };
 
 const FRAME: f64 = 0.05;
@@ -121,7 +121,7 @@ fn noise_is_no_jump_but_jumps_are_detected() {
         turns += (turned - TAU * (turned / TAU).round()).powi(2);
         inside += f64::from(u8::from(distance < 5.99));
         count += 1.0;
-        assert_ne!(person.status, TrackStatus::Lost, "at {time} s");
+        assert!(person.freshness.is_usable(), "at {time} s");
     }
     let (position, heading) = (f64::sqrt(squares / count), f64::sqrt(turns / count).to_degrees());
     println!("{position} m, {heading}°, {worst} m at worst, {} inside", inside / count);
@@ -257,7 +257,7 @@ fn one_shoulder_keeps_a_person_who_is_followed() {
         people.update(time, &[body]).unwrap();
         if time > 1.0 {
             let person = people.engaged().unwrap().predict(time).unwrap();
-            assert!(person.status.is_usable(), "{:?} at {time} s", person.status);
+            assert!(person.freshness.is_usable(), "{:?} at {time} s", person.freshness);
             let error = (person.floor.coords - place).norm();
             assert!(error < 0.15, "{error} m at {time} s");
         }

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use nalgebra::{Isometry3, Point2, Point3, Translation3, UnitQuaternion, Vector2, Vector3, vector};
 use proptest::prelude::*;
 use vision_models::{
-    Body, Body25, BodyTracker, Confidence, Error, Keypoint, Percept, TrackStatus, TrackedPerson,
+    Body, Body25, BodyTracker, Confidence, Error, Freshness, Keypoint, Percept, TrackedPerson,
     TrackerSettings,
 };
 
@@ -91,7 +91,7 @@ fn a_standing_person_is_acquired_after_four_frames() {
     let pose = tracker.predict(0.15).unwrap();
     assert!((pose.floor - Point2::new(2.0, 1.0)).norm() < 1e-12);
     assert!((pose.heading - 0.5).abs() < 1e-12);
-    assert_eq!((pose.status, pose.age), (TrackStatus::Tracked, 0.0));
+    assert_eq!((pose.freshness, pose.age), (Freshness::Tracked, 0.0));
 }
 
 #[test]
@@ -179,12 +179,13 @@ fn a_vanished_person_coasts_half_a_second() {
         tracker.update(&percept(FRAME * f64::from(frame), None)).unwrap();
     }
     let at = |age: f64| tracker.predict(seen + age).unwrap();
-    assert_eq!(at(0.1).status, TrackStatus::Tracked);
-    assert_eq!(at(0.4).status, TrackStatus::Coasting);
+    assert_eq!(at(0.1).freshness, Freshness::Tracked);
+    assert_eq!(at(0.4).freshness, Freshness::Coasting);
     assert!((at(0.4).floor.x - 0.5 * (seen + 0.4)).abs() < 1e-3);
-    let lost = at(0.6);
-    assert_eq!((lost.status, lost.velocity), (TrackStatus::Lost, Vector2::zeros()));
-    assert_eq!(lost.floor, at(3.0).floor, "a lost person stays where coasting ended");
+    let [uncertain, lost] = [0.6, 1.6].map(at);
+    assert_eq!((uncertain.freshness, uncertain.velocity), (Freshness::Uncertain, Vector2::zeros()));
+    assert_eq!((lost.freshness, lost.velocity), (Freshness::Lost, Vector2::zeros()));
+    assert_eq!(lost.floor, uncertain.floor, "an unseen person stays where coasting ended");
     assert!((lost.floor.x - 0.5 * (seen + 0.5)).abs() < 1e-3);
 }
 
@@ -196,7 +197,7 @@ fn only_lasting_jumps_are_followed() {
     let pose = tracker.predict(42.0 * FRAME).unwrap();
     assert!((pose.floor - Point2::new(2.0, 0.0)).norm() < 1e-9, "three frames are an outlier");
     watch(&mut tracker, 43..45, |_| (vector![2.0, 0.0], PI));
-    assert_eq!(tracker.predict(44.0 * FRAME).unwrap().status, TrackStatus::Tracked);
+    assert_eq!(tracker.predict(44.0 * FRAME).unwrap().freshness, Freshness::Tracked);
     watch(&mut tracker, 45..49, |_| (vector![2.0, 2.0], PI));
     let pose = tracker.predict(48.0 * FRAME).unwrap();
     assert!((pose.floor - Point2::new(2.0, 2.0)).norm() < 1e-9, "four frames are a person");
@@ -211,7 +212,7 @@ fn scattered_outliers_never_become_a_person() {
         (vector![2.0, far], PI)
     });
     let pose = tracker.predict(60.0 * FRAME).unwrap();
-    assert_eq!(pose.status, TrackStatus::Lost);
+    assert_eq!(pose.freshness, Freshness::Uncertain);
     assert!((pose.floor - Point2::new(2.0, 0.0)).norm() < 1e-6);
 }
 
@@ -221,7 +222,7 @@ fn a_lost_person_is_found_again_anywhere() {
     watch(&mut tracker, 0..20, |_| (vector![2.0, 0.0], 3.0));
     watch(&mut tracker, 60..64, |_| (vector![-1.0, 4.0], -3.0));
     let pose = tracker.predict(63.0 * FRAME).unwrap();
-    assert_eq!(pose.status, TrackStatus::Tracked);
+    assert_eq!(pose.freshness, Freshness::Tracked);
     assert!((pose.floor - Point2::new(-1.0, 4.0)).norm() < 1e-9);
     assert!((pose.heading - (TAU - 3.0)).abs() < 1e-9, "the nearest branch of -3 rad to 3 rad");
 }
@@ -249,7 +250,7 @@ fn heading_takes_either_pair_and_holds_without() {
         show(60..80, &[Body25::RightHip, Body25::LeftShoulder]).predict(79.0 * FRAME).unwrap();
     assert!((pose.heading - 1.0).abs() < 1e-9, "held");
     assert!((pose.heading_age - 1.0).abs() < 1e-9);
-    assert_eq!((pose.status, pose.heading_rate), (TrackStatus::Tracked, 0.0));
+    assert_eq!((pose.freshness, pose.heading_rate), (Freshness::Tracked, 0.0));
 }
 
 #[test]
@@ -293,9 +294,9 @@ fn a_future_time_stamp_means_lost() {
     let mut tracker = tracker();
     watch(&mut tracker, 0..10, |_| (vector![2.0, 0.0], 0.0));
     let seen = 9.0 * FRAME;
-    assert_eq!(tracker.predict(seen - 0.1).unwrap().status, TrackStatus::Tracked);
+    assert_eq!(tracker.predict(seen - 0.1).unwrap().freshness, Freshness::Tracked);
     let pose = tracker.predict(seen - 3600.0).unwrap();
-    assert_eq!((pose.status, pose.age), (TrackStatus::Lost, f64::INFINITY));
+    assert_eq!((pose.freshness, pose.age), (Freshness::Lost, f64::INFINITY));
     assert!((pose.floor.x - 2.0).abs() < 1e-9 && pose.velocity.norm() == 0.0);
 }
 
@@ -392,13 +393,13 @@ proptest! {
         }
         let last = FRAME * (walk.len() - 1) as f64;
         let (seen, later) = (tracker.predict(last).unwrap(), tracker.predict(last + after).unwrap());
-        let reach = 3.0 * BodyTracker::COAST_LIMIT;
+        let reach = 3.0 * Freshness::COASTING;
         prop_assert!((later.floor - seen.floor).norm() <= reach + 1e-9);
         prop_assert!(
             (later.heading - seen.heading).abs()
                 <= 4.0 * 0.1 + 1e-9
         );
-        prop_assert_eq!(later.status == TrackStatus::Lost, later.age > BodyTracker::COAST_LIMIT);
+        prop_assert_eq!(later.freshness.is_usable(), later.age <= Freshness::COASTING);
     }
 
     /// A motion of the whole world moves the pose with it.
@@ -425,7 +426,7 @@ proptest! {
                 let turns = (there.heading - here.heading - turn) / TAU;
                 prop_assert!((turns - turns.round()).abs() < 1e-9);
                 prop_assert!((turns - *branch.get_or_insert(turns)).abs() < 1e-9);
-                prop_assert_eq!(here.status, there.status);
+                prop_assert_eq!(here.freshness, there.freshness);
             }
         }
     }

@@ -288,7 +288,7 @@ impl Sampler {
         let space = controller.space();
         write_pose(Some(&controller.command().desired), &mut values);
         write_pose(Some(space.workspace().world_from_workspace()), &mut values);
-        let person = space.person().map(TrackedPerson::world_from_person);
+        let person = controller.situation().worker.as_ref().map(TrackedPerson::world_from_person);
         write_pose(person.as_ref(), &mut values);
         for pose in &self.placed {
             write_pose(pose.as_ref(), &mut values);
@@ -305,7 +305,7 @@ impl Sampler {
     }
 
     fn predict(&self, controller: &Controller, row: &TickRow) -> Option<(Points, RebaSubScores)> {
-        let person = controller.space().person().filter(|_| row.collaborating)?;
+        let person = controller.situation().worker.filter(|_| row.collaborating)?;
         let floor = Vector3::new(person.floor.x, person.floor.y, 0.0);
         let frame = PersonFrame::new(floor, person.heading).ok()?;
         let hand = frame.to_person(&row.actual.into());
@@ -382,7 +382,7 @@ fn write_series(controller: &Controller, tick: &TickRow, speed: f64, row: &mut V
     let rest = [
         (desired - actual).norm(),
         speed,
-        controller.space().person().map_or(f64::NAN, |person| person.velocity.norm()),
+        controller.situation().worker.map_or(f64::NAN, |person| person.velocity.norm()),
         Vector3::new(x, y, z).norm(),
         Vector3::new(roll, pitch, yaw).norm(),
         controller.command().activation,

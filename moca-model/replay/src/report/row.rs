@@ -101,7 +101,7 @@ pub struct Together(bool);
 impl Together {
     /// Whether they work together after the controller's last step.
     pub fn update(&mut self, controller: &Controller) -> bool {
-        let is_shared = controller.space().is_shared();
+        let is_shared = controller.situation().is_shared;
         self.0 = is_shared && (self.0 || Self::is_inside(controller));
         self.0
     }

@@ -212,8 +212,8 @@ impl<'a> Run<'a> {
     fn tick(&mut self, now: f64) -> Result<TickRow, Error> {
         let tick_us = self.plant.step(now)?;
         let actual = self.plant.hand().translation.vector;
-        let (command, space) = (self.plant.command(), self.plant.controller().space());
-        let undisturbed = command.safety == SafetyState::Normal && space.person().is_none();
+        let (command, situation) = (self.plant.command(), self.plant.controller().situation());
+        let undisturbed = command.safety == SafetyState::Normal && situation.worker.is_none();
         let returning = if undisturbed { Return::Free } else { Return::Hindered };
         let breaches = self.monitor.check(command, self.plant.reference(), returning);
 
@@ -221,7 +221,7 @@ impl<'a> Run<'a> {
         let engaged = self.engaged.update(self.plant.controller());
         let mut row = tick_row(&self.plant, now, tick_us);
         row.collaborating = engaged;
-        let hand = space.person().and_then(|person| {
+        let hand = situation.worker.and_then(|person| {
             let floor = Vector3::new(person.floor.x, person.floor.y, 0.0);
             let frame = PersonFrame::new(floor, person.heading).ok()?;
             self.scorer.score(&frame, &actual)
@@ -270,7 +270,7 @@ impl<'a> Run<'a> {
         self.state = command.safety;
         self.tally.ticks_us.push(tick_us);
         let towards =
-            self.plant.controller().space().person().map(|person| {
+            self.plant.controller().situation().worker.map(|person| {
                 Vector3::new(actual.x - person.floor.x, actual.y - person.floor.y, 0.0)
             });
         let force = self.work.advance(towards.filter(|_| engaged), self.period);

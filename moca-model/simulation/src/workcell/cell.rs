@@ -281,7 +281,7 @@ impl Workcell {
             self.observe(percept, others, now)?;
         }
         self.control(now)?;
-        let towards = self.plant.controller().space().person().map(|person| {
+        let towards = self.plant.controller().situation().worker.map(|person| {
             let hand = Vector3::from(self.row.actual);
             Vector3::new(hand.x - person.floor.x, hand.y - person.floor.y, 0.0)
         });
@@ -391,7 +391,8 @@ impl Workcell {
 
     /// The score of the person with the hand at what the robot holds; none unless they work together.
     pub fn score(&self) -> Option<HandScore> {
-        let person = self.plant.controller().space().person().filter(|_| self.row.collaborating)?;
+        let person =
+            self.plant.controller().situation().worker.filter(|_| self.row.collaborating)?;
         let floor = Vector3::new(person.floor.x, person.floor.y, 0.0);
         let frame = PersonFrame::new(floor, person.heading).ok()?;
         self.scorer.score(&frame, &self.row.actual.into())

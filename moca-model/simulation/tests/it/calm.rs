@@ -1,5 +1,6 @@
 //! The frame of a standing person is still, for the camera of the shipped recording.
 
+use ergo_map::PersonFrame;
 use moca_model::{ControllerSettings, SharedSpace};
 use moca_simulation::people::{Truth, Walker, WalkerSettings};
 use nalgebra::Isometry3;
@@ -23,7 +24,7 @@ fn frame_of_a_standing_person_stands() {
     let mut space = SharedSpace::new(&ControllerSettings::default(), &tool).unwrap();
     let (mut still, mut ticks) = (0, 0.0);
     let mut squares = [0.0; 2];
-    let mut before = space.working_frame().unwrap();
+    let mut before: Option<PersonFrame> = None;
     for pair in frames.windows(2) {
         let [(truth, percept), (next, _)] = pair else { continue };
         still = if stands([truth, next]) { still + 1 } else { 0 };
@@ -32,16 +33,19 @@ fn frame_of_a_standing_person_stands() {
         }
         let mut now = truth.time;
         while now < next.time - 0.5 * PERIOD {
-            space.advance(now, PERIOD).unwrap();
-            let frame = space.working_frame().unwrap();
-            if still > SETTLED && space.person().is_some_and(|person| person.status.is_usable()) {
+            let situation = space.advance(now, PERIOD).unwrap();
+            let frame = situation.frame;
+            if let Some(before) = before
+                && still > SETTLED
+                && situation.freshness().is_usable()
+            {
                 let moved = frame.position() - before.position();
                 let turned = frame.heading() - before.heading();
                 squares[0] += (moved.norm() / PERIOD).powi(2);
                 squares[1] += (turned.sin() / PERIOD).powi(2);
                 ticks += 1.0;
             }
-            before = frame;
+            before = Some(frame);
             now += PERIOD;
         }
     }

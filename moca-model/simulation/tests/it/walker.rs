@@ -5,7 +5,7 @@ use std::{collections::HashSet, f64::consts::TAU};
 use moca_simulation::Error;
 use moca_simulation::people::{CameraSettings, Truth, Walker, WalkerSettings, WalkingPath};
 use vision_models::{
-    Action, BodyTracker, Percept, Tool, TrackStatus, TrackerSettings, WalkingDirection,
+    Action, BodyTracker, Freshness, Percept, Tool, TrackerSettings, WalkingDirection,
 };
 
 use crate::support::recorded;
@@ -131,7 +131,7 @@ fn the_tracker_follows_the_shipped_walk() {
         let Some(pose) = tracker.predict(truth.time).filter(|_| truth.time > 1.0) else {
             continue;
         };
-        assert_ne!(pose.status, TrackStatus::Lost, "at {} s", truth.time);
+        assert!(pose.freshness.is_usable(), "at {} s", truth.time);
         floor_error += (pose.floor - truth.floor).norm_squared();
         // The person starts at half a turn, which may be measured with either sign.
         let turned = pose.heading - truth.heading;

@@ -99,7 +99,7 @@ impl Perceiver {
     /// Returns the box in which the engaged person is expected at a time (s).
     pub fn expected(&self, time: f64) -> Option<PersonBox> {
         let person = self.engaged()?;
-        let place = person.predict(time).filter(|place| place.status.is_usable())?;
+        let place = person.predict(time).filter(|place| place.freshness.is_usable())?;
         let stature = person.stature().map_or(STATURE, |estimate| estimate.stature);
         PersonBox::around(self.lifter.camera(), &place.floor, stature)
     }

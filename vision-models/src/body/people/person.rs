@@ -2,13 +2,14 @@
 
 use nalgebra::Vector2;
 
+use super::super::freshness::Freshness;
 use super::super::joints::{JointFilter, JointVelocity};
 use super::super::keypoints::{Body, Body25};
 use super::super::lengths::{SegmentLength, StatureEstimate};
 use super::super::pose::TrackedPerson;
 use super::super::seen::{Facing, Seen};
 use super::super::segment::BodySegment;
-use super::super::settings::{COAST_LIMIT, TrackerSettings};
+use super::super::settings::TrackerSettings;
 use super::super::tracker::BodyTracker;
 use crate::body::people::settings::PeopleSettings;
 use crate::error::Error;
@@ -165,11 +166,12 @@ impl PersonTrack {
     /// Returns true if the person was not seen for long, or was lost before the track was accepted.
     pub(super) fn is_gone(&self, time: f64, settings: &PeopleSettings) -> bool {
         let unseen = time - self.last;
-        unseen > settings.keep || (unseen > COAST_LIMIT && self.tracker.predict(time).is_none())
+        unseen > settings.keep
+            || (unseen > Freshness::COASTING && self.tracker.predict(time).is_none())
     }
 
     pub(super) fn is_seen(&self, time: f64) -> bool {
-        self.tracker.predict(time).is_some_and(|person| person.status.is_usable())
+        self.tracker.predict(time).is_some_and(|person| person.freshness.is_usable())
     }
 
     pub(super) fn is_at(&self, floor: &Vector2<f64>, time: f64, radius: f64) -> bool {
@@ -189,7 +191,7 @@ impl PersonTrack {
 
     /// Returns true if the person is near the workplace and faces it.
     pub(super) fn engages(&self, time: f64, settings: &PeopleSettings) -> bool {
-        let person = self.tracker.predict(time).filter(|person| person.status.is_usable());
+        let person = self.tracker.predict(time).filter(|person| person.freshness.is_usable());
         person.is_some_and(|person| {
             let towards = settings.place - person.floor;
             let facing = Vector2::new(person.heading.cos(), person.heading.sin());

@@ -1,0 +1,266 @@
+//! The commanded velocities of the joints and of the desired pose: their limits, and braking.
+
+use ahqp_core::{JerkLimits, VelocityInterval};
+use nalgebra::Vector6;
+use whole_body::torque::Following;
+
+use super::base_drive::BaseDrive;
+use crate::command::{Command, Outcome};
+use crate::error::Error;
+use crate::following_error::FollowingErrorLimit;
+use crate::motion_limits::{
+    Motion, TickTimes, admit_braking, bound_held_acceleration, brake, braking_limits,
+    desired_limits, joint_limits, nearest_to_rest, write_intervals,
+};
+use crate::robot::kinematics::Kinematics;
+use crate::robot::moca::MOCA_BASE_JOINTS;
+use crate::settings::ControllerSettings;
+use crate::stack::Levels;
+
+/// Time in which the robot slows down while nothing is seen, and speeds up again \[s\].
+const SLOWS_OVER: f64 = 0.5;
+/// Time constant with which the commanded place of the base approaches the measured one \[s\]. It is long against the
+/// noise of odometry and short against the slip of wheels.
+const ODOMETRY: f64 = 0.15;
+
+/// The state of the commanded motion, and the velocities that limits allow in a tick.
+#[derive(Debug, Clone)]
+pub(super) struct CommandedMotion {
+    pub(super) following_error: FollowingErrorLimit,
+    joint_limits: Vec<JerkLimits>,
+    desired_limits: [JerkLimits; 6],
+    /// Limits for coming to rest, of the joints and of ẋ_d.
+    joint_braking: Vec<JerkLimits>,
+    desired_braking: Vec<JerkLimits>,
+    /// Number of joints of the base.
+    base: usize,
+    pub(super) base_drive: Option<BaseDrive>,
+    /// Configuration at which tasks are computed: commanded for joints that follow positions, measured for others.
+    pub(super) reference: Vec<f64>,
+    /// Whether each joint follows positions.
+    pub(super) follows_position: Vec<bool>,
+    /// Time between the last two ticks before this one \[s\].
+    elapsed_before: f64,
+    /// q̇* before the last tick, and its rate of change in it.
+    last_velocity: Vec<f64>,
+    acceleration: Vec<f64>,
+    /// Velocity intervals of the joints, then of ẋ_d.
+    pub(super) intervals: Vec<VelocityInterval>,
+    /// Velocity intervals of the joints that must return within their limits.
+    pub(super) returns: Vec<VelocityInterval>,
+    /// Velocity intervals of the base while safety does not need more.
+    pub(super) gentle: Vec<VelocityInterval>,
+    /// Joint velocities as near to rest as the intervals allow.
+    pub(super) braking: Vec<f64>,
+    /// Last measured yaw of the base \[rad\].
+    yaw: f64,
+    /// Share of all velocity limits, 0 while the person is lost.
+    speed: f64,
+    /// Whether the last velocities keep the protective distances.
+    pub(super) keeps_separation: bool,
+}
+
+impl CommandedMotion {
+    /// Creates the motion of a robot that rests at the `configuration`, where the robot is. It comes back there.
+    ///
+    /// # Errors
+    /// Settings out of range, or a posture that does not fit the robot.
+    pub(super) fn new(
+        robot: &mut Kinematics,
+        settings: &ControllerSettings,
+        configuration: &[f64],
+    ) -> Result<Self, Error> {
+        let n = configuration.len();
+        robot.update(&settings.posture.configuration)?;
+        let base_drive = match settings.base {
+            Some(_) if settings.levels == Levels::Extended => {
+                Some(BaseDrive::new(MOCA_BASE_JOINTS, robot, &settings.posture.configuration)?)
+            }
+            _ => None,
+        };
+        robot.update(configuration)?;
+        let base = settings.base.map_or(0, |_| MOCA_BASE_JOINTS);
+        let joint_limits = joint_limits(robot.model())?;
+        let desired_limits = desired_limits(&settings.desired)?;
+        let free = VelocityInterval { lower: f64::NEG_INFINITY, upper: f64::INFINITY };
+        let rest = vec![0.0; n];
+        Ok(Self {
+            following_error: FollowingErrorLimit::new(
+                settings.following_error,
+                robot.model(),
+                settings.period,
+            )?,
+            joint_braking: braking_limits(&joint_limits)?,
+            desired_braking: braking_limits(&desired_limits)?,
+            joint_limits,
+            desired_limits,
+            base_drive,
+            reference: configuration.to_vec(),
+            follows_position: vec![false; n],
+            elapsed_before: settings.period,
+            last_velocity: rest.clone(),
+            acceleration: rest.clone(),
+            intervals: vec![VelocityInterval { lower: 0.0, upper: 0.0 }; n + 6],
+            returns: vec![VelocityInterval { lower: 0.0, upper: 0.0 }; n],
+            gentle: vec![free; base],
+            base: base.min(n),
+            braking: rest,
+            yaw: 0.0,
+            speed: 1.0,
+            keeps_separation: true,
+        })
+    }
+
+    /// Begins a tick that comes `elapsed` \[s\] after the last one.
+    pub(super) fn begin(&mut self, elapsed: f64, settings: &ControllerSettings) -> TickTimes {
+        let before = std::mem::replace(&mut self.elapsed_before, elapsed);
+        TickTimes::new(elapsed, before, settings)
+    }
+
+    /// Keeps the velocity before the tick changes it.
+    pub(super) fn remember_velocity(&mut self, command: &Command) {
+        self.last_velocity.copy_from_slice(&command.joint_velocity);
+    }
+
+    /// Updates the acceleration from the change of q̇* in `step` \[s\]. If q̇* had to change for longer, the limit is
+    /// used.
+    pub(super) fn remember_acceleration(&mut self, command: &Command, step: f64) {
+        let change = command.joint_velocity.iter().zip(&self.last_velocity);
+        let all = self.acceleration.iter_mut().zip(change).zip(&self.joint_limits);
+        for ((acceleration, (velocity, last)), limits) in all {
+            let most = limits.limits().acceleration();
+            *acceleration = ((velocity - last) / step).clamp(-most, most);
+        }
+    }
+
+    /// Restarts at rest from the measured state in the next ticks.
+    pub(super) fn resynchronise(&mut self) {
+        self.following_error.resynchronise();
+        self.acceleration.fill(0.0);
+    }
+
+    /// Takes the measured configuration, moves the robot to the one that tasks see, and keeps the commanded state near
+    /// it. Returns `None` if it cannot be used.
+    pub(super) fn measure(
+        &mut self,
+        robot: &mut Kinematics,
+        command: &mut Command,
+        configuration: &[f64],
+        elapsed: f64,
+    ) -> Option<Following> {
+        // An error would allocate its message.
+        if !robot.model().is_configuration(configuration) {
+            return None;
+        }
+        let tool = robot.world_from_tool().translation.vector;
+        let follows = &self.follows_position;
+        let following = self.following_error.clamp(command, configuration, follows, &tool).ok()?;
+        self.refer(command, configuration, following, elapsed);
+        robot.update(&self.reference).ok()?;
+        if let [_, _, yaw, ..] = configuration {
+            self.yaw = *yaw;
+        }
+        FollowingErrorLimit::clamp_pose(&mut command.desired, &robot.world_from_hand(), following);
+        Some(following)
+    }
+
+    /// Sets the configuration that tasks see. The base's part is commanded and approaches the measured one slowly, so
+    /// that noise of odometry does not reach the command.
+    fn refer(
+        &mut self,
+        command: &Command,
+        configuration: &[f64],
+        following: Following,
+        elapsed: f64,
+    ) {
+        let base = if following == Following::Follows { self.base } else { 0 };
+        let drawn = -(-elapsed / ODOMETRY).exp_m1();
+        let joints = self.reference.iter_mut().zip(configuration).zip(&command.joint_velocity);
+        for (index, ((reference, measured), velocity)) in joints.enumerate() {
+            let expected = *reference + velocity * elapsed;
+            *reference =
+                if index < base { expected + drawn * (measured - expected) } else { *measured };
+        }
+        let commanded = self.follows_position.iter().zip(&command.joint_position);
+        for (reference, (follows, commanded)) in self.reference.iter_mut().zip(commanded) {
+            if *follows {
+                *reference = *commanded;
+            }
+        }
+    }
+
+    /// Lowers the share of the velocity limits to zero while the person is lost, and raises it again otherwise.
+    pub(super) fn advance_speed(&mut self, is_lost: bool, elapsed: f64) {
+        let step = elapsed / SLOWS_OVER;
+        self.speed = (self.speed + if is_lost { -step } else { step }).clamp(0.0, 1.0);
+    }
+
+    /// Computes the velocities that joints and desired pose may take, with the share of their speeds that safety allows
+    /// the joints.
+    pub(super) fn write_intervals(&mut self, command: &Command, times: TickTimes, share: f64) {
+        let (joints, desired) = self.intervals.split_at_mut(self.reference.len());
+        let motion = Motion {
+            position: &self.reference,
+            velocity: &command.joint_velocity,
+            acceleration: &self.acceleration,
+        };
+        let scale = self.speed.min(share);
+        let (limits, (of_base, of_arm)) =
+            (self.joint_limits.split_at(self.base), joints.split_at_mut(self.base));
+        let (base, arm) = motion.split_at(self.base);
+        write_intervals(limits.0, base, scale, times, of_base);
+        write_intervals(limits.1, arm, scale, times, of_arm);
+        bound_held_acceleration(arm.velocity, times.step, of_arm);
+        if let Some(drive) = &self.base_drive {
+            drive.write(&command.joint_velocity, times.step, joints, &mut self.gentle);
+        }
+        let limits = [&self.joint_limits[..], &self.joint_braking];
+        admit_braking(limits, motion, times.step, joints, &mut self.returns);
+        // Comes to rest without passing it: near it, the acceleration fades at the limit of jerk.
+        self.braking.copy_from_slice(&command.joint_velocity);
+        brake(&self.joint_braking, &self.acceleration, times.step, &mut self.braking);
+        for (braking, interval) in self.braking.iter_mut().zip(joints) {
+            *braking = braking.max(interval.lower).min(interval.upper);
+        }
+        let twist = command.desired_twist.as_slice();
+        let motion = Motion { position: &[0.0; 6], velocity: twist, acceleration: &[0.0; 6] };
+        // Safety does not slow down the desired pose, which moves along with a robot that stops.
+        write_intervals(&self.desired_limits, motion, self.speed, times, desired);
+    }
+
+    /// Sets every joint and the desired pose as near to rest as their limits allow.
+    pub(super) fn brake(&self, command: &mut Command) {
+        self.go_towards_rest(command, 1.0);
+        command.outcome = Outcome::Braking;
+    }
+
+    /// Moves the velocities by this share towards those nearest to rest.
+    pub(super) fn go_towards_rest(&self, command: &mut Command, share: f64) {
+        if share == 0.0 {
+            return;
+        }
+        let (_, desired) = self.intervals.split_at(self.braking.len());
+        let velocities = command.joint_velocity.iter_mut().zip(&self.braking);
+        velocities.for_each(|(velocity, braking)| *velocity += share * (braking - *velocity));
+        for (velocity, interval) in command.desired_twist.iter_mut().zip(desired) {
+            *velocity += share * (nearest_to_rest(interval) - *velocity);
+        }
+        command.slack *= 1.0 - share;
+    }
+
+    /// Brakes at the limits of acceleration and jerk, whatever the tasks ask, for `step` seconds.
+    pub(super) fn halt(&self, command: &mut Command, step: f64) {
+        brake(&self.joint_braking, &self.acceleration, step, &mut command.joint_velocity);
+        brake(&self.desired_braking, &[0.0; 6], step, command.desired_twist.as_mut_slice());
+        command.slack = Vector6::zeros();
+        command.outcome = Outcome::Braking;
+    }
+
+    /// Writes the base's velocity in its own frame.
+    pub(super) fn write_base_twist(&self, command: &mut Command) {
+        if let ([x, y, turn, ..], true) = (&command.joint_velocity[..], self.base > 0) {
+            let (sine, cosine) = self.yaw.sin_cos();
+            command.base_twist = [cosine * x + sine * y, cosine * y - sine * x, *turn];
+        }
+    }
+}
