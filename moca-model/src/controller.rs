@@ -85,6 +85,8 @@ pub struct Controller {
     reference: Vec<f64>,
     /// Whether each joint follows positions.
     follows_position: Vec<bool>,
+    /// Velocities of the joints as measured or predicted; empty if they are unknown.
+    measured_velocity: Vec<f64>,
     /// Time between the last two ticks before this one \[s\].
     elapsed_before: f64,
     /// q̇* before the last tick, and its rate of change in it.
@@ -184,6 +186,7 @@ impl Controller {
             joint_limits,
             desired_limits,
             reference: configuration.to_vec(),
+            measured_velocity: Vec::with_capacity(n),
             follows_position: vec![false; n],
             elapsed_before: settings.period,
             last_velocity: rest.clone(),
@@ -343,7 +346,9 @@ impl Controller {
         let (base, arm) = motion.split_at(base);
         write_intervals(limits.0, base, scale, times, of_base);
         write_intervals(limits.1, arm, scale * slowed, times, of_arm);
-        bound_held_acceleration(arm.velocity, times.step, of_arm);
+        let measured = self.measured_velocity.get(of_base.len()..);
+        let measured = measured.filter(|own| !own.is_empty()).unwrap_or(arm.velocity);
+        bound_held_acceleration(arm.velocity, measured, times.step, of_arm);
         if let Some(drive) = &self.base_drive {
             drive.write(&self.command.joint_velocity, times.step, joints, &mut self.gentle);
         }

@@ -19,6 +19,12 @@ impl Controller {
         }
     }
 
+    /// Takes the velocities of the joints, as measured or predicted.
+    pub(crate) fn set_measured_velocity(&mut self, velocity: &[f64]) {
+        self.measured_velocity.clear();
+        self.measured_velocity.extend_from_slice(velocity);
+    }
+
     /// Takes the measured configuration and keeps the commanded state near it. Returns false if it cannot be used.
     pub(super) fn measure(&mut self, configuration: &[f64], elapsed: f64) -> bool {
         // An error would allocate its message.
