@@ -66,18 +66,6 @@ pub enum Error {
         limit: f64,
     },
 
-    /// A measurement is older than the newest one.
-    #[error(
-        "a measurement that is {age} s old comes after one that is {newest} s old; give them in \
-         the order in which they were taken"
-    )]
-    OutOfOrder {
-        /// Age of the measurement \[s\].
-        age: f64,
-        /// Age of the newest measurement \[s\].
-        newest: f64,
-    },
-
     /// The rows were refused by `ahqp-core`.
     #[error(transparent)]
     Hierarchy(#[from] ahqp_core::Error),

@@ -43,7 +43,6 @@
 //! # }
 //! ```
 
-mod anchor;
 mod change;
 mod error;
 mod held_frame;
@@ -56,7 +55,6 @@ mod shape;
 mod softening;
 mod workspace;
 
-pub use anchor::{Anchor, AnchorSettings};
 pub use error::Error;
 pub use held_frame::{FloorMotion, HeldFrame};
 pub use motion::{FollowerSettings, FrameFollower};
@@ -65,7 +63,7 @@ pub use nalgebra;
 pub use path::Path;
 pub use rows::PoseRow;
 pub use shape::{
-    Bounds, Capsule, Cone, HalfSpace, Mesh, OrientationShape, OrientedBox, Polytope, PositionShape,
+    Bounds, Capsule, Cone, HalfSpace, OrientationShape, OrientedBox, Polytope, PositionShape,
 };
 pub use softening::{SoftWorkspace, Softening};
 pub use workspace::Workspace;

@@ -7,8 +7,6 @@ use crate::error::{Error, check_all, check_pose, positive};
 
 /// Limits of a frame that follows a target.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
-#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct FollowerSettings {
     /// Largest speed \[m/s\]. Default 1.0.
     pub speed: f64,

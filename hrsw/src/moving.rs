@@ -2,9 +2,8 @@
 
 use nalgebra::{Isometry3, Point3, Translation3, Unit, UnitQuaternion, Vector3, Vector6};
 
-use crate::anchor::{Anchor, AnchorSettings};
 use crate::error::{Error, check_all, check_pose, positive};
-use crate::motion::{FollowerSettings, FrameFollower};
+use crate::motion::{FollowerSettings, FrameFollower, moved};
 use crate::path::Path;
 use crate::reorientation::Reorientation;
 use crate::shape::{OrientationShape, PositionShape};
@@ -36,8 +35,6 @@ pub struct MovingSettings {
     pub frame: FollowerSettings,
     /// Rates of the reference of orientations. Only the angular ones count.
     pub reference: FollowerSettings,
-    /// Extrapolation of the person.
-    pub anchor: AnchorSettings,
 }
 
 /// A workspace whose frame follows its carrier smoothly.
@@ -56,11 +53,9 @@ pub struct MovingSettings {
 /// )?;
 /// let mut moving = MovingWorkspace::new(workspace, MovingSettings::default())?;
 /// moving.attach(Attachment::Person(Isometry3::identity()))?;
-/// for _frame in 0..100 {
-///     moving.observe_person(Isometry3::translation(1.0, 0.0, 0.0), Vector6::zeros(), 0.05)?;
-///     for _tick in 0..50 {
-///         moving.advance(1e-3)?;
-///     }
+/// for _tick in 0..5000 {
+///     moving.set_person(Isometry3::translation(1.0, 0.0, 0.0), Vector6::zeros())?;
+///     moving.advance(1e-3)?;
 /// }
 /// assert!(moving.workspace().contains(&Isometry3::translation(1.5, 0.0, 1.0)));
 /// # Ok::<(), hrsw::Error>(())
@@ -71,7 +66,8 @@ pub struct MovingWorkspace {
     attachment: Attachment,
     frame: FrameFollower,
     reference: Reorientation,
-    person: Anchor,
+    /// The person's frame, and its velocity in the next period. None before it was set.
+    person: Option<(Isometry3<f64>, Vector6<f64>)>,
     lead: Vector3<f64>,
     on_path: f64,
     /// True if the carrier is new, and the motion to it has not started.
@@ -88,7 +84,7 @@ impl MovingWorkspace {
         Ok(Self {
             frame: FrameFollower::new(pose, settings.frame)?,
             reference: Reorientation::new(*workspace.reference(), settings.reference)?,
-            person: Anchor::new(settings.anchor)?,
+            person: None,
             attachment: Attachment::World(pose),
             lead: Vector3::zeros(),
             on_path: 0.0,
@@ -105,11 +101,6 @@ impl MovingWorkspace {
     /// Returns the carrier of the workspace.
     pub fn attachment(&self) -> &Attachment {
         &self.attachment
-    }
-
-    /// Returns the person's frame with its extrapolation.
-    pub fn person(&self) -> &Anchor {
-        &self.person
     }
 
     /// Attaches the workspace to another carrier. It moves there at its limited rates.
@@ -132,18 +123,23 @@ impl MovingWorkspace {
         self.attachment = Attachment::World(self.frame.stopping_pose());
     }
 
-    /// Takes a measurement of the person's frame of age `age` \[s\], with its velocity, linear at
-    /// its origin, then angular, in world axes.
+    /// Sets the person's frame of this moment and its velocity, linear at its origin, then angular,
+    /// in world axes \[m/s, rad/s\]. The frame moves on for one period, and then stands until it is
+    /// set again.
     ///
     /// # Errors
-    /// Those of [`Anchor::observe`]. The measurement is then ignored.
-    pub fn observe_person(
+    /// [`Error::Value`] if a number is invalid. The frame is then unchanged.
+    pub fn set_person(
         &mut self,
-        pose: Isometry3<f64>,
+        mut pose: Isometry3<f64>,
         twist: Vector6<f64>,
-        age: f64,
     ) -> Result<(), Error> {
-        self.person.observe(pose, twist, age)
+        check_pose(&pose)?;
+        check_all("the twist of the person's frame", twist.iter())?;
+        // A rotation may be a unit quaternion up to 1e-6 only.
+        pose.rotation.renormalize_fast();
+        self.person = Some((pose, twist));
+        Ok(())
     }
 
     /// Shifts the workspace by `lead` in the axes of its carrier \[m\], at its limited rates.
@@ -215,9 +211,16 @@ impl MovingWorkspace {
     /// [`Error::Value`] if the period is not positive and finite. The workspace is then unchanged.
     pub fn advance(&mut self, period: f64) -> Result<(), Error> {
         positive("the period", period)?;
-        self.person.advance(period);
         self.on_path += period;
-        if let Some((pose, twist)) = self.target() {
+        if let Some((pose, twist)) = &mut self.person {
+            let part = |first| twist.fixed_rows::<3>(first) * period;
+            *pose = moved(pose, &part(0), &part(3));
+        }
+        let target = self.target();
+        if let Some((_, twist)) = &mut self.person {
+            *twist = Vector6::zeros();
+        }
+        if let Some((pose, twist)) = target {
             if self.frame.retarget(pose, twist).is_err() {
                 // The pose of the carrier has overflowed.
                 self.frame.hold();
@@ -238,18 +241,19 @@ impl MovingWorkspace {
 
     /// Returns the target of the frame and its velocity. None if the carrier was never seen.
     fn target(&self) -> Option<(Isometry3<f64>, Vector6<f64>)> {
-        let carried = |anchor: &Anchor, offset: &Isometry3<f64>| {
-            let (pose, twist) = (anchor.pose()?, anchor.twist());
+        let carried = |(pose, twist): &(Isometry3<f64>, Vector6<f64>), offset: &Isometry3<f64>| {
             let target = pose * (Translation3::from(self.lead) * offset);
             let arm = target.translation.vector - pose.translation.vector;
             let turning = twist.fixed_rows::<3>(3).into_owned();
-            let mut carried = twist;
+            let mut carried = *twist;
             let mut linear = carried.fixed_rows_mut::<3>(0);
             linear += turning.cross(&arm);
-            Some((target, carried))
+            (target, carried)
         };
         match &self.attachment {
-            Attachment::Person(offset) => carried(&self.person, offset),
+            Attachment::Person(offset) => {
+                self.person.as_ref().map(|person| carried(person, offset))
+            }
             Attachment::World(pose) => Some((led(pose, &self.lead), Vector6::zeros())),
             Attachment::Path(path) => {
                 let (pose, twist) = path.at(self.on_path);

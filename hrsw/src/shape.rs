@@ -4,7 +4,6 @@ mod bounds;
 mod capsule;
 mod cone;
 mod half_space;
-mod mesh;
 mod orientation;
 mod oriented_box;
 mod polytope;
@@ -15,7 +14,6 @@ pub use bounds::Bounds;
 pub use capsule::Capsule;
 pub use cone::Cone;
 pub use half_space::HalfSpace;
-pub use mesh::Mesh;
 pub use orientation::OrientationShape;
 pub(crate) use orientation::{OrientationRow, RotationPoint};
 pub use oriented_box::OrientedBox;
@@ -143,42 +141,4 @@ impl PositionShape {
             _ => Bounds::ordered(reach(-1.0), reach(1.0)),
         }
     }
-
-    /// Returns the surface, for drawing.
-    pub fn mesh(&self) -> Mesh {
-        match self {
-            Self::Box(bounds) => Mesh::of_box(bounds.corners()),
-            Self::OrientedBox(oriented) => Mesh::of_box(oriented.corners()),
-            Self::Polytope(polytope) => polytope.surface().clone(),
-            Self::Capsule(capsule) => capsule_surface(capsule),
-        }
-    }
-}
-
-/// Returns rings of latitude around the segment.
-fn capsule_surface(capsule: &Capsule) -> Mesh {
-    const AROUND: usize = 24;
-    const RINGS: usize = 6;
-    let radius = capsule.radius();
-    let right = capsule.across();
-    let along = (capsule.end() - capsule.start()).try_normalize(0.0);
-    let along = along.unwrap_or_else(|| right.cross(&Vector3::y()).normalize());
-    let up = along.cross(&right);
-    let ring = |center: &Vector3<f64>, latitude: f64| -> Vec<Vector3<f64>> {
-        let (height, width) = latitude.sin_cos();
-        let point = |i: usize| {
-            let (s, c) = (std::f64::consts::TAU * i as f64 / AROUND as f64).sin_cos();
-            center + (along * height + (right * c + up * s) * width) * radius
-        };
-        (0..AROUND).map(point).collect()
-    };
-    let latitude = |i: usize| std::f64::consts::FRAC_PI_2 * i as f64 / RINGS as f64;
-    let south = (0..RINGS).rev().map(|i| ring(capsule.start(), -latitude(i)));
-    let north = (0..RINGS).map(|i| ring(capsule.end(), latitude(i)));
-    // The rings are in order from the south pole up.
-    Mesh::of_rings(
-        capsule.start() - along * radius,
-        south.chain(north),
-        capsule.end() + along * radius,
-    )
 }

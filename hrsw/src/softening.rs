@@ -20,13 +20,14 @@ pub struct Softening {
     /// Room for rows of the position. A change between two kinds of shape needs as many as both
     /// together. Default 6, a box.
     pub position_rows: usize,
-    /// Room for rows of the orientation. Default 6, a box.
-    pub orientation_rows: usize,
 }
+
+/// Room for rows of the orientation: a box.
+const ORIENTATION_ROWS: usize = 6;
 
 impl Default for Softening {
     fn default() -> Self {
-        Self { weights: Vector6::repeat(1.0), margin: 0.0, position_rows: 6, orientation_rows: 6 }
+        Self { weights: Vector6::repeat(1.0), margin: 0.0, position_rows: 6 }
     }
 }
 
@@ -96,7 +97,7 @@ impl SoftWorkspace {
 
     /// Number of rows of a level.
     pub fn capacity(&self) -> usize {
-        self.softening.position_rows + self.softening.orientation_rows
+        self.softening.position_rows + ORIENTATION_ROWS
     }
 
     /// Creates the level, whose rows are still to be written.
@@ -159,10 +160,9 @@ impl SoftWorkspace {
 
     fn check_room(&self, workspace: &Workspace) -> Result<(), Error> {
         let (positions, orientations) = workspace.row_counts();
-        let softening = &self.softening;
         for (what, got, most) in [
-            ("rows of the position", positions, softening.position_rows),
-            ("rows of the orientation", orientations, softening.orientation_rows),
+            ("rows of the position", positions, self.softening.position_rows),
+            ("rows of the orientation", orientations, ORIENTATION_ROWS),
         ] {
             if got > most {
                 return Err(Error::TooMany { what, got, most });

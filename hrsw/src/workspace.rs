@@ -1,12 +1,11 @@
 //! The shared workspace: a shape of positions and a shape of orientations in a moving frame.
 
-use ahqp_core::left_jacobian_inverse;
-use nalgebra::{Isometry3, Matrix6, Point3, UnitQuaternion, Vector3, Vector6};
+use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3, Vector6};
 
 use crate::change::{Blend, Change, Stage};
 use crate::error::{Error, check_all, check_pose, check_rotation};
 use crate::rows::{PosePoint, PoseRow, pose_point, stack};
-use crate::shape::{Bounds, Mesh, OrientationShape, PositionShape};
+use crate::shape::{Bounds, OrientationShape, PositionShape};
 
 /// A human-robot shared workspace: a shape of positions in the axes of its frame, and a shape of
 /// orientations about a reference in that frame.
@@ -190,18 +189,6 @@ impl Workspace {
         stack(&at.position, at.rotation.vector())
     }
 
-    /// Returns the matrix M and the drift of the frame in ż = M (ẋ − drift) at the pose, for twists
-    /// in world axes.
-    pub fn rates(&self, pose: &Isometry3<f64>) -> (Matrix6<f64>, Vector6<f64>) {
-        let at = self.point(pose);
-        let angular =
-            left_jacobian_inverse(at.rotation.vector()) * at.world_from_reference.transpose();
-        let mut matrix = Matrix6::zeros();
-        matrix.fixed_view_mut::<3, 3>(0, 0).copy_from(&at.world_from_frame.transpose());
-        matrix.fixed_view_mut::<3, 3>(3, 3).copy_from(&angular);
-        (matrix, stack(&at.linear_drift, &at.angular_drift))
-    }
-
     /// Returns the bounds of a pose: those of the position, then those of the orientation.
     pub fn rows(&self, pose: &Isometry3<f64>) -> impl Iterator<Item = PoseRow> + '_ {
         let at = self.point(pose);
@@ -247,18 +234,6 @@ impl Workspace {
     /// Returns true if the pose is inside.
     pub fn contains(&self, pose: &Isometry3<f64>) -> bool {
         self.violation(pose) == Vector6::zeros()
-    }
-
-    /// Returns the current surface of positions in the world, for drawing. During a change without
-    /// a blend it is that of the final shape.
-    pub fn mesh(&self) -> Mesh {
-        let shape = match self.position.stage() {
-            Stage::Still(shape) => shape.mesh(),
-            Stage::Between { from, to, share, .. } => {
-                from.blended(to, share).unwrap_or_else(|| to.clone()).mesh()
-            }
-        };
-        shape.placed(&self.frame)
     }
 
     fn point(&self, pose: &Isometry3<f64>) -> PosePoint {

@@ -30,7 +30,6 @@ use crate::robot::kinematics::Kinematics;
 use crate::robot::moca::{MOCA_AXIS_SPEED, MOCA_BASE_JOINTS};
 use crate::settings::{ControllerSettings, Goal};
 use crate::shared_space::{POSITION_ROWS, SharedSpace};
-use crate::singularity::{SINGULAR, manipulability, speed_scale};
 use crate::stack::{CollaborationStack, GoalTerms, Levels, StackInput, StackSettings};
 use base_drive::BaseDrive;
 use goal_share::{ACTIVATES_OVER, GoalConditions, GoalShare};
@@ -69,8 +68,6 @@ pub struct Controller {
     robot: Kinematics,
     settings: ControllerSettings,
     ergonomics: ErgonomicsQuadratic,
-    /// Manipulability at the posture; `None` if the robot is singular there or has the paper's levels.
-    usual_manipulability: Option<f64>,
     clock: LoopClock,
     following_error: FollowingErrorLimit,
     space: SharedSpace,
@@ -172,8 +169,6 @@ impl Controller {
             }
             _ => None,
         };
-        let usual = manipulability(robot.jacobian());
-        let slows = settings.levels == Levels::Extended && usual > SINGULAR;
         robot.update(configuration)?;
         let tool = *robot.world_from_tool();
         let joint_limits = joint_limits(robot.model())?;
@@ -215,7 +210,6 @@ impl Controller {
             keeps_separation: true,
             at_limit: false,
             goal_share: GoalShare::NONE,
-            usual_manipulability: slows.then_some(usual),
             clock,
             robot,
             settings,
@@ -332,7 +326,6 @@ impl Controller {
     }
 
     fn write_intervals(&mut self, times: TickTimes) {
-        let slowed = self.singularity_scale();
         let (joints, desired) = self.intervals.split_at_mut(self.reference.len());
         let motion = Motion {
             position: &self.reference,
@@ -345,7 +338,7 @@ impl Controller {
             (self.joint_limits.split_at(base), joints.split_at_mut(base));
         let (base, arm) = motion.split_at(base);
         write_intervals(limits.0, base, scale, times, of_base);
-        write_intervals(limits.1, arm, scale * slowed, times, of_arm);
+        write_intervals(limits.1, arm, scale, times, of_arm);
         let measured = self.measured_velocity.get(of_base.len()..);
         let measured = measured.filter(|own| !own.is_empty()).unwrap_or(arm.velocity);
         bound_held_acceleration(arm.velocity, measured, times.step, of_arm);
@@ -364,14 +357,6 @@ impl Controller {
         let motion = Motion { position: &[0.0; 6], velocity: twist, acceleration: &[0.0; 6] };
         // Safety does not slow down the desired pose, which moves along with a robot that stops.
         write_intervals(&self.desired_limits, motion, self.speed, times, desired);
-    }
-
-    /// The speed scale of all joints but the base's near a singular configuration. It is 1 where the robot retreats
-    /// from a person.
-    fn singularity_scale(&self) -> f64 {
-        let leaves = self.command.safety == SafetyState::Retreat;
-        let usual = self.usual_manipulability.filter(|_| !leaves);
-        usual.map_or(1.0, |usual| speed_scale(manipulability(self.robot.jacobian()) / usual))
     }
 
     /// Updates the acceleration from the change of q̇* in `step` \[s\]. If q̇* had to change for longer, the limit is

@@ -4,7 +4,6 @@ use ahqp_core::rotation_log;
 use hrsw_safety::SafetyState;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use whole_body::Model;
-use whole_body::robot::JointKind;
 use whole_body::torque::{Following, Resynchronisation};
 
 use crate::command::Command;
@@ -98,15 +97,13 @@ impl FollowingErrorLimit {
         model: &Model,
         period: f64,
     ) -> Result<Self, Error> {
-        let length = |kind: JointKind| match kind {
-            JointKind::Prismatic => settings.prismatic,
-            JointKind::Revolute | JointKind::Continuous | JointKind::Floating => settings.revolute,
-        };
-        let lengths = model.joints().iter().map(|joint| length(joint.kind)).collect();
+        let FollowingErrorSettings { prismatic, revolute } = settings;
+        let lengths =
+            whole_body::ik::FollowingErrorLimit { prismatic, revolute, ..Default::default() };
         let limits = model.limits().iter();
         let step = GIVE_WAY_SPEED * period;
         let steps = limits.map(|limits| limits.velocity * step).collect();
-        let joints = Resynchronisation::new(lengths)?;
+        let joints = Resynchronisation::of_model(model, &lengths)?;
         Ok(Self { joints, steps, gives_way: false, was_reached: false, begin: None })
     }
 

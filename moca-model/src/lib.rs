@@ -67,7 +67,6 @@ mod serial;
 mod settings;
 mod shared_space;
 mod simulation;
-mod singularity;
 mod stack;
 mod torque;
 
@@ -93,7 +92,6 @@ pub use scene::Scene;
 pub use settings::{ControllerSettings, DesiredMotion, Goal, SpaceSettings};
 pub use shared_space::SharedSpace;
 pub use simulation::SimulatedRobot;
-pub use singularity::manipulability;
 pub use stack::{
     CollaborationStack, GoalTerms, Levels, PostureSettings, StackInput, StackSettings,
 };

@@ -218,9 +218,8 @@ impl ControllerSettings {
     /// Returns the settings with the paper's own controller: three levels, the period as the horizon, and ergonomics
     /// that begin at once.
     ///
-    /// There is no posture, margin, lead, following distance, separation from people or the robot itself, and no
-    /// slowdown near singular configurations. The person's hand is at the side of the object that they work on, whatever
-    /// tool they hold. Limits of joints and wheels remain, as does the limit of the following error.
+    /// There is no posture, margin, lead, following distance, and no separation from people or the robot itself. The
+    /// person's hand is at the side of the object that they work on, whatever tool they hold. Limits of joints and wheels remain, as does the limit of the following error.
     ///
     /// ```
     /// use moca_model::{ControllerSettings, Levels};

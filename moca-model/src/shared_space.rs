@@ -184,7 +184,7 @@ impl SharedSpace {
             }
             let (target, twist) = self.hold(&person, period);
             self.frame.retarget(target, twist)?;
-            self.moving.observe_person(target, twist, 0.0)?;
+            self.moving.set_person(target, twist)?;
             self.drift = twist;
         } else {
             self.frame.hold();

@@ -107,15 +107,4 @@ impl Bounds {
     pub(crate) fn support(&self, direction: &Vector3<f64>) -> f64 {
         (0..3).map(|i| (direction[i] * self.min[i]).max(direction[i] * self.max[i])).sum()
     }
-
-    /// Returns the corners. Corner i is at the maximum of axis j if bit j of i is set.
-    pub(crate) fn corners(&self) -> [Vector3<f64>; 8] {
-        std::array::from_fn(|i| {
-            Vector3::from_fn(
-                |axis, _| {
-                    if i >> axis & 1 == 1 { self.max[axis] } else { self.min[axis] }
-                },
-            )
-        })
-    }
 }

@@ -5,7 +5,6 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use super::bounds::Bounds;
 use super::cone::{Cone, check_angle};
-use super::mesh::Mesh;
 use crate::error::Error;
 
 /// A set of orientations about a reference.
@@ -91,15 +90,6 @@ impl OrientationShape {
         }
     }
 
-    /// Returns a surface around the possible positions of the tip of `axis` \[m\], for drawing.
-    /// `axis` is in the axes of the tool.
-    pub fn mesh(&self, axis: &Vector3<f64>) -> Mesh {
-        match self {
-            Self::Box(bounds) => tips_of_box(bounds, axis),
-            Self::Cone(cone) => tips_of_cone(cone, axis.norm()),
-        }
-    }
-
     /// Returns the turn from the nearest orientation inside, as `signed_distance` measures it.
     pub(crate) fn violation(&self, at: &RotationPoint) -> Vector3<f64> {
         match self {
@@ -153,48 +143,4 @@ impl RotationPoint {
     fn coordinate_gradient(&self, direction: &Vector3<f64>) -> Vector3<f64> {
         self.vector_rate.tr_mul(direction)
     }
-}
-
-/// Returns the images of a grid on each face of the box.
-fn tips_of_box(bounds: &Bounds, axis: &Vector3<f64>) -> Mesh {
-    const STEPS: usize = 6;
-    let cube = Mesh::of_box(bounds.corners());
-    let mut mesh = Mesh { vertices: Vec::new(), triangles: Vec::new() };
-    let corner = |index: usize| cube.vertices.get(index).copied().unwrap_or_default();
-    // Two triangles of a face share their first corner: [a, b, c] and [a, c, d].
-    for pair in cube.triangles.chunks_exact(2) {
-        let ([a, b, _], [_, _, d]) = (pair[0], pair[1]);
-        let (a, b, d) = (corner(a), corner(b), corner(d));
-        let begin = mesh.vertices.len();
-        for i in 0..=STEPS {
-            for j in 0..=STEPS {
-                let (u, v) = (i as f64 / STEPS as f64, j as f64 / STEPS as f64);
-                let vector = a + (b - a) * u + (d - a) * v;
-                mesh.vertices.push(UnitQuaternion::from_scaled_axis(vector) * axis);
-            }
-        }
-        for i in 0..STEPS {
-            for j in 0..STEPS {
-                let here = begin + i * (STEPS + 1) + j;
-                let beyond = here + STEPS + 1;
-                mesh.triangles.push([here, beyond, beyond + 1]);
-                mesh.triangles.push([here, beyond + 1, here + 1]);
-            }
-        }
-    }
-    mesh
-}
-
-fn tips_of_cone(cone: &Cone, length: f64) -> Mesh {
-    const AROUND: usize = 24;
-    let direction = cone.direction().into_inner();
-    let right = cone.turn(&UnitQuaternion::identity());
-    let right = (right - direction * right.dot(&direction)).normalize();
-    let up = direction.cross(&right);
-    let (sine, cosine) = cone.half_angle().sin_cos();
-    let ring = (0..AROUND).map(|i| {
-        let (s, c) = (std::f64::consts::TAU * i as f64 / AROUND as f64).sin_cos();
-        (direction * cosine + (right * c + up * s) * sine) * length
-    });
-    Mesh::of_rings(Vector3::zeros(), std::iter::once(ring.collect()), direction * length)
 }

@@ -69,12 +69,6 @@ impl OrientedBox {
             + direction.dot(&self.pose.translation.vector)
     }
 
-    pub(crate) fn corners(&self) -> [Vector3<f64>; 8] {
-        self.bounds
-            .corners()
-            .map(|corner| self.pose.rotation * corner + self.pose.translation.vector)
-    }
-
     fn inner(&self, point: &Vector3<f64>) -> Vector3<f64> {
         self.pose.rotation.inverse() * (point - self.pose.translation.vector)
     }

@@ -9,7 +9,6 @@ use parry3d_f64::shape::Triangle;
 use parry3d_f64::transformation::try_convex_hull;
 
 use super::half_space::HalfSpace;
-use super::mesh::Mesh;
 use crate::error::{Error, check_all};
 
 /// Largest number of faces of a polytope.
@@ -43,7 +42,10 @@ pub struct Polytope {
 #[derive(Debug, PartialEq)]
 struct Data {
     faces: Vec<HalfSpace>,
-    surface: Mesh,
+    /// Corners \[m\].
+    vertices: Vec<Vector3<f64>>,
+    /// Indices of the corners of triangles that cover the faces.
+    triangles: Vec<[usize; 3]>,
 }
 
 impl Polytope {
@@ -78,7 +80,7 @@ impl Polytope {
                 faces.push(plane);
             }
         }
-        Ok(Self { data: Arc::new(Data { faces, surface: Mesh { vertices, triangles } }) })
+        Ok(Self { data: Arc::new(Data { faces, vertices, triangles }) })
     }
 
     /// Creates the smallest convex set around `points`.
@@ -116,7 +118,7 @@ impl Polytope {
 
     /// Corners \[m\].
     pub fn vertices(&self) -> &[Vector3<f64>] {
-        &self.data.surface.vertices
+        &self.data.vertices
     }
 
     /// Returns the nearest point of the polytope. A point inside is its own nearest point.
@@ -124,7 +126,7 @@ impl Polytope {
         if self.depth(point) <= 0.0 {
             return *point;
         }
-        let Mesh { vertices, triangles } = &self.data.surface;
+        let Data { vertices, triangles, .. } = &*self.data;
         let corner = |index: usize| vertices.get(index).map_or(Vector::ZERO, to_parry);
         let target = to_parry(point);
         let mut best = (f64::INFINITY, *point);
@@ -152,10 +154,6 @@ impl Polytope {
 
     pub(crate) fn support(&self, direction: &Vector3<f64>) -> f64 {
         self.vertices().iter().map(|vertex| direction.dot(vertex)).fold(f64::MIN, f64::max)
-    }
-
-    pub(crate) fn surface(&self) -> &Mesh {
-        &self.data.surface
     }
 }
 

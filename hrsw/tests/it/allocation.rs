@@ -34,7 +34,7 @@ fn a_tick_allocates_nothing() {
     let tick = |tick: usize| {
         if tick.is_multiple_of(50) {
             let walked = Isometry3::translation(tick as f64 * 1e-4, 0.0, 0.0);
-            moving.observe_person(walked, Vector6::zeros(), 0.05).unwrap();
+            moving.set_person(walked, Vector6::zeros()).unwrap();
             moving.reshape_position(&shapes[(tick / 300) % 4], 0.2).unwrap();
             moving.set_lead(Vector3::x() * 0.1).unwrap();
             let goal = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 3.0);

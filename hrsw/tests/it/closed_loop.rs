@@ -75,12 +75,6 @@ fn moving() -> MovingWorkspace {
     moving
 }
 
-/// Observes the person with a camera at 20 Hz, a tenth of a second late.
-fn observe(moving: &mut MovingWorkspace, from: &Isometry3<f64>, twist: &Vector6<f64>, time: f64) {
-    let seen = ahqp_core::integrate_pose(from, twist, time - 0.1);
-    moving.observe_person(seen, *twist, 0.1).unwrap();
-}
-
 fn point(size: f64) -> impl Strategy<Value = Vector3<f64>> {
     prop::array::uniform3(-1.0..1.0_f64).prop_map(move |v| Vector3::from(v) * size)
 }
@@ -114,9 +108,8 @@ proptest! {
                 },
             }
             for tick in 0..ticks {
-                if tick % 25 == 0 {
-                    observe(&mut moving, &person, &twist, tick as f64 * PERIOD);
-                }
+                let now = ahqp_core::integrate_pose(&person, &twist, tick as f64 * PERIOD);
+                moving.set_person(now, twist).unwrap();
                 moving.advance(PERIOD).unwrap();
                 desired.step(moving.workspace());
             }
@@ -139,9 +132,8 @@ proptest! {
         let twist =
             Vector6::new(speed * direction.cos(), speed * direction.sin(), 0.0, 0.0, 0.0, turning);
         for tick in 0..5000_usize {
-            if tick % 25 == 0 {
-                observe(&mut moving, &here, &twist, tick as f64 * PERIOD);
-            }
+            let now = ahqp_core::integrate_pose(&here, &twist, tick as f64 * PERIOD);
+            moving.set_person(now, twist).unwrap();
             moving.advance(PERIOD).unwrap();
             desired.step(moving.workspace());
             if tick > 2500 {

@@ -2,8 +2,8 @@
 
 use crate::support::*;
 use hrsw::{
-    Anchor, AnchorSettings, Attachment, Bounds, Error, MovingSettings, MovingWorkspace,
-    OrientationShape, Path, PositionShape, Workspace,
+    Attachment, Bounds, MovingSettings, MovingWorkspace, OrientationShape, Path, PositionShape,
+    Workspace,
 };
 use nalgebra::{Isometry3, UnitQuaternion, Vector3, Vector6};
 use proptest::prelude::*;
@@ -15,7 +15,7 @@ const PERIOD: f64 = 1e-3;
 enum Event {
     Attach(Attachment),
     Detach,
-    Person(Isometry3<f64>, Vector6<f64>, f64),
+    Person(Isometry3<f64>, Vector6<f64>),
     Lead(Vector3<f64>),
     Reorient(UnitQuaternion<f64>, Vector3<f64>),
     Position(PositionShape, f64),
@@ -33,7 +33,7 @@ fn event() -> impl Strategy<Value = Event> {
     prop_oneof![
         2 => attachment.prop_map(Event::Attach),
         1 => Just(Event::Detach),
-        4 => (pose(2.0, 1.5), twist(), 0.0..0.5_f64).prop_map(|(p, v, age)| Event::Person(p, v, age)),
+        4 => (pose(2.0, 1.5), twist()).prop_map(|(p, v)| Event::Person(p, v)),
         1 => vector(0.5).prop_map(Event::Lead),
         1 => (rotation(), direction()).prop_map(|(goal, axis)| Event::Reorient(goal, axis)),
         1 => (position_shape(), 0.1..1.0_f64).prop_map(|(s, t)| Event::Position(s, t)),
@@ -45,10 +45,7 @@ fn happens(event: Event, moving: &mut MovingWorkspace) {
     match event {
         Event::Attach(attachment) => moving.attach(attachment).unwrap(),
         Event::Detach => moving.detach(),
-        Event::Person(pose, twist, age) => {
-            let older = age > moving.person().age() + 1e-6;
-            assert_eq!(moving.observe_person(pose, twist, age).is_err(), older);
-        }
+        Event::Person(pose, twist) => moving.set_person(pose, twist).unwrap(),
         Event::Lead(lead) => moving.set_lead(lead).unwrap(),
         Event::Reorient(goal, axis) => {
             moving.reorient(goal, &nalgebra::Unit::new_normalize(axis)).unwrap();
@@ -117,14 +114,14 @@ proptest! {
         moving.attach(Attachment::Person(offset)).unwrap();
         run(&mut moving, 100);
         prop_assert_eq!(moving.workspace().world_from_workspace(), &Isometry3::identity());
-        moving.observe_person(person, Vector6::zeros(), 0.05).unwrap();
+        moving.set_person(person, Vector6::zeros()).unwrap();
         moving.set_lead(lead).unwrap();
         run(&mut moving, 8000);
         let expected = person * nalgebra::Translation3::from(lead) * offset;
         let error = ahqp_core::pose_error(&expected, moving.workspace().world_from_workspace());
         prop_assert!(error.norm() < 1e-6, "{error}");
         moving.detach();
-        moving.observe_person(Isometry3::identity(), Vector6::zeros(), 0.0).unwrap();
+        moving.set_person(Isometry3::identity(), Vector6::zeros()).unwrap();
         run(&mut moving, 1000);
         let stayed = ahqp_core::pose_error(&expected, moving.workspace().world_from_workspace());
         prop_assert!(stayed.norm() < 1e-5, "{stayed}");
@@ -141,7 +138,7 @@ proptest! {
         let mut carrier = Isometry3::identity();
         for _ in 0..6000 {
             carrier = ahqp_core::integrate_pose(&carrier, &twist, PERIOD);
-            moving.observe_person(carrier, twist, 0.0).unwrap();
+            moving.set_person(carrier, twist).unwrap();
             moving.advance(PERIOD).unwrap();
         }
         let error = ahqp_core::pose_error(
@@ -149,28 +146,21 @@ proptest! {
         prop_assert!(error.norm() < 5e-3, "{error}");
     }
 
+    /// The person's frame goes on for the period for which it was set.
     #[test]
-    fn an_anchor_goes_on_for_a_bounded_time(
-        pose in pose(1.0, 1.0), twist in twist(), age in 0.0..1.0_f64, ticks in 1..2000_usize,
-    ) {
-        let settings = AnchorSettings::default();
-        let mut anchor = Anchor::new(settings).unwrap();
-        anchor.advance(PERIOD);
-        prop_assert!(anchor.pose().is_none() && anchor.age() == f64::INFINITY);
-        anchor.observe(pose, twist, age).unwrap();
-        for _ in 0..ticks {
-            let (before, speed) = (*anchor.pose().unwrap(), anchor.twist());
-            anchor.advance(PERIOD);
-            let moved = ahqp_core::pose_error(anchor.pose().unwrap(), &before) / PERIOD;
-            let slack = twist.norm() * PERIOD / settings.braking + 1e-9;
-            prop_assert!((moved - speed).norm() <= slack);
+    fn a_person_not_set_again_stands(velocity in vector(0.8), ticks in 1..500_usize) {
+        let mut moving = moving();
+        moving.attach(Attachment::Person(Isometry3::identity())).unwrap();
+        let twist = Vector6::new(velocity.x, velocity.y, velocity.z, 0.0, 0.0, 0.0);
+        for tick in 0..ticks {
+            let at = velocity * (tick as f64 * PERIOD);
+            moving.set_person(Isometry3::from(at), twist).unwrap();
+            moving.advance(PERIOD).unwrap();
         }
-        let travelled = (anchor.pose().unwrap().translation.vector - pose.translation.vector).norm();
-        let most = twist.fixed_rows::<3>(0).norm() * (settings.extrapolation + settings.braking / 2.0);
-        prop_assert!(travelled <= most + 1e-9);
-        if age + ticks as f64 * PERIOD > settings.extrapolation + settings.braking {
-            prop_assert!((travelled - most).abs() < 1e-9 && anchor.twist() == Vector6::zeros());
-        }
+        run(&mut moving, 8000);
+        let end = velocity * (ticks as f64 * PERIOD);
+        let error = moving.workspace().world_from_workspace().translation.vector - end;
+        prop_assert!(error.norm() < 1e-6, "{error}");
     }
 
     #[test]
@@ -273,7 +263,7 @@ proptest! {
         let (mut arrived, mut before) = (false, way);
         for tick in 0..9000 {
             let carrier = way + velocity * (f64::from(tick) * PERIOD);
-            moving.observe_person(Isometry3::from(carrier), twist, 0.0).unwrap();
+            moving.set_person(Isometry3::from(carrier), twist).unwrap();
             moving.advance(PERIOD).unwrap();
             let left = carrier - moving.workspace().world_from_workspace().translation.vector;
             // From rest it first takes up the carrier's motion.
@@ -318,8 +308,7 @@ proptest! {
         moving.attach(Attachment::Person(at)).unwrap();
         for ((pose, twist), number) in poses.into_iter().zip(twists).zip(numbers) {
             let twist = Vector6::from(twist);
-            let _ = moving.observe_person(pose, twist, number);
-            let _ = moving.observe_person(pose, twist, number.abs());
+            let _ = moving.set_person(pose, twist);
             let _ = moving.set_lead(pose.translation.vector);
             let _ = moving.reorient(pose.rotation, &Vector3::z_axis());
             let _ = moving.attach(Attachment::World(pose));
@@ -338,36 +327,17 @@ proptest! {
 }
 
 #[test]
-fn an_older_measurement_never_replaces_a_newer_one() {
-    let mut anchor = Anchor::new(AnchorSettings::default()).unwrap();
-    let at = |x: f64| Isometry3::translation(x, 0.0, 0.0);
-    anchor.observe(at(1.0), Vector6::zeros(), 0.05).unwrap();
-    let before = anchor;
-    let older = anchor.observe(at(2.0), Vector6::zeros(), 0.1).unwrap_err();
-    assert!(matches!(older, Error::OutOfOrder { age: 0.1, newest: 0.05 }), "{older}");
-    assert_eq!(anchor, before);
-    // The same measurement, older, is accepted, and so is a newer one.
-    anchor.advance(0.05);
-    anchor.observe(at(1.0), Vector6::zeros(), 0.1 + 1e-12).unwrap();
-    anchor.observe(at(3.0), Vector6::zeros(), 0.08).unwrap();
-    assert_eq!(anchor.pose(), Some(&at(3.0)));
-}
-
-#[test]
 fn bad_motion_is_named_and_changes_nothing() {
     let mut moving = moving();
     let before = moving.clone();
     let nowhere = Isometry3::translation(f64::NAN, 0.0, 0.0);
     let rest = Vector6::zeros();
     assert!(moving.attach(Attachment::World(nowhere)).is_err());
-    assert!(moving.observe_person(nowhere, rest, 0.0).is_err());
-    assert!(moving.observe_person(Isometry3::identity(), rest, -1.0).is_err());
-    assert!(moving.observe_person(Isometry3::identity(), rest * f64::NAN, 0.0).is_err());
+    assert!(moving.set_person(nowhere, rest).is_err());
+    assert!(moving.set_person(Isometry3::identity(), rest * f64::NAN).is_err());
     assert!(moving.set_lead(Vector3::repeat(f64::INFINITY)).is_err());
     assert_eq!(moving, before);
     assert!(Path::new(&[], 1.0).is_err());
     assert!(Path::new(&[nowhere], 1.0).is_err());
     assert!(Path::new(&[Isometry3::identity()], 0.0).is_err());
-    let settings = AnchorSettings { extrapolation: 0.0, ..AnchorSettings::default() };
-    assert!(Anchor::new(settings).is_err());
 }

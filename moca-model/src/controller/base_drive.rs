@@ -1,14 +1,13 @@
 //! Decision when the base moves, with gentle accelerations.
 
 use ahqp_core::{Limits, MotionState, VelocityInterval};
-use nalgebra::{Rotation2, Vector2};
+use nalgebra::{Matrix6, Matrix6xX, Rotation2, Vector2};
 use whole_body::robot::JointLimits;
 
 use crate::command::{BaseMotion, DriveReason};
 use crate::error::Error;
 use crate::motion_limits::nearest_to_rest;
 use crate::robot::kinematics::Kinematics;
-use crate::singularity::{SINGULAR, manipulability_behind};
 
 /// Share of its acceleration limits that the base uses unless safety needs more. The rest is reserved for braking.
 const GENTLE: f64 = 0.75;
@@ -16,6 +15,8 @@ const GENTLE: f64 = 0.75;
 const STOPS_WITHIN: f64 = 0.38;
 /// Distance beyond which the base drives again \[m\]. Between the two it keeps its state.
 const DRIVES_BEYOND: f64 = 0.45;
+/// Manipulability below which a posture counts as singular; it is then rounding.
+const SINGULAR: f64 = 1e-6;
 /// Share of the manipulability at the posture below which the arm alone does not hold the tool's place.
 const REACHES: f64 = 0.4;
 
@@ -108,5 +109,46 @@ fn place(robot: &Kinematics, q: &[f64]) -> Vector2<f64> {
     match q {
         [x, y, yaw, ..] => Rotation2::new(-yaw) * (tool - Vector2::new(*x, *y)),
         _ => tool,
+    }
+}
+
+/// Yoshikawa's manipulability w = √det(J Jᵀ) of the joints behind the first ones, 0 in singular configurations up to
+/// rounding (Int. J. Robotics Research 4(2), 1985).
+///
+/// The Jacobian is that of the tool for all joints, 6 × n, linear, then angular \[m/s, rad/s\].
+fn manipulability_behind(jacobian: &Matrix6xX<f64>, first: usize) -> f64 {
+    let mut gram = Matrix6::zeros();
+    for column in jacobian.column_iter().skip(first) {
+        gram.ger(1.0, &column, &column, 1.0);
+    }
+    gram.cholesky().map_or(0.0, |factor| factor.l_dirty().diagonal().product())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn manipulability_is_the_product_of_the_singular_values(
+            entries in prop::collection::vec(-1.0..1.0_f64, 60), shrunk in 0.0..1.0_f64,
+            first in 0..4_usize,
+        ) {
+            let mut jacobian = Matrix6xX::from_vec(entries);
+            jacobian.row_mut(3).scale_mut(shrunk);
+            let behind = jacobian.columns(first, 10 - first).into_owned();
+            let expected: f64 = behind.svd(false, false).singular_values.iter().product();
+            prop_assert!((manipulability_behind(&jacobian, first) - expected).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn dependent_or_unknown_rows_have_no_manipulability() {
+        // The rows depend on each other, or contain numbers that are not finite.
+        let mut jacobian = Matrix6xX::repeat(7, 1.0);
+        assert!(manipulability_behind(&jacobian, 0) < 1e-12);
+        jacobian[(0, 0)] = f64::NAN;
+        assert_eq!(manipulability_behind(&jacobian, 0), 0.0);
     }
 }

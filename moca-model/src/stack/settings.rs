@@ -30,7 +30,7 @@ pub enum Levels {
     #[default]
     Extended,
     /// The paper's three (Sec. III-E): inverse kinematics, workspace and goal. The solver takes the least norm of what
-    /// they leave, and joints do not slow down near singular configurations.
+    /// they leave.
     Paper,
 }
 

@@ -1,12 +1,9 @@
-//! The robot slows down near singular configurations.
+//! An arm near singular configurations.
 
 use ergo_map::ErgonomicsQuadratic;
 use hrsw::Attachment;
-use moca_model::{
-    Controller, ControllerSettings, Levels, MOCA_HOME, SimulatedRobot, manipulability, moca_safety,
-};
+use moca_model::{Controller, ControllerSettings, Levels, MOCA_HOME, SimulatedRobot, moca_safety};
 use nalgebra::{Isometry3, Matrix3, Matrix6xX, Vector3};
-use proptest::prelude::*;
 
 use crate::drive::percept;
 use crate::shared::MOCA;
@@ -80,24 +77,4 @@ fn arm_is_slow_at_its_reach_limit() {
         assert!(*fastest <= 0.05, "{fastest}");
     }
     assert!(extended.height > paper.height - 0.001, "{} m, {} m", extended.height, paper.height);
-}
-
-proptest! {
-    #[test]
-    fn manipulability_is_the_product_of_the_singular_values(
-        entries in prop::collection::vec(-1.0..1.0_f64, 60), shrunk in 0.0..1.0_f64,
-    ) {
-        let mut jacobian = Matrix6xX::from_vec(entries);
-        jacobian.row_mut(3).scale_mut(shrunk);
-        prop_assert!((manipulability(&jacobian) - measure(&jacobian)).abs() < 1e-6);
-    }
-}
-
-#[test]
-fn dependent_or_unknown_rows_have_no_manipulability() {
-    // The rows depend on each other, or contain numbers that are not finite.
-    let mut jacobian = Matrix6xX::repeat(7, 1.0);
-    assert!(manipulability(&jacobian) < 1e-12);
-    jacobian[(0, 0)] = f64::NAN;
-    assert_eq!(manipulability(&jacobian), 0.0);
 }

@@ -55,8 +55,6 @@ const TURNING_DRIFT: f64 = 1e-5;
 /// assert!(wrong.validate().unwrap_err().to_string().contains("position_sigma"));
 /// ```
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
-#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct TrackerSettings {
     /// Keypoints with less confidence count as missing. Default 0.3.
     pub least_confidence: f64,
