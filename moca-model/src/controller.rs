@@ -13,7 +13,7 @@ mod turning;
 use ahqp_core::{JerkLimits, Status, VelocityInterval, integrate_pose};
 use ergo_map::ErgonomicsQuadratic;
 use hrsw::Softening;
-use hrsw_safety::{Fault, JointMotion, LoopClock, RobotLimits, Safety, SafetyState};
+use hrsw_safety::{Fault, LoopClock, RobotLimits, Safety, SafetyState};
 use nalgebra::{Isometry3, Vector3};
 use whole_body::Model;
 
@@ -141,7 +141,7 @@ impl Controller {
         let limits = robot.model().limits().iter();
         let accelerations: Vec<f64> = limits.map(|limits| limits.acceleration).collect();
         let limits = RobotLimits { accelerations: &accelerations, speed: MOCA_AXIS_SPEED };
-        let mut safety = Safety::new(layout, settings.safety.clone(), &limits, settings.period)?;
+        let safety = Safety::new(layout, settings.safety.clone(), &limits, settings.period)?;
         let clock = LoopClock::new(settings.period, settings.clock())?;
         let rest = vec![0.0; n];
         let softening = Softening {
@@ -160,8 +160,7 @@ impl Controller {
             stacking: settings.stacking,
             budget: settings.budget,
         };
-        let resting = JointMotion { braking: Some(&rest), ..robot.motion(&rest) };
-        let stack = CollaborationStack::new(&robot, &stack, safety.bound(&resting)?)?;
+        let stack = CollaborationStack::new(&robot, &stack, &safety)?;
         robot.update(&settings.posture.configuration)?;
         let base_drive = match settings.base {
             Some(_) if settings.levels == Levels::Extended => {
@@ -374,8 +373,6 @@ impl Controller {
         let placed = self.ergonomics.placed(&self.space.working_frame()?);
         let ergonomics = self.space.person().map(|_| &placed);
         let velocity = &self.command.joint_velocity;
-        let motion = JointMotion { braking: Some(&self.braking), ..self.robot.motion(velocity) };
-        let safety = self.safety.bound(&motion)?;
         let input = StackInput {
             desired: &self.command.desired,
             workspace: self.space.workspace(),
@@ -388,7 +385,8 @@ impl Controller {
             intervals: &self.intervals,
             returns: &self.returns,
             gentle: &self.gentle,
-            safety,
+            safety: &self.safety,
+            braking: &self.braking,
         };
         let solution = self.stack.solve(&mut self.robot, &input)?;
         let status = solution.status();
@@ -399,9 +397,12 @@ impl Controller {
         self.command.desired_twist.copy_from_slice(desired);
         self.command.slack.copy_from_slice(slack);
         let motion = self.robot.motion(&self.command.joint_velocity);
-        let share = self.safety.braking_share(&motion, &self.braking);
+        let separation = self.stack.separation();
+        let share =
+            separation.map_or(0.0, |rows| self.safety.braking_share(&motion, rows, &self.braking));
         self.keeps_separation = share == 0.0;
-        self.at_limit = self.safety.is_at_limit(&self.command.joint_velocity);
+        self.at_limit =
+            separation.is_some_and(|rows| self.safety.is_at_limit(rows, motion.velocity));
         self.go_towards_rest(share);
         Ok(status)
     }

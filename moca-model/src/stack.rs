@@ -6,10 +6,10 @@ mod settings;
 
 use ahqp_core::{AugmentedState, Budget, Hierarchy, Rows, Settings, Solution, VelocityInterval};
 use hrsw::{SoftWorkspace, Workspace};
-use hrsw_safety::SafetyRows;
+use hrsw_safety::{JointMotion, Safety};
 use nalgebra::{Isometry3, Translation3};
 use whole_body::stack::{TaskId, TaskLevel, TaskStack};
-use whole_body::tasks::{AugmentedFrameTask, VariableLayout, VelocityTask};
+use whole_body::tasks::{AugmentedFrameTask, RowBlock, VariableLayout, VelocityTask};
 
 use crate::error::Error;
 use crate::motion_limits::MecanumBase;
@@ -34,8 +34,7 @@ pub struct CollaborationStack {
     stack: TaskStack,
     tasks: Tasks,
     soft: SoftWorkspace,
-    workspace_rows: Rows,
-    base: Option<(MecanumBase, Rows)>,
+    base: Option<MecanumBase>,
     period: f64,
     budget: Budget,
 }
@@ -43,14 +42,14 @@ pub struct CollaborationStack {
 /// The tasks, by priority.
 #[derive(Debug, Clone, Copy)]
 struct Tasks {
-    speed_cap: Option<TaskId<VelocityTask>>,
-    separation: Option<TaskId<VelocityTask>>,
-    wheels: Option<TaskId<VelocityTask>>,
-    own_bodies: Option<TaskId<VelocityTask>>,
+    speed_cap: Option<TaskId<RowBlock>>,
+    separation: Option<TaskId<RowBlock>>,
+    wheels: Option<TaskId<RowBlock>>,
+    own_bodies: Option<TaskId<RowBlock>>,
     returns: Option<TaskId<VelocityTask>>,
     gentle: Option<TaskId<VelocityTask>>,
     kinematics: TaskId<AugmentedFrameTask>,
-    workspace: TaskId<VelocityTask>,
+    workspace: TaskId<RowBlock>,
     goal: TaskId<GoalTask>,
     smoothness: Option<TaskId<VelocityTask>>,
 }
@@ -72,19 +71,21 @@ pub struct StackInput<'a> {
     pub returns: &'a [VelocityInterval],
     /// Velocities of the base while safety does not need more; empty for a robot without a base.
     pub gentle: &'a [VelocityInterval],
-    /// Separation from people and from the robot itself.
-    pub safety: SafetyRows<'a>,
+    /// Separation from people and from the robot itself, as measured in this tick.
+    pub safety: &'a Safety,
+    /// The joint velocities nearest to rest that the intervals allow, n \[m/s or rad/s\].
+    pub braking: &'a [f64],
 }
 
 impl CollaborationStack {
-    /// Creates the stack for a robot, with blocks of the sizes of `safety`.
+    /// Creates the stack for a robot, with the blocks of rows of `safety`.
     ///
     /// # Errors
     /// Parameters out of range, or a posture of another size.
     pub fn new(
         robot: &Kinematics,
         settings: &StackSettings,
-        safety: SafetyRows<'_>,
+        safety: &Safety,
     ) -> Result<Self, Error> {
         let StackSettings { gain, period, horizon, softening, base, posture, .. } = settings;
         let extended = settings.levels == Levels::Extended;
@@ -96,7 +97,7 @@ impl CollaborationStack {
         let slack = variables.add("slack", state.slack);
         let soft = SoftWorkspace::with_softening(state, *horizon, *softening)?;
         let on_base = base.map_or(0, |_| MOCA_BASE_JOINTS.min(joints));
-        let base = base.map(|base| (base, base.rows(state)));
+        let safety = safety.rows();
 
         let mut speed_cap = TaskLevel::new("speed cap");
         let mut separation = TaskLevel::new("separation");
@@ -108,16 +109,15 @@ impl CollaborationStack {
         let mut goal = TaskLevel::new("goal");
         let mut rest = TaskLevel::new("posture");
         let augmented = AugmentedFrameTask::new(robot.tool(), &desired).with_gains(*gain);
-        let workspace_rows = Rows::zeros(soft.capacity(), state.len());
-        let bounds = VelocityTask::from_rows(&workspace_rows);
+        let bounds = RowBlock::new(soft.capacity());
         // Kinds of rows without any row have no task.
-        let task = |rows: &Rows| (!rows.is_empty()).then(|| VelocityTask::from_rows(rows));
-        let wheels = base.as_ref().and_then(|(_, rows)| task(rows));
+        let task = |rows: &Rows| (!rows.is_empty()).then(|| RowBlock::new(rows.len()));
+        let wheels = base.and_then(|base| task(&base.rows(state)));
         let tasks = Tasks {
-            speed_cap: task(safety.cap).map(|task| speed_cap.constrain("speed cap", task)),
-            separation: task(safety.separation).map(|task| separation.push("people", task)),
+            speed_cap: task(&safety.cap).map(|task| speed_cap.constrain("speed cap", task)),
+            separation: task(&safety.separation).map(|task| separation.push("people", task)),
             wheels: wheels.map(|task| separation.constrain("wheels", task)),
-            own_bodies: task(safety.own).map(|task| own_bodies.push("own bodies", task)),
+            own_bodies: task(&safety.own).map(|task| own_bodies.push("own bodies", task)),
             returns: if extended {
                 Some(returns.push("return", entries(0..joints)?))
             } else {
@@ -157,11 +157,10 @@ impl CollaborationStack {
         levels.retain(|level| !level.is_empty());
         Ok(Self {
             stack: TaskStack::new(model, &variables, levels, solver)?,
-            workspace_rows,
             state,
             tasks,
             soft,
-            base,
+            base: *base,
             period: *period,
             budget: settings.budget,
         })
@@ -182,6 +181,11 @@ impl CollaborationStack {
         self.stack.hierarchy()
     }
 
+    /// The rows of the protective distances in the last tick; `None` for a robot that keeps none.
+    pub(crate) fn separation(&self) -> Option<&Rows> {
+        self.stack.block(self.tasks.separation?).ok()
+    }
+
     /// The solution of the last tick, χ*; `None` before the first and after an error.
     pub fn solution(&self) -> Option<&Solution> {
         self.stack.solution()
@@ -198,12 +202,11 @@ impl CollaborationStack {
     ) -> Result<&Solution, Error> {
         self.set_bounds(input.intervals);
         self.set_safety(robot, input)?;
-        let Self { stack, tasks, soft, workspace_rows, .. } = self;
+        let Self { stack, tasks, soft, .. } = self;
         let kinematics = stack.task_mut(tasks.kinematics)?;
         kinematics.set_desired(*input.desired)?;
         kinematics.set_point(Translation3::from(*robot.tool_from_hand()).into())?;
-        soft.write_rows(input.workspace, input.desired, workspace_rows)?;
-        stack.task_mut(tasks.workspace)?.copy_from(workspace_rows)?;
+        soft.write_rows(input.workspace, input.desired, stack.block_mut(tasks.workspace)?)?;
         stack.task_mut(tasks.goal)?.set(&input.goal, &input.desired.translation.vector)?;
         if let Some(gentle) = tasks.gentle {
             let gentle = stack.task_mut(gentle)?;
@@ -231,13 +234,19 @@ impl CollaborationStack {
 
     fn set_safety(&mut self, robot: &mut Kinematics, input: &StackInput<'_>) -> Result<(), Error> {
         let Self { stack, tasks, base, .. } = self;
-        copy(stack, tasks.speed_cap, input.safety.cap)?;
-        copy(stack, tasks.separation, input.safety.separation)?;
-        copy(stack, tasks.own_bodies, input.safety.own)?;
-        if let Some((base, rows)) = base {
+        let motion = JointMotion { braking: Some(input.braking), ..robot.motion(input.velocity) };
+        if let Some(speed_cap) = tasks.speed_cap {
+            input.safety.write_cap(&motion, stack.block_mut(speed_cap)?)?;
+        }
+        if let Some(separation) = tasks.separation {
+            input.safety.write_separation(&motion, stack.block_mut(separation)?)?;
+        }
+        if let Some(own_bodies) = tasks.own_bodies {
+            input.safety.write_own(&motion, stack.block_mut(own_bodies)?)?;
+        }
+        if let (Some(base), Some(wheels)) = (base, tasks.wheels) {
             let yaw = robot.posed()?.configuration().get(2).copied().unwrap_or_default();
-            base.write(yaw, input.intervals, rows)?;
-            copy(stack, tasks.wheels, rows)?;
+            base.write(yaw, input.intervals, stack.block_mut(wheels)?)?;
         }
         if let Some(returns) = tasks.returns {
             let returns = stack.task_mut(returns)?;
@@ -246,18 +255,6 @@ impl CollaborationStack {
             }
         }
         Ok(())
-    }
-}
-
-/// Copies the rows of the tick to a task, if there is one.
-fn copy(
-    stack: &mut TaskStack,
-    task: Option<TaskId<VelocityTask>>,
-    rows: &Rows,
-) -> Result<(), Error> {
-    match task {
-        Some(task) => Ok(stack.task_mut(task)?.copy_from(rows)?),
-        None => Ok(()),
     }
 }
 

@@ -174,12 +174,11 @@ impl ApproachRows {
         &self.settings
     }
 
-    /// Writes the rows for the robot and the person into a block made by [`rows`](Self::rows).
-    /// Returns the pair with the least room among those that may not touch. Allocates nothing.
+    /// [Measures](Self::measure) the pairs of robot and person, and [writes](Self::write_rows) their
+    /// rows.
     ///
     /// # Errors
-    /// [`Error::Size`] if the block, the Jacobian or the velocities do not fit. [`Error::Value`] if
-    /// a number is not finite or out of range. The block is unchanged after an error.
+    /// Those of both. The block is unchanged after an error.
     pub fn write(
         &mut self,
         motion: &JointMotion<'_>,
@@ -187,7 +186,26 @@ impl ApproachRows {
         person: &[PersonBody],
         rows: &mut Rows,
     ) -> Result<Option<Nearest>, Error> {
-        self.check(motion, robot, rows)?;
+        self.check_rows(rows)?;
+        let nearest = self.measure(motion, robot, person)?;
+        self.write_rows(motion, rows)?;
+        Ok(nearest)
+    }
+
+    /// Measures the pairs of robot and person, and decides which of them get a row. Returns the
+    /// pair with the least room among those that may not touch. Ignores
+    /// [`JointMotion::braking`]. Allocates nothing.
+    ///
+    /// # Errors
+    /// [`Error::Size`] if the Jacobian or the velocities do not fit. [`Error::Value`] if a number is
+    /// not finite or out of range.
+    pub fn measure(
+        &mut self,
+        motion: &JointMotion<'_>,
+        robot: &[RobotBody],
+        person: &[PersonBody],
+    ) -> Result<Option<Nearest>, Error> {
+        self.check(motion, robot)?;
         person.iter().try_for_each(PersonBody::check)?;
         self.clear();
         self.needs_inertia = false;
@@ -220,7 +238,38 @@ impl ApproachRows {
             }
             before = Some(moves);
         }
-        self.write_candidates(motion, rows)
+        self.places.assign(&self.candidates);
+        Ok(self.nearest)
+    }
+
+    /// Writes the rows of the pairs that were measured last, with the robot where it was then. The
+    /// block is that of [`rows`](Self::rows) or one like it. Rows that bound nothing and need not
+    /// are left as they are. Allocates nothing.
+    ///
+    /// # Errors
+    /// [`Error::Size`] if the block, the Jacobian or the velocities do not fit. [`Error::Value`] if
+    /// a number is not finite.
+    pub fn write_rows(&self, motion: &JointMotion<'_>, rows: &mut Rows) -> Result<(), Error> {
+        self.check_rows(rows)?;
+        motion.check(self.state.joints)?;
+        for (index, candidate) in self.places.candidates().enumerate() {
+            let candidate = candidate.and_then(|candidate| self.candidates.get(candidate));
+            if candidate.is_none() && rows.upper().get(index) == Some(&f64::INFINITY) {
+                continue;
+            }
+            let row = rows.row_mut(index)?;
+            row.fill(0.0);
+            let mut upper = f64::INFINITY;
+            if let Some(candidate) = candidate {
+                candidate.write(motion, row);
+                let along = |velocity: &[f64]| -> f64 {
+                    row.iter().zip(velocity).map(|(a, b)| a * b).sum()
+                };
+                upper = candidate.limit.max(motion.braking.map_or(0.0, along));
+            }
+            rows.upper_mut()[index] = upper;
+        }
+        Ok(())
     }
 
     /// Finds the next part of the person, from index `from` on, that may be near enough to a body
@@ -343,16 +392,14 @@ impl ApproachRows {
         }
     }
 
-    fn check(
-        &self,
-        motion: &JointMotion<'_>,
-        robot: &[RobotBody],
-        rows: &Rows,
-    ) -> Result<(), Error> {
+    fn check(&self, motion: &JointMotion<'_>, robot: &[RobotBody]) -> Result<(), Error> {
         robot.iter().try_for_each(|body| check_capsule("a capsule of the robot", &body.capsule))?;
-        check_size("the block of rows", rows.len(), self.capacity)?;
-        check_size("a row of the block", rows.columns(), self.state.len())?;
         motion.check(self.state.joints)
+    }
+
+    fn check_rows(&self, rows: &Rows) -> Result<(), Error> {
+        check_size("the block of rows", rows.len(), self.capacity)?;
+        check_size("a row of the block", rows.columns(), self.state.len())
     }
 
     /// Returns how far to search for pairs, for a body that approaches at `speed` or less. Within
@@ -394,32 +441,6 @@ impl ApproachRows {
     fn leave_out(&mut self, candidate: &Candidate) {
         // Within this tick the pair could reach its limit.
         self.crowded |= !candidate.contact || candidate.headroom < 0.0;
-    }
-
-    fn write_candidates(
-        &mut self,
-        motion: &JointMotion<'_>,
-        rows: &mut Rows,
-    ) -> Result<Option<Nearest>, Error> {
-        self.places.assign(&self.candidates);
-        for (index, candidate) in self.places.candidates().enumerate() {
-            let candidate = candidate.and_then(|candidate| self.candidates.get(candidate));
-            if candidate.is_none() && rows.upper()[index] == f64::INFINITY {
-                continue;
-            }
-            let row = rows.row_mut(index)?;
-            row.fill(0.0);
-            let mut upper = f64::INFINITY;
-            if let Some(candidate) = candidate {
-                candidate.write(motion, row);
-                let along = |velocity: &[f64]| -> f64 {
-                    row.iter().zip(velocity).map(|(a, b)| a * b).sum()
-                };
-                upper = candidate.limit.max(motion.braking.map_or(0.0, along));
-            }
-            rows.upper_mut()[index] = upper;
-        }
-        Ok(self.nearest)
     }
 }
 

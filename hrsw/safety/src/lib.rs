@@ -52,7 +52,8 @@
 //! safety.decide(&bodies, &input);
 //! assert!(safety.nearest().is_none_or(|pair| pair.room() > 0.0));
 //! assert_eq!(safety.supervisor().state(), SafetyState::Normal);
-//! let rows = safety.bound(&motion)?; // levels of a stack of tasks
+//! let mut rows = safety.rows(); // made once, for the levels of a stack of tasks
+//! safety.write_separation(&motion, &mut rows.separation)?;
 //! assert_eq!(rows.separation.len(), 40); // the pairs that may need a row
 //!
 //! // Without frames the robot stops.

@@ -29,15 +29,15 @@ const OWN_MARGIN: f64 = 0.03;
 /// Deceleration of the arm before a self-collision \[m/s²\].
 const OWN_DECELERATION: f64 = 2.0;
 
-/// Rows of the safety levels for a stack of tasks.
-#[derive(Debug, Clone, Copy)]
-pub struct SafetyRows<'a> {
+/// Blocks of rows of the safety levels, which bound nothing. They are written in place.
+#[derive(Debug, Clone)]
+pub struct SafetyRows {
     /// Hard constraints on the tool's speed near people. They always admit braking.
-    pub cap: &'a Rows,
+    pub cap: Rows,
     /// First objective: the protective distances.
-    pub separation: &'a Rows,
+    pub separation: Rows,
     /// Second objective: the distances between the robot's own bodies.
-    pub own: &'a Rows,
+    pub own: Rows,
 }
 
 /// Limits of the robot.
@@ -71,10 +71,12 @@ pub struct SafetyInput {
 ///
 /// In every tick, [`measure`](Self::measure) computes the distances. [`decide`](Self::decide)
 /// updates the supervisor, which limits the robot's speed. From that limit follow the velocities
-/// that the joints may take. [`bound`](Self::bound) returns the rows. Its hard rows admit the
+/// that the joints may take. [`write_cap`](Self::write_cap), [`write_separation`](Self::write_separation)
+/// and [`write_own`](Self::write_own) write the rows of a stack in place. The hard rows admit the
 /// slowest of these velocities.
 #[derive(Debug, Clone)]
 pub struct Safety {
+    state: AugmentedState,
     settings: SafetySettings,
     people: SeenPeople,
     /// The capsules of all people in this tick.
@@ -96,9 +98,6 @@ pub struct Safety {
     own: ApproachRows,
     /// Pairs of the settings, then those of a grasped object.
     own_pairs: Vec<(usize, usize)>,
-    separation_rows: Rows,
-    own_rows: Rows,
-    cap_rows: Rows,
 }
 
 impl Safety {
@@ -146,9 +145,7 @@ impl Safety {
             leaving_speed: 0.0,
             nearest: None,
             supervisor: Supervisor::new(settings.supervisor)?,
-            separation_rows: separation.rows(),
-            own_rows: own.rows(),
-            cap_rows: SpeedCap::rows(state),
+            state,
             separation,
             own,
             own_pairs,
@@ -240,7 +237,7 @@ impl Safety {
         self.measure_people(motion, bodies)?;
         let change = Some(&*self.velocity_change);
         let motion = JointMotion { braking: None, change, ..*motion };
-        self.own.write_own(&motion, bodies, &self.own_pairs, &mut self.own_rows)?;
+        self.own.measure_own(&motion, bodies, &self.own_pairs)?;
         Ok(())
     }
 
@@ -256,8 +253,7 @@ impl Safety {
     ) -> Result<(), Error> {
         let change = Some(&*self.velocity_change);
         let motion = JointMotion { braking: None, change, ..*motion };
-        let (people, rows) = (&self.bodies, &mut self.separation_rows);
-        self.nearest = self.separation.write(&motion, bodies, people, rows)?;
+        self.nearest = self.separation.measure(&motion, bodies, &self.bodies)?;
         Ok(())
     }
 
@@ -297,29 +293,56 @@ impl Safety {
         self.supervisor.update(&Observation { nearest: self.nearest, age }, elapsed);
     }
 
-    /// Returns the rows of the tick. The hard rows admit [`JointMotion::braking`], the velocities
+    /// Returns blocks of rows to write each tick.
+    pub fn rows(&self) -> SafetyRows {
+        let cap = SpeedCap::rows(self.state);
+        SafetyRows { cap, separation: self.separation.rows(), own: self.own.rows() }
+    }
+
+    /// Writes the hard rows on the tool's speed. They admit [`JointMotion::braking`], the velocities
     /// nearest to rest that the joints may take. Allocates nothing.
     ///
     /// # Errors
-    /// [`Error::Size`] if the joints are not those of the layout. [`Error::Value`] if a number is
-    /// not finite.
-    pub fn bound(&mut self, motion: &JointMotion<'_>) -> Result<SafetyRows<'_>, Error> {
+    /// [`Error::Size`] if the joints or the rows are not those of the layout. [`Error::Value`] if a
+    /// number is not finite.
+    pub fn write_cap(&self, motion: &JointMotion<'_>, rows: &mut Rows) -> Result<(), Error> {
         let cap = self.settings.speed_cap.limit(self.separation.least_distance());
-        SpeedCap::write(motion, &self.person_velocity, cap, &mut self.cap_rows)?;
-        let (cap, own) = (&self.cap_rows, &self.own_rows);
-        Ok(SafetyRows { cap, separation: &self.separation_rows, own })
+        SpeedCap::write(motion, &self.person_velocity, cap, rows)
+    }
+
+    /// Writes the rows of the protective distances. Allocates nothing.
+    ///
+    /// # Errors
+    /// Those of [`ApproachRows::write_rows`].
+    pub fn write_separation(&self, motion: &JointMotion<'_>, rows: &mut Rows) -> Result<(), Error> {
+        self.separation.write_rows(&JointMotion { braking: None, ..*motion }, rows)
+    }
+
+    /// Writes the rows of the distances between the robot's own bodies. Allocates nothing.
+    ///
+    /// # Errors
+    /// Those of [`ApproachRows::write_rows`].
+    pub fn write_own(&self, motion: &JointMotion<'_>, rows: &mut Rows) -> Result<(), Error> {
+        self.own.write_rows(&JointMotion { braking: None, ..*motion }, rows)
     }
 
     /// Returns the share of the way from the velocities of `motion` to `braking`, each n, that the
-    /// distances demand \[-\]. See [`ApproachRows::braking_share`].
-    pub fn braking_share(&self, motion: &JointMotion<'_>, braking: &[f64]) -> f64 {
-        self.separation.braking_share(motion, &self.separation_rows, motion.velocity, braking)
+    /// distances demand \[-\]. `separation` has the rows of this tick. See
+    /// [`ApproachRows::braking_share`].
+    pub fn braking_share(
+        &self,
+        motion: &JointMotion<'_>,
+        separation: &Rows,
+        braking: &[f64],
+    ) -> f64 {
+        self.separation.braking_share(motion, separation, motion.velocity, braking)
     }
 
     /// Returns true if the robot approaches people at nearly its largest speed with these joint
-    /// velocities, n \[m/s or rad/s\]. See [`ApproachRows::is_at_limit`].
-    pub fn is_at_limit(&self, velocity: &[f64]) -> bool {
-        self.separation.is_at_limit(&self.separation_rows, velocity)
+    /// velocities, n \[m/s or rad/s\]. `separation` has the rows of this tick. See
+    /// [`ApproachRows::is_at_limit`].
+    pub fn is_at_limit(&self, separation: &Rows, velocity: &[f64]) -> bool {
+        self.separation.is_at_limit(separation, velocity)
     }
 
     /// Returns the share of their speeds that the joints may use, at most 1.

@@ -1,7 +1,5 @@
 //! Constraint rows for pairs of the robot's own bodies.
 
-use ahqp_core::Rows;
-
 use super::candidate::{Candidate, PointId};
 use super::own_motion::OwnMotion;
 use super::{ApproachRows, capsules};
@@ -12,19 +10,18 @@ use crate::distance::proximity;
 use crate::error::Error;
 
 impl ApproachRows {
-    /// Writes the rows for pairs of the robot's own bodies, given by their indices. Otherwise works
-    /// like [`write`](Self::write). Allocates nothing.
+    /// Measures pairs of the robot's own bodies, given by their indices. Otherwise works like
+    /// [`measure`](Self::measure). Allocates nothing.
     ///
     /// # Errors
-    /// Those of [`write`](Self::write), and [`Error::Size`] if an index is not that of a body.
-    pub fn write_own(
+    /// Those of [`measure`](Self::measure), and [`Error::Size`] if an index is not that of a body.
+    pub fn measure_own(
         &mut self,
         motion: &JointMotion<'_>,
         robot: &[RobotBody],
         pairs: &[(usize, usize)],
-        rows: &mut Rows,
     ) -> Result<Option<Nearest>, Error> {
-        self.check(motion, robot, rows)?;
+        self.check(motion, robot)?;
         self.clear();
         self.bounds.advance_own(capsules(robot));
         let any = OwnMotion::of_all(motion, robot);
@@ -66,6 +63,7 @@ impl ApproachRows {
             };
             self.consider(candidate, moves.change);
         }
-        self.write_candidates(motion, rows)
+        self.places.assign(&self.candidates);
+        Ok(self.nearest)
     }
 }

@@ -50,7 +50,8 @@ fn a_tick_allocates_nothing() {
 
     let tick = |tick: usize| {
         let nearest = separation.write(&motion, &robot, &person, &mut separation_rows).unwrap();
-        own.write_own(&motion, &robot, &[(0, 2), (0, 3), (1, 4)], &mut own_rows).unwrap();
+        own.measure_own(&motion, &robot, &[(0, 2), (0, 3), (1, 4)]).unwrap();
+        own.write_rows(&motion, &mut own_rows).unwrap();
         let distance = nearest.map_or(f64::INFINITY, |pair| pair.distance);
         let cap = SpeedCap::default().limit(distance);
         SpeedCap::write(&motion, &Vector3::zeros(), cap, &mut cap_rows).unwrap();

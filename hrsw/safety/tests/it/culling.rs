@@ -209,11 +209,13 @@ proptest! {
                 inverse_inertia: None,
             };
             let motion = JointMotion { change: Some(&change), ..all };
-            culled.write_own(&motion, &bodies, &pairs, &mut block).unwrap();
+            culled.measure_own(&motion, &bodies, &pairs).unwrap();
+            culled.write_rows(&motion, &mut block).unwrap();
             let kept = bounding(&block);
             let mut whole = rows();
             let mut every = whole.rows();
-            whole.write_own(&all, &bodies, &pairs, &mut every).unwrap();
+            whole.measure_own(&all, &bodies, &pairs).unwrap();
+            whole.write_rows(&all, &mut every).unwrap();
             for (row, upper) in bounding(&every) {
                 let fastest = along(&row, &velocity)
                     + row.iter().zip(&change).map(|(a, b)| a.abs() * b).sum::<f64>();

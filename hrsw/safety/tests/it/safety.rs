@@ -324,7 +324,8 @@ proptest! {
         let mut rows = own.rows();
         let near = proximity(&robot[0].capsule, &robot[1].capsule);
         prop_assume!((near.on_first - near.on_second).norm() > 1e-2);
-        let nearest = own.write_own(&motion, &robot, &[(0, 1)], &mut rows).unwrap().unwrap();
+        let nearest = own.measure_own(&motion, &robot, &[(0, 1)]).unwrap().unwrap();
+        own.write_rows(&motion, &mut rows).unwrap();
         let moved = |body: &RobotBody, time: f64| {
             let twist = (0..body.joints).map(|j| {
                 Vector6::from_iterator(jacobian.column(j).iter().copied()) * q[j]

@@ -144,6 +144,28 @@ impl LevelTasks {
         self.rows.rows_of(number)
     }
 
+    /// Whether a task is alone among the minimised rows, or alone among the constraints.
+    pub(super) fn has_block(&self, number: u64) -> bool {
+        self.rows.is_only(number) || self.constraints.is_only(number)
+    }
+
+    /// The rows of a task that is [alone](Self::has_block).
+    pub(super) fn block<'a>(&self, number: u64, level: &'a Level) -> Option<&'a Rows> {
+        match level.objective() {
+            Objective::LeastSquares(rows) if self.rows.is_only(number) => Some(rows),
+            _ => self.constraints.is_only(number).then(|| level.constraints()),
+        }
+    }
+
+    /// The rows of a task that is [alone](Self::has_block), to write.
+    pub(super) fn block_mut<'a>(&self, number: u64, level: &'a mut Level) -> Option<&'a mut Rows> {
+        if self.rows.is_only(number) {
+            level.rows_mut().ok()
+        } else {
+            self.constraints.is_only(number).then(|| level.constraints_mut())
+        }
+    }
+
     /// The rows of a level, the number of task rows among them, and their names: minimised rows first, then
     /// constraints.
     pub(crate) fn named_rows<'a>(

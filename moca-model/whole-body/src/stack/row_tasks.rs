@@ -83,7 +83,7 @@ impl RowTasks {
         self.entries.iter().any(|entry| entry.named.task.is_damped())
     }
 
-    /// Creates zero rows over `columns` variables, with the tasks' names.
+    /// Creates zero rows over `columns` variables that bound nothing, with the tasks' names.
     pub(super) fn rows(&self, columns: usize) -> Result<Rows, Error> {
         let names = self.entries.iter().flat_map(|entry| {
             let name = &entry.named.name;
@@ -97,6 +97,7 @@ impl RowTasks {
         let mut rows =
             Rows::zeros(self.weights.len(), columns).with_names(names.collect::<Vec<_>>())?;
         rows.set_weights(&self.weights)?;
+        rows.set_free();
         Ok(rows)
     }
 
@@ -158,6 +159,11 @@ impl RowTasks {
     pub(super) fn task_mut(&mut self, number: u64) -> Option<&mut dyn Any> {
         let entry = self.entries.iter_mut().find(|entry| entry.named.number == number)?;
         Some(entry.named.task.as_mut())
+    }
+
+    /// Whether a task is the only one.
+    pub(super) fn is_only(&self, number: u64) -> bool {
+        matches!(&self.entries[..], [entry] if entry.named.number == number)
     }
 
     /// The rows of a task.

@@ -13,6 +13,7 @@ use crate::robot::model::Model;
 use crate::state::posed::Posed;
 use crate::tasks::curvature::Curvature;
 use crate::tasks::input::{JacobianMemory, TaskInput};
+use crate::tasks::row_block::RowBlock;
 use crate::tasks::variables::VariableLayout;
 
 /// Levels of tasks over q̇ and further variables, and their solver. It minimises the levels lexicographically, highest
@@ -162,6 +163,27 @@ impl TaskStack {
     pub fn task_mut<T: Any>(&mut self, id: TaskId<T>) -> Result<&mut T, Error> {
         let found = self.levels.iter_mut().find_map(|tasks| tasks.task_mut(id.number));
         found.and_then(|task| task.downcast_mut()).ok_or(Error::UnknownTask)
+    }
+
+    /// The rows of a block in the problem's data.
+    ///
+    /// # Errors
+    /// [`Error::UnknownTask`] for the id of another stack, and for a block that is not alone in its level.
+    pub fn block(&self, id: TaskId<RowBlock>) -> Result<&Rows, Error> {
+        let found = self.levels().find_map(|(tasks, level)| tasks.block(id.number, level));
+        found.ok_or(Error::UnknownTask)
+    }
+
+    /// The rows of a block in the problem's data, to write before [`solve`](Self::solve).
+    ///
+    /// # Errors
+    /// As [`block`](Self::block).
+    pub fn block_mut(&mut self, id: TaskId<RowBlock>) -> Result<&mut Rows, Error> {
+        let mut levels = self.levels.iter().zip(self.hierarchy.ids());
+        let found = levels.find(|(tasks, _)| tasks.has_block(id.number));
+        let (tasks, level) = found.ok_or(Error::UnknownTask)?;
+        let level = self.hierarchy.level_mut(level)?;
+        tasks.block_mut(id.number, level).ok_or(Error::UnknownTask)
     }
 
     /// The robot.

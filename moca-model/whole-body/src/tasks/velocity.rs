@@ -1,7 +1,5 @@
 //! The task of rows that the caller writes.
 
-use ahqp_core::Rows;
-
 use super::input::TaskInput;
 use super::mask::check_weights;
 use super::rows::TaskRows;
@@ -10,7 +8,8 @@ use crate::error::{Error, check_finite, check_size};
 use crate::robot::model::Model;
 
 /// Rows `lower ≤ a q̇ ≤ upper` that the caller writes. They hold until they are written again. Examples are equalities
-/// of velocities, distances to obstacles, and rows from another program.
+/// of velocities, distances to obstacles, and rows from another program. A [`RowBlock`](super::RowBlock) has its rows in
+/// the problem's data instead.
 ///
 /// Rows that were not written bound nothing.
 ///
@@ -30,8 +29,6 @@ pub struct VelocityTask {
     lower: Vec<f64>,
     upper: Vec<f64>,
     weights: Vec<f64>,
-    /// Number of rows up to the last one with bounds.
-    used: usize,
 }
 
 impl VelocityTask {
@@ -43,15 +40,7 @@ impl VelocityTask {
             lower: vec![f64::NEG_INFINITY; rows],
             upper: vec![f64::INFINITY; rows],
             weights: vec![1.0; rows],
-            used: 0,
         }
-    }
-
-    /// Creates a task with these rows, to be [overwritten](Self::copy_from) later.
-    pub fn from_rows(rows: &Rows) -> Self {
-        let mut task = Self::new(rows.len());
-        task.take(rows);
-        task
     }
 
     /// Writes a row: the coefficients of q̇ and of further variables (missing ones are zero), and its bounds. One or
@@ -77,7 +66,7 @@ impl VelocityTask {
             own.fill(0.0);
             own[..coefficients.len()].copy_from_slice(coefficients);
         }
-        self.bound(row, lower, upper);
+        (self.lower[row], self.upper[row]) = (lower, upper);
         Ok(())
     }
 
@@ -88,47 +77,8 @@ impl VelocityTask {
     pub fn set_range(&mut self, row: usize, lower: f64, upper: f64) -> Result<(), Error> {
         check_range(row, lower, upper)?;
         self.expect_row(row)?;
-        self.bound(row, lower, upper);
-        Ok(())
-    }
-
-    /// Sets the bounds of a row that exists.
-    fn bound(&mut self, row: usize, lower: f64, upper: f64) {
         (self.lower[row], self.upper[row]) = (lower, upper);
-        self.used = self.used.max(row + 1);
-    }
-
-    /// Copies all rows with their bounds and weights, such as the distances of `hrsw`. Rows behind the last one with
-    /// bounds become zero. Allocates only if it had no rows of that size.
-    ///
-    /// # Errors
-    /// [`Error::WrongSize`] for another number of rows. Numbers that are not finite are an error of the step.
-    pub fn copy_from(&mut self, rows: &Rows) -> Result<(), Error> {
-        check_size("the rows to copy", rows.len(), self.lower.len())?;
-        self.take(rows);
         Ok(())
-    }
-
-    /// Copies rows of the same number.
-    fn take(&mut self, rows: &Rows) {
-        if self.columns != rows.columns() {
-            self.columns = rows.columns();
-            self.matrix.clear();
-            self.matrix.resize(self.lower.len() * self.columns, 0.0);
-        }
-        let bounds = rows.lower().iter().zip(rows.upper());
-        let last =
-            bounds.enumerate().rev().find(|(_, (lower, upper))| bounds_anything(**lower, **upper));
-        let before = std::mem::replace(&mut self.used, last.map_or(0, |(row, _)| row + 1));
-        let (used, before) = (self.used * self.columns, before.max(self.used) * self.columns);
-        self.matrix[..used].copy_from_slice(&rows.coefficients()[..used]);
-        self.matrix[used..before].fill(0.0);
-        self.lower.copy_from_slice(rows.lower());
-        self.upper.copy_from_slice(rows.upper());
-        match rows.weights() {
-            Some(weights) => self.weights.copy_from_slice(weights),
-            None => self.weights.fill(1.0),
-        }
     }
 
     /// Sets the weight of a row relative to the other rows of the level. It has no effect on a hard limit.
@@ -158,10 +108,6 @@ impl VelocityTask {
             (self.matrix, self.columns) = (matrix, columns);
         }
     }
-}
-
-fn bounds_anything(lower: f64, upper: f64) -> bool {
-    lower != f64::NEG_INFINITY || upper != f64::INFINITY
 }
 
 /// Returns an error unless the bounds are in order.
@@ -194,9 +140,7 @@ impl Task for VelocityTask {
         if self.columns > size {
             check_size("a row", self.columns, size)?;
         }
-        // Coefficients of rows without bounds do not matter.
-        let matrix = &self.matrix[..self.used * self.columns];
-        rows.copy_from(matrix, self.columns, [&self.lower, &self.upper], &self.weights);
+        rows.copy_from(&self.matrix, self.columns, [&self.lower, &self.upper], &self.weights);
         Ok(())
     }
 }

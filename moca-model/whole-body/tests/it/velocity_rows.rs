@@ -2,11 +2,10 @@
 
 use std::sync::LazyLock;
 
-use ahqp_core::Rows;
 use proptest::prelude::*;
 use whole_body::stack::{Budget, Settings, TaskId, TaskLevel, TaskStack};
-use whole_body::tasks::{VariableLayout, VelocityTask};
-use whole_body::{Data, Model};
+use whole_body::tasks::{RowBlock, VariableLayout, VelocityTask};
+use whole_body::{Data, Error, Model, Task};
 
 use crate::support::stacks::{PERIOD, panda};
 
@@ -26,17 +25,8 @@ fn bounds(asked: &Asked) -> (f64, f64) {
     if asked.1 { (asked.2, f64::INFINITY) } else { (f64::NEG_INFINITY, f64::INFINITY) }
 }
 
-fn rows(tick: &[Asked]) -> Rows {
-    let mut rows = Rows::zeros(ROWS, JOINTS);
-    for (index, asked) in tick.iter().enumerate() {
-        let (lower, upper) = bounds(asked);
-        rows.set_row(index, &asked.0, lower, upper).unwrap();
-    }
-    rows
-}
-
 /// The task above another one that asks all joints for velocities.
-fn stack(task: VelocityTask) -> (TaskStack, TaskId<VelocityTask>) {
+fn stack<T: Task>(task: T) -> (TaskStack, TaskId<T>) {
     let model = &*PANDA;
     let mut first = TaskLevel::new("first");
     let id = first.push("rows", task);
@@ -64,15 +54,16 @@ fn solve(stack: &mut TaskStack) -> Vec<f64> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// Rows copied over those of earlier ticks equal rows written one by one in a new stack.
+    /// Rows written in place over those of earlier ticks equal rows written one by one in a new stack.
     #[test]
     fn what_ticks_before_left_does_not_matter(ticks in prop::collection::vec(tick(), 1..6)) {
-        let (mut reused, id) = stack(VelocityTask::from_rows(&rows(&ticks[0])));
+        let (mut reused, id) = stack(RowBlock::new(ROWS));
         for tick in &ticks {
-            reused.task_mut(id).unwrap().copy_from(&rows(tick)).unwrap();
+            let block = reused.block_mut(id).unwrap();
             let mut own = VelocityTask::new(ROWS);
             for (index, asked) in tick.iter().enumerate() {
                 let (lower, upper) = bounds(asked);
+                block.set_row(index, &asked.0, lower, upper).unwrap();
                 own.set_row(index, &asked.0, lower, upper).unwrap();
             }
             let (found, expected) = (solve(&mut reused), solve(&mut stack(own).0));
@@ -81,34 +72,27 @@ proptest! {
             }
         }
     }
+}
 
-    /// A row behind the last one with bounds is zero, whatever was there before.
-    #[test]
-    fn newly_bounded_row_starts_from_zero(
-        before in tick(), after in tick(), were_longer in any::<bool>(),
-    ) {
-        let mut task = VelocityTask::from_rows(&rows(&before));
-        if were_longer {
-            // Move the rows to other places in memory.
-            task = VelocityTask::new(ROWS);
-            for (index, asked) in before.iter().enumerate().take(ROWS - 1) {
-                let longer: Vec<f64> = asked.0.iter().chain(&asked.0).copied().collect();
-                task.set_row(index, &longer, 0.0, 0.0).unwrap();
-            }
-        }
-        let mut after = after;
-        after[ROWS - 1].1 = false;
-        task.copy_from(&rows(&after)).unwrap();
-        task.set_range(ROWS - 1, 0.0, 0.0).unwrap();
-        let mut own = VelocityTask::new(ROWS);
-        for (index, asked) in after.iter().enumerate() {
-            let (lower, upper) = bounds(asked);
-            own.set_row(index, &asked.0, lower, upper).unwrap();
-        }
-        own.set_row(ROWS - 1, &[0.0; JOINTS], 0.0, 0.0).unwrap();
-        let (found, expected) = (solve(&mut stack(task).0), solve(&mut stack(own).0));
-        for (found, expected) in found.iter().zip(expected) {
-            prop_assert!((found - expected).abs() < 1e-9, "{found} {expected}");
-        }
+#[test]
+fn unwritten_block_bounds_nothing() {
+    let (mut whole, id) = stack(RowBlock::new(ROWS));
+    assert!(whole.block(id).unwrap().upper().iter().all(|upper| *upper == f64::INFINITY));
+    let rest: Vec<f64> = (0..JOINTS).map(|joint| 0.1 * joint as f64 - 0.3).collect();
+    for (found, expected) in solve(&mut whole).iter().zip(rest) {
+        assert!((found - expected).abs() < 1e-9, "{found} {expected}");
     }
+}
+
+#[test]
+fn only_a_lone_block_is_written_in_place() {
+    let mut level = TaskLevel::new("shared");
+    let block = level.push("block", RowBlock::new(1));
+    level.push("other", RowBlock::new(2));
+    let hard = level.constrain("hard", RowBlock::new(3));
+    let layout = VariableLayout::new(&PANDA);
+    let mut whole = TaskStack::new(&PANDA, &layout, vec![level], Settings::default()).unwrap();
+    assert_eq!(whole.block_mut(hard).unwrap().len(), 3);
+    assert!(matches!(whole.block_mut(block), Err(Error::UnknownTask)));
+    assert!(matches!(whole.block(stack(RowBlock::new(1)).1), Err(Error::UnknownTask)));
 }

@@ -25,7 +25,7 @@ fn bad_safety_input_is_named() {
     assert!(matches!(separation.write(&nan, &[], &[], &mut rows), Err(Error::Value { .. })));
     let wrong = separation.write(&motion, &[], &[], &mut Rows::zeros(2, state().len()));
     assert!(matches!(wrong, Err(Error::Size { .. })));
-    assert!(separation.write_own(&motion, &[], &[(0, 1)], &mut rows).is_err());
+    assert!(separation.measure_own(&motion, &[], &[(0, 1)]).is_err());
     let body = Capsule::sphere(origin, 0.1).unwrap();
     let person = PersonBody {
         assumed_speed: 1.6,
