@@ -10,7 +10,7 @@
 This is not safety-rated software.
 """
 
-from ._ahqp import Body, Command, Controller, FrameError, GraspedObject, Recording, Scene
+from ._ahqp import MOCA_URDF, Body, Command, Controller, FrameError, GraspedObject, Recording, Scene
 
 __all__ = [
     "Body",
@@ -18,6 +18,7 @@ __all__ = [
     "Controller",
     "FrameError",
     "GraspedObject",
+    "MOCA_URDF",
     "Recording",
     "Scene",
 ]

@@ -24,9 +24,12 @@ __all__ = [
     "Controller",
     "FrameError",
     "GraspedObject",
+    "MOCA_URDF",
     "Recording",
     "Scene",
 ]
+
+MOCA_URDF: str
 
 class FrameError(Error): ...
 

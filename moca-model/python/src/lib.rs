@@ -13,6 +13,9 @@ mod whole_body;
 #[pyo3::pymodule]
 mod _ahqp {
     #[pymodule_export]
+    const MOCA_URDF: &str = moca_model::MOCA_URDF;
+
+    #[pymodule_export]
     use crate::collaboration::body::Body;
     #[pymodule_export]
     use crate::collaboration::command::Command;

@@ -25,7 +25,7 @@ const EYE: f64 = 0.018;
 /// Parameters
 /// ----------
 /// joints : array_like, shape (25, 3), or dict of str to array_like, (3,)
-///     Positions in the order of `Body.JOINTS`, NaN for joints that were not seen, or positions by name.
+///     Positions in the order of `Body.JOINTS`, or by name. NaN stands for joints that were not seen.
 /// confidences : float or array_like, shape (25,)
 ///     From 0 to 1.
 /// covariances : array_like, shape (25, 3, 3), optional
@@ -71,7 +71,7 @@ impl Body {
     }
 
     /// A person who stands on the floor at (x, y) [m] and faces `heading` [rad from the world's x]. The working hand is
-    /// at `hand`, (3,), in the person's frame [m] (x forward, y left, z up from the floor), or hangs if it is not given.
+    /// at `hand`, (3,), in the person's frame [m]: x forward, y left, z up from the floor. It hangs if none is given.
     /// The other arm hangs. `side` is "left" or "right".
     ///
     /// Raises `Error` with the reason if the hand cannot reach the point.

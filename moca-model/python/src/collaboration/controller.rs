@@ -21,8 +21,8 @@ use crate::failure::{Failure, Result};
 use crate::shared::Shared;
 use crate::whole_body::model::Model;
 
-/// Ergonomic collaboration with a person: the robot brings the shared workspace to the person, and the person's hand to
-/// where work is easy, within all limits of the robot and its distances to people. This is not safety-rated software.
+/// Ergonomic collaboration with a person. The robot follows the person, and brings their hand to where work is easy. It
+/// keeps all of its limits, and its distances to people. This is not safety-rated software.
 ///
 /// `Controller(model, start, tool, person=None, *, bodies=(), own_pairs=(), mecanum=None, compensation=None,
 /// settings=None)`, and `Controller.moca(person=None, *, start=None, compensation=None, settings=None)` for MOCA
@@ -208,8 +208,8 @@ impl Controller {
         Self::build(py, robot, person, compensation, settings)
     }
 
-    /// The controller of MOCA, a Panda on a mobile base, with joints base_x, base_y, base_yaw and panda_joint1 to 7, at
-    /// its home or at `start`, (10,). The other parameters are those of `Controller`.
+    /// The controller of MOCA, a Panda on a mobile base, at its home or at `start`, (10,). Its joints are base_x, base_y,
+    /// base_yaw and panda_joint1 to 7. The other parameters are those of `Controller`.
     #[staticmethod]
     #[pyo3(signature = (person=None, *, start=None, compensation=None, settings=None))]
     fn moca(
@@ -245,8 +245,8 @@ impl Controller {
     }
 
     /// The command for the next period, with the robot as it was measured: `q`, (n,), `dt` after the last step [s], the
-    /// period if not given. A controller with a torque law also needs `velocity`, (n,), and feels contacts if it knows
-    /// the torques at the links, `torque`, (n,), NaN where there is none. `age` is the time since the measurement [s].
+    /// period if not given. A controller with a torque law also needs `velocity`, (n,). It notices contacts if it
+    /// gets the torques at the links, `torque`, (n,). NaN stands for joints that measure none. `age` is the time since the measurement [s].
     ///
     /// A step that cannot be computed brakes the robot within its limits, and `Command.fault` says why.
     #[pyo3(signature = (q, dt=None, *, velocity=None, torque=None, age=0.0))]

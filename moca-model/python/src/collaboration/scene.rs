@@ -23,7 +23,7 @@ use crate::failure::{Failure, Result};
 /// surface : str or (str, float), optional
 ///     The surface that faces the on-board camera, "drilled" or "smooth", in the same way.
 /// others : sequence of Body
-///     The other people in view, from whom the robot keeps its distance.
+///     The other people in view. The robot keeps its distance from them.
 ///
 /// >>> from ahqp.collaboration import Body, Scene
 /// >>> from ahqp.ergo import Person
