@@ -29,7 +29,7 @@ SEED = 20
 FASTER, BEYOND = 1.2, 0.1  # no joint above 1.2 times its speed when it began, and 0.1 m/s or rad/s
 # What is allowed beyond that here [rad/s]. While commands are lost, the robot holds the torques of springs and dampers,
 # which accelerate coupled joints.
-ALLOWED = {"silent": 0.0, "frozen": 0.0, "lost": 0.06}
+ALLOWED = {"silent": 0.0, "frozen": 0.0, "lost": 0.04}
 NAMED_WITHIN = 10  # ms
 BRIDGED = 3  # ms without a fault
 ERROR = 0.05  # rad: the largest following error

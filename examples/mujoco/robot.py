@@ -20,7 +20,7 @@ DRY = [0.5, 0.5, 0.4, 0.5, 0.3, 0.2, 0.2]
 VISCOUS = [0.8, 0.8, 0.5, 0.5, 0.3, 0.2, 0.2]
 LAG = [0.05, 0.05, 0.04]  # s: x, y, yaw
 BASE_INERTIA = [173.0, 173.0, 10.0]  # kg, kg m²
-BRAKE = 50.0  # Nm s/rad: a robot that stopped by itself
+BRAKE = 0.05  # s: time constant of a robot that stopped by itself
 BRIDGED = 20  # commands lost in a row, after which it does
 
 
@@ -58,6 +58,7 @@ class Robot:
         self.data.qpos[:] = start
         mujoco.mj_forward(model, self.data)
         self.lost, self.took = 0, True
+        self.inertia = np.zeros((model.nv, model.nv))
         self.base, self.change = np.zeros(3), np.zeros(3)
         # Before the first command brakes hold the arm, behind which its sensors measure gravity.
         self.held = self.data.qfrc_bias[ARM].copy()
@@ -93,14 +94,18 @@ class Robot:
         """No command comes any more."""
         self.lost = BRIDGED
 
+    def brake(self):
+        """Returns the torques of the arm's own stop, which slows all joints down at one rate by the robot's model."""
+        mujoco.mj_fullM(self.model, self.data, self.inertia)
+        return self.data.qfrc_bias[ARM] - self.inertia[ARM, ARM] @ self.velocity[ARM] / BRAKE
+
     def step(self):
         """Moves for a period."""
         self.held = None
         for _ in range(SUBSTEPS):
             if self.stopped:
                 self.base *= 0.995
-                brake = self.data.qfrc_bias[ARM] - BRAKE * self.velocity[ARM]
-                self.data.ctrl[ARM] = np.clip(brake, -EFFORT, EFFORT)
+                self.data.ctrl[ARM] = np.clip(self.brake(), -EFFORT, EFFORT)
             self.data.ctrl[BASE] = self.base
             mujoco.mj_step(self.model, self.data)
 

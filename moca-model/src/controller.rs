@@ -195,6 +195,11 @@ impl Controller {
         }
     }
 
+    /// Takes the velocities of the joints, as measured or predicted.
+    pub(crate) fn set_measured_velocity(&mut self, velocity: &[f64]) {
+        self.motion.set_measured_velocity(velocity);
+    }
+
     /// Computes the velocities of a tick. Returns false if they cannot be computed.
     fn control(&mut self, times: TickTimes) -> bool {
         let elapsed = times.elapsed;

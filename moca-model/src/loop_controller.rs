@@ -125,6 +125,7 @@ impl LoopController {
             Some(false) => self.refused = self.refused.saturating_add(1),
             None => {}
         }
+        self.controller.set_unheard(self.refused >= AGAIN);
         if robot.is_stopped() || self.refused >= REFUSED {
             self.controller.controller_mut().robot_stopped();
         } else if self.refused >= AGAIN {

@@ -21,9 +21,9 @@ const LEG: f64 = 2.0;
 /// Time constant with which an acceleration fades \[s\].
 const LASTS: f64 = 0.3;
 
-/// Largest motion of a joint relative to the trunk from frame to frame \[m\]. A joint that moved
-/// farther counts as missing unless the next frame shows it there again.
-pub(crate) const LIMB_GATE: f64 = 0.3;
+/// Largest speed of a joint relative to the trunk \[m/s\], and the motion that it explains at least and at most \[m\].
+const LIMB_SPEED: f64 = 6.0;
+const LIMB_MOTION: [f64; 2] = [0.3, 1.2];
 /// Largest speed from frame to frame \[m/s\]: that of a person who walks (ISO 13855). A person who
 /// moves faster has jumped, and velocities are measured again.
 pub(crate) const JUMP_SPEED: f64 = 1.6;
@@ -233,7 +233,7 @@ impl Group {
             return;
         }
         let (innovation, variance) = (innovation / count, variance / (count * count));
-        if innovation.norm() > LIMB_GATE {
+        if innovation.norm() > largest_motion(interval) {
             // Such a jump is no motion.
             self.begin(sigma);
             for (&joint, expected) in self.joints.iter().zip(&mut self.places) {
@@ -302,6 +302,13 @@ impl Group {
     fn deviation(&self) -> f64 {
         self.covariance[(1, 1)].max(0.0).sqrt()
     }
+}
+
+/// Returns the largest motion of a joint relative to the trunk in a time \[s\], in m. A joint that moved farther counts as
+/// missing unless the next frame shows it there again.
+pub(crate) fn largest_motion(elapsed: f64) -> f64 {
+    let [least, most] = LIMB_MOTION;
+    (LIMB_SPEED * elapsed).clamp(least, most)
 }
 
 /// Returns the variance of the measured place of a joint for each axis \[m²\].
@@ -439,6 +446,20 @@ mod tests {
         }
         let (kept, _) = holds(6.0, 0.02);
         assert!(kept >= 0.98, "{kept} at 6 m/s²");
+    }
+
+    #[test]
+    fn swinging_hand_stays_measured_over_lost_frames() {
+        let mut velocities = JointVelocities::new();
+        for frame in (0..400_u32).filter(|frame| frame % 7 < 5) {
+            let time = FRAME * f64::from(frame);
+            // 3 m/s at most.
+            let place = Vector3::new(0.4 * (7.5 * time).sin(), 0.0, 1.2);
+            let seen = |joint| (joint == Body25::LeftWrist).then_some(place);
+            velocities.observe(time, &Body::default(), seen, 0.02);
+            let known = velocities.of(Body25::LeftWrist, time, 9.0);
+            assert!(known.is_some() || time < SETTLING, "{time} s");
+        }
     }
 
     #[test]

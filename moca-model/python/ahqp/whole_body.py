@@ -15,6 +15,7 @@ from ._ahqp import (
     PostureTask,
     RelativeFrameTask,
     Step,
+    VelocityTask,
     WheelLimit,
 )
 
@@ -33,5 +34,6 @@ __all__ = [
     "PostureTask",
     "RelativeFrameTask",
     "Step",
+    "VelocityTask",
     "WheelLimit",
 ]

@@ -19,8 +19,9 @@ _Task: TypeAlias = (
     | PostureTask
     | DampingTask
     | JointCouplingTask
+    | VelocityTask
 )
-_Limit: TypeAlias = WheelLimit | FrameVelocityLimit
+_Limit: TypeAlias = WheelLimit | FrameVelocityLimit | VelocityTask
 
 __all__ = [
     "AxisTask",
@@ -37,6 +38,7 @@ __all__ = [
     "PostureTask",
     "RelativeFrameTask",
     "Step",
+    "VelocityTask",
     "WheelLimit",
 ]
 
@@ -196,6 +198,10 @@ class JointCouplingTask:
     def __new__(cls, joints: Mapping[str, float], *, weight: float = 1.0) -> JointCouplingTask: ...
 
 @final
+class VelocityTask:
+    def __new__(cls, rows: int, *, weights: ArrayLike | None = None) -> VelocityTask: ...
+
+@final
 class WheelLimit:
     @staticmethod
     def mecanum(speed: float, lever: float) -> WheelLimit: ...
@@ -225,7 +231,14 @@ class Ik:
     def set_target(
         self, task: str, target: ArrayLike, velocity: ArrayLike | None = None
     ) -> None: ...
-    def step(self, q: ArrayLike, period: float) -> Step: ...
+    def set_rows(self, task: str, A: ArrayLike, lower: ArrayLike, upper: ArrayLike) -> None: ...
+    def set_weights(self, task: str, weights: ArrayLike) -> None: ...
+    def step(
+        self,
+        q: ArrayLike,
+        period: float,
+        within: Mapping[str, tuple[float, float]] | None = None,
+    ) -> Step: ...
     def brake(self, period: float) -> _Array: ...
     def reset(self, velocity: ArrayLike) -> None: ...
     def hold(self, q: ArrayLike) -> None: ...

@@ -1,6 +1,6 @@
 //! `ahqp.ergo`: REBA, RULA, posture prediction and maps.
 
-mod keywords;
+pub(crate) mod keywords;
 pub(crate) mod map;
 pub(crate) mod person;
 pub(crate) mod posture;

@@ -1,5 +1,6 @@
 //! Errors of the crates as Python exceptions with equal texts.
 
+use percept_recording::RecordingError;
 use pyo3::exceptions::{PyOSError, PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 
@@ -20,6 +21,12 @@ pyo3::create_exception!(
     UnfinishedError,
     Error,
     "The optimum was asked for, but the budget ran out before. `Solution.best` is how far it came."
+);
+pyo3::create_exception!(
+    ahqp,
+    FrameError,
+    Error,
+    "A camera frame counts as no data. The safety state knows of it, and the loop may go on."
 );
 
 /// Exception to raise. The crates' errors are converted to it.
@@ -82,6 +89,53 @@ impl From<ergo_map::Error> for Failure {
     fn from(error: ergo_map::Error) -> Self {
         match error {
             ergo_map::Error::Io { kind, .. } => os_error(kind, &error),
+            error => Self(Error::new_err(error.to_string())),
+        }
+    }
+}
+
+impl From<moca_model::Error> for Failure {
+    fn from(error: moca_model::Error) -> Self {
+        use hrsw_safety::Error as Unsafe;
+        use moca_model::Error as Wrong;
+        match error {
+            Wrong::Robot(error) => error.into(),
+            Wrong::Hierarchy(error) => error.into(),
+            Wrong::Ergonomics(error) => error.into(),
+            error @ (Wrong::Frame { .. }
+            | Wrong::Body { .. }
+            | Wrong::Safety(Unsafe::TooManyPeople { .. } | Unsafe::BodySpeed { .. })) => {
+                Self(FrameError::new_err(error.to_string()))
+            }
+            error => Self(Error::new_err(error.to_string())),
+        }
+    }
+}
+
+impl From<vision_models::Error> for Failure {
+    fn from(error: vision_models::Error) -> Self {
+        Self(Error::new_err(error.to_string()))
+    }
+}
+
+impl From<hrsw::Error> for Failure {
+    fn from(error: hrsw::Error) -> Self {
+        Self(Error::new_err(error.to_string()))
+    }
+}
+
+impl From<std::io::Error> for Failure {
+    fn from(error: std::io::Error) -> Self {
+        Self(error.into())
+    }
+}
+
+impl From<RecordingError> for Failure {
+    fn from(error: RecordingError) -> Self {
+        match error {
+            RecordingError::Open { ref source, .. } | RecordingError::Io { ref source, .. } => {
+                os_error(source.kind(), &error)
+            }
             error => Self(Error::new_err(error.to_string())),
         }
     }

@@ -1,7 +1,8 @@
-//! Native half of the Python package `ahqp`: classes and functions over `ahqp-core`, `whole-body` and `ergo-map`. The
-//! modules `ahqp`, `ahqp.whole_body` and `ahqp.ergo` re-export its contents.
+//! Native half of the Python package `ahqp`: classes and functions over `ahqp-core`, `whole-body`, `ergo-map` and
+//! `moca-model`. The modules `ahqp`, `ahqp.whole_body`, `ahqp.ergo` and `ahqp.collaboration` re-export its contents.
 
 mod arrays;
+mod collaboration;
 mod ergo;
 mod failure;
 mod shared;
@@ -11,6 +12,21 @@ mod whole_body;
 /// Everything that the package's modules re-export.
 #[pyo3::pymodule]
 mod _ahqp {
+    #[pymodule_export]
+    const MOCA_URDF: &str = moca_model::MOCA_URDF;
+
+    #[pymodule_export]
+    use crate::collaboration::body::Body;
+    #[pymodule_export]
+    use crate::collaboration::command::Command;
+    #[pymodule_export]
+    use crate::collaboration::controller::Controller;
+    #[pymodule_export]
+    use crate::collaboration::object::GraspedObject;
+    #[pymodule_export]
+    use crate::collaboration::recording::Recording;
+    #[pymodule_export]
+    use crate::collaboration::scene::Scene;
     #[pymodule_export]
     use crate::ergo::map::{ErgonomicsMap, FitReport, Quadratic};
     #[pymodule_export]
@@ -22,7 +38,7 @@ mod _ahqp {
     #[pymodule_export]
     use crate::ergo::rula::{Rula, RulaWorksheet};
     #[pymodule_export]
-    use crate::failure::{Error, InfeasibleError, UnfinishedError};
+    use crate::failure::{Error, FrameError, InfeasibleError, UnfinishedError};
     #[pymodule_export]
     use crate::solver::certificate::{Certificate, Residuals};
     #[pymodule_export]
@@ -46,6 +62,6 @@ mod _ahqp {
     #[pymodule_export]
     use crate::whole_body::tasks::{
         AxisTask, CentreOfMassTask, DampingTask, FrameTask, JointCouplingTask, OrientationTask,
-        PositionTask, PostureTask, RelativeFrameTask,
+        PositionTask, PostureTask, RelativeFrameTask, VelocityTask,
     };
 }

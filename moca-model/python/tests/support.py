@@ -19,10 +19,10 @@ def run_example(name, *options):
     return subprocess.run(command, check=True, capture_output=True, text=True).stdout
 
 
-def run_rust_example(name):
-    """What an example of whole-body prints: the binary in AHQP_RUST_EXAMPLES, or one that is built now."""
+def run_rust_example(name, package="whole-body"):
+    """What an example of a package prints: the binary in AHQP_RUST_EXAMPLES, or one that is built now."""
     folder = os.environ.get("AHQP_RUST_EXAMPLES")
-    command = ["cargo", "run", "-q", "--locked", "-p", "whole-body", "--example", name]
+    command = ["cargo", "run", "-q", "--locked", "-p", package, "--example", name]
     if folder:
         command = [pathlib.Path(folder) / name]
     run = subprocess.run(command, check=True, capture_output=True, text=True, cwd=WORKSPACE)

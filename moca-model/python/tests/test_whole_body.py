@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from support import PANDA, run_example, run_rust_example
 
+import ahqp
 from ahqp.whole_body import (
     AxisTask,
     CentreOfMassTask,
@@ -20,6 +21,7 @@ from ahqp.whole_body import (
     PositionTask,
     PostureTask,
     RelativeFrameTask,
+    VelocityTask,
     WheelLimit,
 )
 
@@ -148,3 +150,65 @@ def test_bases_move_and_brake():
     assert floating.position_count == floating.velocity_count + 1
     q = floating.integrate(floating.neutral(), np.full(13, 0.1))
     assert floating.difference(floating.neutral(), q) == pytest.approx(np.full(13, 0.1), abs=1e-12)
+
+
+def test_rows_of_ones_own_hold_as_task_and_limit():
+    model = panda()
+    data = Data(model)
+    data.update(START)
+    height = data.jacobian(TOOL)[2]
+    tasks = {"sum": VelocityTask(1), "tool": PositionTask(TOOL), "rest": DampingTask()}
+    ik = Ik(model, tasks, START, limits={"floor": VelocityTask(2)})
+    ik.set_target("tool", ik.pose(START, TOOL)[:3, 3] - [0.0, 0.0, 0.3])
+    ik.set_rows("sum", [[1.0, 1.0, 0, 0, 0, 0, 0]], [0.02], [0.02])
+    free = [ik.step(START, 1e-3).velocity for _ in range(100)][-1]
+    assert free[0] + free[1] == pytest.approx(0.02, abs=1e-9) and height @ free < -0.1
+    # The tool may not sink faster than 0.05 m/s.
+    ik.set_rows("floor", [height, np.zeros(7)], [-0.05, -np.inf], [np.inf, np.inf])
+    slow = [ik.step(START, 1e-3).velocity for _ in range(200)][-1]
+    assert height @ slow == pytest.approx(-0.05, abs=1e-9)
+    with pytest.raises(ValueError, match="no VelocityTask"):
+        ik.set_rows("tool", [height], [0.0], [0.0])
+    with pytest.raises(ValueError, match="set_rows writes them"):
+        ik.set_target("sum", [0.0])
+    with pytest.raises(ValueError, match="A has 1 rows; it must have 2"):
+        ik.set_rows("floor", [height], [0.0, 0.0], [0.0, 0.0])
+    with pytest.raises(ValueError, match="rows is 0"):
+        VelocityTask(0)
+
+
+def test_tasks_are_switched_off_and_on():
+    ik = Ik(panda(), {"tool": PositionTask(TOOL), "posture": PostureTask()}, START)
+    goal = ik.pose(START, TOOL)[:3, 3] + [0.0, 0.1, 0.0]
+    ik.set_target("tool", goal)
+    ik.set_weights("tool", np.zeros(3))
+    q = START
+    for _ in range(200):
+        q = ik.step(q, 1e-3).q
+    assert q == pytest.approx(START, abs=1e-9)
+    ik.set_weights("tool", np.ones(3))
+    for _ in range(3000):
+        q = ik.step(q, 1e-3).q
+    assert ik.pose(q, TOOL)[:3, 3] == pytest.approx(goal, abs=1e-6)
+    ik.set_weights("posture", np.arange(7.0))
+    for wrong, message in [(np.ones(2), "2 entries"), (-np.ones(3), "a weight is -1"), (np.full(3, np.nan), "NaN")]:
+        with pytest.raises(ValueError, match=message):
+            ik.set_weights("tool", wrong)
+
+
+def test_joints_stand_where_they_are_asked_to():
+    model = panda()
+    ik = Ik(model, {"tool": PositionTask(TOOL), "rest": DampingTask()}, START)
+    ik.set_target("tool", ik.pose(START, TOOL)[:3, 3] + [0.0, 0.2, 0.0])
+    q = START
+    for _ in range(100):
+        q = ik.step(q, 1e-3).q
+    moving = ik.step(q, 1e-3).velocity[0]
+    velocities = [ik.step(q, 1e-3, within={"panda_joint1": (0.0, 0.0)}).velocity[0] for _ in range(200)]
+    # The joint brakes within its limit, and then stands.
+    assert abs(moving) > 0.05 and velocities[-1] == 0.0
+    assert np.abs(np.diff([moving, *velocities])).max() <= model.limits["acceleration"][0] * 1e-3 * (1 + 1e-6)
+    with pytest.raises(ValueError, match="the lower one first"):
+        ik.step(q, 1e-3, within={"panda_joint1": (1.0, 0.0)})
+    with pytest.raises(ahqp.Error, match="elbow"):
+        ik.step(q, 1e-3, within={"elbow": (0.0, 0.0)})

@@ -39,6 +39,8 @@ pub(super) struct CommandedMotion {
     pub(super) reference: Vec<f64>,
     /// Whether each joint follows positions.
     pub(super) follows_position: Vec<bool>,
+    /// Velocities of the joints as measured or predicted; empty if they are unknown.
+    measured_velocity: Vec<f64>,
     /// Time between the last two ticks before this one \[s\].
     elapsed_before: f64,
     /// q̇* before the last tick, and its rate of change in it.
@@ -97,6 +99,7 @@ impl CommandedMotion {
             base_drive,
             reference: configuration.to_vec(),
             follows_position: vec![false; n],
+            measured_velocity: Vec::with_capacity(n),
             elapsed_before: settings.period,
             last_velocity: rest.clone(),
             acceleration: rest.clone(),
@@ -137,6 +140,12 @@ impl CommandedMotion {
     pub(super) fn resynchronise(&mut self) {
         self.following_error.resynchronise();
         self.acceleration.fill(0.0);
+    }
+
+    /// Takes the velocities of the joints, as measured or predicted.
+    pub(super) fn set_measured_velocity(&mut self, velocity: &[f64]) {
+        self.measured_velocity.clear();
+        self.measured_velocity.extend_from_slice(velocity);
     }
 
     /// Takes the measured configuration, moves the robot to the one that tasks see, and keeps the commanded state near
@@ -210,7 +219,9 @@ impl CommandedMotion {
         let (base, arm) = motion.split_at(self.base);
         write_intervals(limits.0, base, scale, times, of_base);
         write_intervals(limits.1, arm, scale, times, of_arm);
-        bound_held_acceleration(arm.velocity, times.step, of_arm);
+        let measured = self.measured_velocity.get(of_base.len()..);
+        let measured = measured.filter(|own| !own.is_empty()).unwrap_or(arm.velocity);
+        bound_held_acceleration(arm.velocity, measured, times.step, of_arm);
         if let Some(drive) = &self.base_drive {
             drive.write(&command.joint_velocity, times.step, joints, &mut self.gentle);
         }

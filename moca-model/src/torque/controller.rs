@@ -277,6 +277,11 @@ impl TorqueController {
         self.delay = delay.max(0.0);
     }
 
+    /// Says whether the robot did not take the last commands.
+    pub(crate) fn set_unheard(&mut self, is_unheard: bool) {
+        self.prediction.set_unheard(is_unheard);
+    }
+
     /// The assumed delay of measurements beyond their age \[s\].
     pub fn delay(&self) -> f64 {
         self.delay
@@ -344,6 +349,7 @@ impl TorqueController {
         self.sense_force(usable, self.watch.age() == 0.0);
         let configuration =
             if usable.position { self.prediction.position() } else { measured.position };
+        self.controller.set_measured_velocity(self.prediction.velocity());
         let outcome = self.controller.step(now, configuration).map(|_| ());
         self.write_law(usable);
         self.apply();

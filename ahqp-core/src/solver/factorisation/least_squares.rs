@@ -6,7 +6,7 @@ use crate::linalg::vector::{add_scaled, dot, norm, reflector};
 use crate::solver::data::ProblemData;
 use crate::solver::tolerances::ROUNDING;
 
-/// WarmStartState of one least-squares problem, allocated once.
+/// Working memory of one least-squares problem, allocated once.
 #[derive(Debug, Clone)]
 pub(super) struct LeastSquares {
     /// One pivot row and all dependent rows, with `stride` entries each.
@@ -16,9 +16,11 @@ pub(super) struct LeastSquares {
     /// The factor L' and its targets.
     triangular: Vec<f64>,
     triangular_target: Vec<f64>,
-    /// Contribution of the coordinates of earlier groups to each row of the group.
-    known: Vec<f64>,
+    /// Target of each row of the group, less the contribution of the coordinates of earlier groups.
+    remaining: Vec<f64>,
     column: Vec<f64>,
+    /// The group's own coordinates at the minimum.
+    solution: Vec<f64>,
 }
 
 impl LeastSquares {
@@ -29,8 +31,9 @@ impl LeastSquares {
             target: vec![0.0; rows + 1],
             triangular: vec![0.0; variables * stride],
             triangular_target: vec![0.0; variables],
-            known: vec![0.0; rows],
+            remaining: vec![0.0; rows],
             column: vec![0.0; rows + 1],
+            solution: vec![0.0; variables],
         }
     }
 
@@ -60,32 +63,82 @@ impl LeastSquares {
 }
 
 impl Factorisation {
-    /// Minimises ½‖[L; D] t − c‖² + dᵀt over the group's own coordinates t, with pivots L and
-    /// dependent rows D.
-    ///
-    /// From the last column to the first, a reflection of a pivot row and all dependent rows
-    /// removes the column from the dependent rows: [L; D] = Q' [L'; 0] with a lower triangular L'.
-    /// The pivots are the heavier rows. Coordinates before `from` are taken as zero.
+    /// Computes the group's own coordinates at the minimum of its least squares. Coordinates before
+    /// `from` are taken as zero.
     pub(super) fn decide_least_squares(&mut self, data: &ProblemData, group: usize, from: usize) {
         let n = self.stride;
         let Group { start, end, rank, first_pivot: first, linear_of, .. } = self.groups[group];
+        let remaining = &mut self.least_squares.remaining[..end - start];
+        multiply_rows(&self.rows[start * n + from..], n, &self.y[from..first], remaining);
+        for (remaining, target) in remaining.iter_mut().zip(&self.target[start..end]) {
+            *remaining = target - *remaining;
+        }
+        self.solve_least_squares(data, group, linear_of);
+        self.y[first..first + rank].copy_from_slice(&self.least_squares.solution[..rank]);
+    }
+
+    /// Returns the rounding in the residual of the stacked row `at` of the group that comes from the
+    /// rows that decide x.
+    ///
+    /// The minimum follows the targets. Errors δ of these change the residuals by (I − P) δ, where P
+    /// projects onto the range of the rows. No share of an error exceeds one, also where rows nearly
+    /// agree. The rows summed with these shares depend on the pivots of earlier groups alone, and
+    /// show the share of their errors.
+    pub(crate) fn rounding_of_point(
+        &mut self,
+        data: &ProblemData,
+        group: usize,
+        at: usize,
+        x_norm: f64,
+    ) -> f64 {
+        let n = self.stride;
+        let Group { start, end, rank, first_pivot: first, .. } = self.groups[group];
+        self.least_squares.remaining[..end - start].fill(0.0);
+        self.least_squares.remaining[at - start] = 1.0;
+        self.solve_least_squares(data, group, None);
+        let LeastSquares { remaining, solution, .. } = &self.least_squares;
+        let mut left = std::mem::take(&mut self.turned);
+        left.fill(0.0);
+        let mut rounding = 0.0;
+        for (index, unit) in remaining[..end - start].iter().enumerate() {
+            let (place, width) = ((start + index) * n, rank.min(index + 1));
+            let row = &self.rows[place..place + first + width];
+            let share = unit - dot(&row[first..], &solution[..width]);
+            rounding += share.abs() * data.rounding(self.stacked[start + index], x_norm);
+            add_scaled(&mut left[..first], share, &row[..first]);
+        }
+        for coordinate in (0..first).rev() {
+            let pivot = self.pivots[coordinate];
+            let row = &self.rows[pivot * n..=pivot * n + coordinate];
+            let part = left[coordinate] / row[coordinate];
+            add_scaled(&mut left[..coordinate], -part, &row[..coordinate]);
+            rounding += part.abs() * data.rounding(self.stacked[pivot], x_norm);
+        }
+        self.turned = left;
+        rounding
+    }
+
+    /// Minimises ½‖[L; D] t − c‖² + dᵀt over the group's own coordinates t, with pivots L and
+    /// dependent rows D. The targets c are `remaining`.
+    ///
+    /// From the last column to the first, a reflection of a pivot row and all dependent rows
+    /// removes the column from the dependent rows: [L; D] = Q' [L'; 0] with a lower triangular L'.
+    /// The pivots are the heavier rows.
+    fn solve_least_squares(&mut self, data: &ProblemData, group: usize, linear_of: Option<usize>) {
+        let n = self.stride;
+        let Group { start, end, rank, first_pivot: first, .. } = self.groups[group];
         if rank == 0 {
             return;
         }
         let stride = rank.next_multiple_of(LANES);
         let count = end - start - rank;
         let squares = &mut self.least_squares;
-        let known = &mut squares.known[..end - start];
-        multiply_rows(&self.rows[start * n + from..], n, &self.y[from..first], known);
-        for (known, target) in known.iter_mut().zip(&self.target[start..end]) {
-            *known = target - *known;
-        }
-        let least = ROUNDING * norm(known);
+        let least = ROUNDING * norm(&squares.remaining[..end - start]);
         let entries = |index: usize, width: usize| {
             let place = (start + index) * n + first;
             &self.rows[place..place + width]
         };
-        squares.target[1..=count].copy_from_slice(&squares.known[rank..end - start]);
+        squares.target[1..=count].copy_from_slice(&squares.remaining[rank..end - start]);
         for (index, row) in (rank..).zip(squares.stack.chunks_exact_mut(stride).skip(1)).take(count)
         {
             // Rounding of rotations of a heavy row would act as a force on light rows.
@@ -98,7 +151,7 @@ impl Factorisation {
         for j in (0..rank).rev() {
             squares.stack[..=j].copy_from_slice(entries(j, j + 1));
             squares.stack[j + 1..stride].fill(0.0);
-            squares.target[0] = squares.known[j];
+            squares.target[0] = squares.remaining[j];
             if count > 0 {
                 squares.reflect(j, count, stride, least);
             }
@@ -106,7 +159,7 @@ impl Factorisation {
             squares.triangular[row..=row + j].copy_from_slice(&squares.stack[..=j]);
             squares.triangular_target[j] = squares.target[0];
         }
-        let LeastSquares { triangular, triangular_target: target, .. } = squares;
+        let LeastSquares { triangular, triangular_target: target, solution: y, .. } = squares;
         let row = |j: usize| &triangular[j * stride..=j * stride + j];
         if let Some(level) = linear_of {
             // Solves L'ᵀ (L' t − c') = −d.
@@ -119,7 +172,6 @@ impl Factorisation {
                 add_scaled(&mut linear[..j], -part, row(j));
             }
         }
-        let y = &mut self.y[first..first + rank];
         for j in 0..rank {
             y[j] = (target[j] - dot(&row(j)[..j], &y[..j])) / row(j)[j];
         }

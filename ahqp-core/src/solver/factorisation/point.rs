@@ -230,53 +230,6 @@ impl Factorisation {
         }
     }
 
-    /// Returns the part of the rounding in a x that comes from x, for a stacked row of the group. The rows that
-    /// decide x hold up to their own rounding, and to a share of the rounding of rows that depend on them.
-    ///
-    /// The least squares of v − b and p v − c moves v by the share p / (1 + p²) of an error in c.
-    pub(crate) fn rounding_of_point(
-        &mut self,
-        data: &ProblemData,
-        group: usize,
-        at: usize,
-        x_norm: f64,
-    ) -> f64 {
-        let Group { start, end, rank, .. } = self.groups[group];
-        let mut rounding = 0.0;
-        if at >= start + rank {
-            self.for_each_part(group, at, |id, _, part| {
-                rounding += part.abs() * data.rounding(id, x_norm);
-            });
-            return rounding;
-        }
-        for dependent in start + rank..end {
-            let own = data.rounding(self.stacked[dependent], x_norm);
-            self.for_each_part(group, dependent, |_, pivot, part| {
-                if pivot == at {
-                    rounding += own * part.abs() / (1.0 + part * part);
-                }
-            });
-        }
-        rounding
-    }
-
-    /// Splits a row into shares of the rows that decide x. Calls `each` with the id, the place in the stack and the
-    /// share of each of them.
-    fn for_each_part(&mut self, group: usize, at: usize, mut each: impl FnMut(usize, usize, f64)) {
-        let n = self.stride;
-        let Group { rank, first_pivot, .. } = self.groups[group];
-        let mut left = std::mem::take(&mut self.turned);
-        left.copy_from_slice(&self.rows[at * n..(at + 1) * n]);
-        for coordinate in (0..first_pivot + rank).rev() {
-            let pivot = self.pivots[coordinate];
-            let row = &self.rows[pivot * n..(pivot + 1) * n];
-            let part = left[coordinate] / row[coordinate];
-            add_scaled(&mut left[..coordinate], -part, &row[..coordinate]);
-            each(self.stacked[pivot], pivot, part);
-        }
-        self.turned = left;
-    }
-
     /// Returns true if a dependent row of the group has a force near the rank threshold, after the pivots are
     /// subtracted. The force is along an earlier coordinate or along a variable at a bound. If
     /// other bounds are active, the rank tolerance may neglect it.

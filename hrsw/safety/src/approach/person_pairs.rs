@@ -45,10 +45,7 @@ impl ApproachRows {
             self.see(Nearest { robot, other, distance: near.distance, required, approach });
             let assumed = part.human_speed(speed.map(|speed| speed.worst));
             if near.distance < self.settings.protective_distance(assumed, 0.0) {
-                let may_approach =
-                    near.distance >= self.settings.protective_distance(human_speed, 0.0);
-                let distance = near.distance;
-                self.violations.take((robot, body), part, distance, may_approach, &self.settings);
+                self.violations.take((robot, body), part, &self.settings);
             }
         }
         let id = PointId { robot, other, end: None };

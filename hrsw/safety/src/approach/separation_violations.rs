@@ -45,30 +45,19 @@ impl SeparationViolations {
         self.too_near = false;
     }
 
-    /// Takes a pair that may not touch. `distance` is the distance as seen \[m\].
-    ///
-    /// If `may_approach` is true, the distance satisfies the protective distance of a robot at
-    /// rest. The pair then counts only if the part may be about to touch the robot.
+    /// Takes a pair that may not touch and is nearer than the protective distance of a robot at rest from a part as fast
+    /// as it may be.
     pub(super) fn take(
         &mut self,
         (robot, body): (usize, &RobotBody),
         part: &PersonBody,
-        distance: f64,
-        may_approach: bool,
         settings: &SeparationSettings,
     ) {
         let (moved, spread) = part.since_seen();
         let error = settings.human_uncertainty + spread;
         let too_near = error + settings.intrusion + settings.robot_uncertainty;
-        // The part has come closer by no more than it has moved.
-        if may_approach && distance > too_near + moved.norm() {
-            return;
-        }
         let near = proximity(&body.capsule, &part.capsule.moved(&moved));
         self.too_near |= near.distance < too_near;
-        if may_approach {
-            return;
-        }
         if self.pairs.len() == ROOM {
             self.overflows = true;
             return;

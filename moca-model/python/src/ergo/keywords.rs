@@ -34,7 +34,7 @@ macro_rules! keyword_class {
 pub(super) use keyword_class;
 
 /// Reads one of the given words.
-pub(super) fn word<T: Copy>(name: &str, value: &str, words: &[(&str, T)]) -> Result<T> {
+pub(crate) fn word<T: Copy>(name: &str, value: &str, words: &[(&str, T)]) -> Result<T> {
     words.iter().find(|(word, _)| *word == value).map(|(_, found)| *found).ok_or_else(|| {
         let words: Vec<_> = words.iter().map(|(word, _)| format!("\"{word}\"")).collect();
         let known = words.join(", ");
@@ -42,7 +42,7 @@ pub(super) fn word<T: Copy>(name: &str, value: &str, words: &[(&str, T)]) -> Res
     })
 }
 
-pub(super) fn side(value: &str) -> Result<Side> {
+pub(crate) fn side(value: &str) -> Result<Side> {
     word("side", value, &[("left", Side::Left), ("right", Side::Right)])
 }
 

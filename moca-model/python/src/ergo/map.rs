@@ -35,7 +35,7 @@ type Vector<'py> = Bound<'py, PyArray1<f64>>;
 /// Positions are in the person's frame [m]: origin on the floor below the pelvis, x forward, y left, z
 /// up. Building releases the interpreter's lock and uses all cores.
 #[pyclass(frozen, module = "ahqp.ergo")]
-pub(crate) struct ErgonomicsMap(ergo_map::ErgonomicsMap);
+pub(crate) struct ErgonomicsMap(pub(crate) ergo_map::ErgonomicsMap);
 
 #[pymethods]
 impl ErgonomicsMap {
@@ -168,7 +168,7 @@ fn read_region(corners: Option<(Bound<'_, PyAny>, Bound<'_, PyAny>)>) -> Result<
 
 /// e(x) = ½ xᵀ H x + gᵀ x + c of a hand position x [m], convex.
 #[pyclass(frozen, module = "ahqp.ergo")]
-pub(crate) struct Quadratic(ergo_map::ErgonomicsQuadratic);
+pub(crate) struct Quadratic(pub(crate) ergo_map::ErgonomicsQuadratic);
 
 #[pymethods]
 impl Quadratic {

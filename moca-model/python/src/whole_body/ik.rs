@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use ahqp_core::Budget;
+use ahqp_core::{Budget, VelocityInterval};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -12,10 +12,10 @@ use whole_body::stack::TaskLevel;
 
 use super::limits::Limit;
 use super::model::Model;
-use super::targets::Target;
+use super::targets::{Target, write_rows};
 use super::tasks::{
     AxisTask, CentreOfMassTask, DampingTask, FrameTask, JointCouplingTask, OrientationTask,
-    PositionTask, PostureTask, PythonTask, RelativeFrameTask,
+    PositionTask, PostureTask, PythonTask, RelativeFrameTask, VelocityTask,
 };
 use crate::arrays::{pose_to_array, to_vector, vector_of, with_slice};
 use crate::failure::{Failure, Result};
@@ -33,14 +33,15 @@ use crate::shared::Shared;
 ///     Tasks by their names, highest priority first. A dict in place of a task is a level of several tasks.
 /// hold : array_like, shape (position_count,), optional
 ///     The configuration of the robot at rest: tasks without a target hold the state there.
-/// limits : dict of str to WheelLimit or FrameVelocityLimit, optional
+/// limits : dict of str to WheelLimit, FrameVelocityLimit or VelocityTask, optional
 ///     Hard limits in addition to those of the joints.
 /// singularity_threshold : float
 ///     Singular value below which directions are damped, from 0 (never) to 1.
 /// iterations : int, optional
 ///     Largest number of iterations of one step.
 ///
-/// Limits never contradict each other, and hold in every step. Steps release the interpreter's lock.
+/// Limits never contradict each other, and hold in every step. Steps release the interpreter's lock. Tasks and limits
+/// stay, and change from step to step: targets, rows, weights (0 switches a task off), and joints that stand.
 #[pyclass(frozen, module = "ahqp.whole_body")]
 pub(crate) struct Ik(Shared<State>);
 
@@ -48,6 +49,8 @@ pub(crate) struct Ik(Shared<State>);
 struct State {
     ik: whole_body::Ik,
     targets: HashMap<String, Target>,
+    /// Limits with rows of the caller.
+    limits: HashMap<String, Target>,
 }
 
 #[pymethods]
@@ -69,9 +72,12 @@ impl Ik {
             singularity_threshold,
             ..IkSettings::default()
         });
+        let mut rows = HashMap::new();
         for (name, limit) in limits.into_iter().flatten() {
             let name: String = name.extract()?;
-            limit.extract::<Limit<'_>>()?.add(model, &name, &mut builder)?;
+            if let Some(limit) = limit.extract::<Limit<'_>>()?.add(model, &name, &mut builder)? {
+                rows.insert(name, limit);
+            }
         }
         let mut targets = HashMap::new();
         for (name, value) in tasks {
@@ -94,7 +100,7 @@ impl Ik {
                 with_slice(&q, |q| builder.build_at(q))?
             }
         };
-        Ok(Self(Shared::new("Ik", State { ik, targets })))
+        Ok(Self(Shared::new("Ik", State { ik, targets, limits: rows })))
     }
 
     /// Sets the target of a task and its velocity: (3,) for a point or an orientation in the world's axes, (6,) for a
@@ -107,21 +113,57 @@ impl Ik {
         velocity: Option<&Bound<'_, PyAny>>,
     ) -> Result<()> {
         let mut state = self.0.lock()?;
-        let State { ik, targets } = &mut *state;
+        let State { ik, targets, .. } = &mut *state;
         find(targets, task)?.set(ik, target, velocity)
     }
 
+    /// Writes the rows lower ≤ A q̇ ≤ upper of a VelocityTask or of such a limit, which hold until they are written
+    /// again: A (rows, n), lower and upper (rows,), infinite where there is no bound.
+    #[allow(non_snake_case)] // the matrix's name
+    fn set_rows(
+        &self,
+        task: &str,
+        A: &Bound<'_, PyAny>,
+        lower: &Bound<'_, PyAny>,
+        upper: &Bound<'_, PyAny>,
+    ) -> Result<()> {
+        let mut state = self.0.lock()?;
+        let State { ik, targets, limits } = &mut *state;
+        let found = limits.get(task).copied().map_or_else(|| find(targets, task), Ok)?;
+        let Target::Velocity(id, count) = found else {
+            return Err(Failure::value(format!(
+                "task `{task}` is no VelocityTask: it has no rows"
+            )));
+        };
+        write_rows(ik.task_mut(id)?, count, [A, lower, upper])
+    }
+
+    /// Sets other weights of a task, of the shape that it documents. Weights of 0 switch it off.
+    fn set_weights(&self, task: &str, weights: &Bound<'_, PyAny>) -> Result<()> {
+        let mut state = self.0.lock()?;
+        let State { ik, targets, .. } = &mut *state;
+        find(targets, task)?.weigh(ik, weights)
+    }
+
     /// The velocities for the next `period` [s], with the robot at the configuration `q`, shape
-    /// (position_count,), and the velocity of the last step.
+    /// (position_count,), and the velocity of the last step. `within` is a dict of joints to their lowest and highest
+    /// velocities [rad/s or m/s]. It counts as far as their limits allow, and (0, 0) lets a joint stand.
     ///
     /// Raises `Error` for a target that was never set, or an invalid q; `brake` stops the robot.
-    fn step(slf: &Bound<'_, Self>, q: &Bound<'_, PyAny>, period: f64) -> Result<Step> {
+    #[pyo3(signature = (q, period, within=None))]
+    fn step(
+        slf: &Bound<'_, Self>,
+        q: &Bound<'_, PyAny>,
+        period: f64,
+        within: Option<&Bound<'_, PyDict>>,
+    ) -> Result<Step> {
         let py = slf.py();
         let mut state = slf.get().0.lock()?;
-        let State { ik, targets } = &mut *state;
+        let State { ik, targets, .. } = &mut *state;
         let q = vector_of("q", q, ik.model().position_count())?.as_array().to_vec();
+        let within = intervals(ik.model(), within)?;
         py.detach(|| {
-            let step = ik.step(&q, period)?;
+            let step = ik.step_within(&q, period, &within)?;
             let slack =
                 |(name, target): (&String, &Target)| Ok((name.clone(), target.slack(step)?));
             let mut end = q;
@@ -202,7 +244,8 @@ fn push(
         AxisTask,
         PostureTask,
         DampingTask,
-        JointCouplingTask
+        JointCouplingTask,
+        VelocityTask
     );
     if targets.insert(name.clone(), target).is_some() {
         return Err(Failure::value(format!("there are two tasks named `{name}`")));
@@ -217,6 +260,29 @@ fn find(targets: &HashMap<String, Target>, name: &str) -> Result<Target> {
         let known = names.join(", ");
         Failure::value(format!("there is no task `{name}`; the tasks are {known}"))
     })
+}
+
+/// Returns an interval of velocities for each entry of q̇, or none at all. Other joints than those of `within` are free.
+fn intervals(
+    model: &whole_body::Model,
+    within: Option<&Bound<'_, PyDict>>,
+) -> Result<Vec<VelocityInterval>> {
+    let Some(within) = within else { return Ok(Vec::new()) };
+    let free = VelocityInterval { lower: f64::NEG_INFINITY, upper: f64::INFINITY };
+    let mut intervals = vec![free; model.velocity_count()];
+    for (joint, range) in within {
+        let (joint, (lower, upper)): (String, (f64, f64)) = (joint.extract()?, range.extract()?);
+        if lower.is_nan() || upper.is_nan() || lower > upper {
+            let text =
+                format!("within[\"{joint}\"] is ({lower}, {upper}); give the lower one first");
+            return Err(Failure::value(text));
+        }
+        let index = model.joint(model.joint_id(&joint)?)?.velocity_index;
+        if let Some(interval) = intervals.get_mut(index) {
+            *interval = VelocityInterval { lower, upper };
+        }
+    }
+    Ok(intervals)
 }
 
 fn kind_name(kind: LimitKind) -> &'static str {

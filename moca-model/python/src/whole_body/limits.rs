@@ -4,6 +4,8 @@ use nalgebra::Vector3;
 use pyo3::prelude::*;
 use whole_body::ik::IkBuilder;
 
+use super::targets::Target;
+use super::tasks::VelocityTask;
 use crate::arrays::{numbers, vector, with_slice};
 use crate::failure::Result;
 
@@ -64,21 +66,27 @@ impl FrameVelocityLimit {
     }
 }
 
-/// A limit of either kind.
+/// A limit of any kind.
 #[derive(FromPyObject)]
 pub(crate) enum Limit<'py> {
     Wheels(PyRef<'py, WheelLimit>),
     Frame(PyRef<'py, FrameVelocityLimit>),
+    Rows(PyRef<'py, VelocityTask>),
 }
 
 impl Limit<'_> {
+    /// Adds the limit. The result sets its rows, if it has rows of the caller.
     pub(crate) fn add(
         &self,
         model: &whole_body::Model,
         name: &str,
         builder: &mut IkBuilder,
-    ) -> Result<()> {
+    ) -> Result<Option<Target>> {
         match self {
+            Self::Rows(task) => {
+                let id = builder.limit(name, task.rows()?);
+                return Ok(Some(Target::Velocity(id, task.count())));
+            }
             Self::Wheels(limit) => {
                 builder.limit(name, limit.0.clone());
             }
@@ -89,6 +97,6 @@ impl Limit<'_> {
                 builder.limit(name, if limit.local { task.in_local_axes() } else { task });
             }
         }
-        Ok(())
+        Ok(None)
     }
 }

@@ -3,6 +3,7 @@
 use nalgebra::{Unit, Vector3, Vector6};
 use pyo3::prelude::*;
 use whole_body::Model;
+use whole_body::robot::JointKind;
 use whole_body::stack::TaskLevel;
 use whole_body::tasks::{Axis, Feedback};
 
@@ -287,7 +288,9 @@ impl PythonTask for PostureTask {
             let ids = joints.iter().map(|joint| Ok(model.joint_id(joint)?));
             task = task.of_joints(&ids.collect::<Result<Vec<_>>>()?);
         }
-        Ok(Target::Posture(level.push(name, task)))
+        let all = model.joints().iter().filter(|joint| joint.kind != JointKind::Floating);
+        let rows = self.joints.as_ref().map_or(all.count(), Vec::len);
+        Ok(Target::Posture(level.push(name, task), rows))
     }
 }
 
@@ -341,5 +344,59 @@ impl PythonTask for JointCouplingTask {
         let joints = self.joints.iter().map(joint).collect::<Result<Vec<_>>>()?;
         let task = whole_body::tasks::JointCouplingTask::new(&joints).with_weight(self.weight);
         Ok(Target::JointCoupling(level.push(name, task)))
+    }
+}
+
+/// Rows lower ≤ A q̇ ≤ upper that the caller writes, as a task or as a hard limit: velocities, distances to obstacles,
+/// rows of another program. Rows that were not written bound nothing.
+///
+/// `VelocityTask(rows, *, weights=None)`: the number of rows, weights (rows,). `Ik.set_rows` writes them.
+#[pyclass(frozen, module = "ahqp.whole_body")]
+pub(crate) struct VelocityTask {
+    rows: usize,
+    weights: Vec<f64>,
+}
+
+#[pymethods]
+impl VelocityTask {
+    #[new]
+    #[pyo3(signature = (rows, *, weights=None))]
+    fn new(rows: usize, weights: Option<&Bound<'_, PyAny>>) -> Result<Self> {
+        let weights = list(weights)?;
+        if !weights.is_empty() && weights.len() != rows {
+            let found = weights.len();
+            return Err(Failure::value(format!(
+                "weights has {found} entries; it must have {rows}"
+            )));
+        }
+        if !(1..=MOST_ROWS).contains(&rows) {
+            return Err(Failure::value(format!("rows is {rows}; it must be 1 to {MOST_ROWS}")));
+        }
+        Ok(Self { rows, weights })
+    }
+}
+
+/// Largest number of rows of a task.
+const MOST_ROWS: usize = 1000;
+
+impl VelocityTask {
+    /// Returns the number of rows.
+    pub(crate) fn count(&self) -> usize {
+        self.rows
+    }
+
+    /// Returns the task, without any row yet.
+    pub(crate) fn rows(&self) -> Result<whole_body::tasks::VelocityTask> {
+        let mut task = whole_body::tasks::VelocityTask::new(self.rows);
+        for (row, weight) in self.weights.iter().enumerate() {
+            task.set_weight(row, *weight)?;
+        }
+        Ok(task)
+    }
+}
+
+impl PythonTask for VelocityTask {
+    fn push(&self, _model: &Model, level: &mut TaskLevel, name: &str) -> Result<Target> {
+        Ok(Target::Velocity(level.push(name, self.rows()?), self.rows))
     }
 }

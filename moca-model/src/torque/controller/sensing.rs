@@ -56,7 +56,7 @@ impl TorqueController {
             MeasurementFault::Frozen => Fault::FrozenMeasurement,
         });
         // The commanded state restarts, so that no motion is made up for when measurements return.
-        if fault.is_some() || self.is_lost {
+        if self.prediction.is_recovering() {
             self.controller.restart();
         }
         self.is_lost = fault.is_some();

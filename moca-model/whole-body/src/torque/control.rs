@@ -100,8 +100,6 @@ pub struct TorqueControl {
     watch: MeasurementWatch,
     /// State prediction of the joints with torque drives.
     prediction: StatePrediction,
-    /// Whether the measurements of the last tick were faulty.
-    is_lost: bool,
     resynchronisation: Resynchronisation,
     following: Following,
     /// q*.
@@ -148,7 +146,6 @@ impl TorqueControl {
             support: SupportTorque::new(model, settings.compensation, settings.rotor_inertia)?,
             watch: MeasurementWatch::new(joints.len()),
             prediction: StatePrediction::new(&position, &driven),
-            is_lost: false,
             position: measured.to_vec(),
             velocity: all.clone(),
             acceleration: all.clone(),
@@ -193,13 +190,11 @@ impl TorqueControl {
         self.model.check_configuration(measured.position)?;
         self.predict(&measured, age, period)?;
         let rests = velocity.iter().all(|velocity| *velocity == 0.0);
-        let lost = self.watch.fault().is_some();
         // The desired state restarts from the measured one, so that no error of the time without measurements is
         // corrected.
-        if lost || self.is_lost {
+        if self.prediction.is_recovering() {
             self.resynchronisation.restart();
         }
-        self.is_lost = lost;
         self.following = self.resynchronisation.clamp(&mut self.desired, &self.position, rests)?;
         self.advance(velocity, period);
         self.support(velocity)?;

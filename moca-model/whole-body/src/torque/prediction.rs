@@ -12,23 +12,26 @@ const FADE: f64 = 4e-3;
 /// Time in which the weight returns after measurements were overdue \[s\]. It is the time in which such joints come to
 /// rest.
 const RETURN: f64 = 0.2;
-/// Time constant with which joints without measurements are brought to rest \[s\]. Commanded accelerations could need
-/// torques that the torque rate cannot follow, and the joints would lag differently.
-const BRAKING: f64 = 0.2;
+/// Time constants with which joints are brought to rest, without measurements and after them \[s\]. Commanded
+/// accelerations could need torques that the torque rate cannot follow, and the joints would lag differently. Measured
+/// joints are also held against friction that is not modelled.
+const BRAKING: f64 = 0.1;
+const SETTLING: f64 = 0.05;
 /// Number of ticks whose commanded accelerations are stored, at least those of 8 ms.
 const REMEMBERED: usize = 16;
 
 /// Predicts the present positions and velocities of joints from what was measured `age` seconds ago.
 ///
 /// Each joint is assumed to accelerate as commanded since the measurement, â = q̈*. Once the next measurement is
-/// overdue ([`MeasurementWatch::awaited`](crate::torque::MeasurementWatch::awaited)), a joint with a torque drive is
-/// brought to rest, â = −v̂ / 0.2 s. The predictions are v̂ = v + ∫ â dt and q̂ = q + ∫ v̂ dt.
+/// overdue ([`MeasurementWatch::awaited`](crate::torque::MeasurementWatch::awaited)) or the robot does not take commands
+/// ([`set_unheard`](Self::set_unheard)), joints with torque drives are brought to rest: â = c q̈* − (1 − c) v̂ / T. The
+/// confidence c is the lowest weight since, and returns to 1 within 0.2 s. T is 0.1 s without measurements, else 0.05 s.
+/// The predictions are v̂ = v + ∫ â dt and q̂ = q + ∫ v̂ dt.
 ///
-/// The weight w says how far the measurement can be trusted. It is 1 up to an age of 2.5 ms, then 2.5 ms over the age, and
-/// falls to 0 from 8 to 12 ms. After measurements were overdue it returns within 0.2 s, since q̇* has changed otherwise
-/// than q̇. Springs and dampers on the predicted state are weighted by it
-/// ([`towards`](Self::towards)), because a damper on an old velocity is a constant push. The model provides the
-/// remaining share 1 − w of M(q̂) â + C(q̂, v̂) v̂.
+/// The weight w says how far the measurement can be trusted. It is 1 up to an age of 2.5 ms, then 2.5 ms over the age,
+/// and falls to 0 from 8 to 12 ms. It is at most c, since q̇* has meanwhile changed otherwise than q̇. Springs and dampers
+/// on the predicted state are weighted by it ([`towards`](Self::towards)), because a damper on an old velocity is a
+/// constant push. The model provides the remaining share 1 − w of M(q̂) â + C(q̂, v̂) v̂.
 ///
 /// ```
 /// use whole_body::torque::{JointState, StatePrediction};
@@ -71,8 +74,10 @@ pub struct StatePrediction {
     age: f64,
     /// Whether the next measurement is overdue.
     is_overdue: bool,
-    /// Upper bound of the weight.
+    /// The confidence c, an upper bound of the weight.
     trust: f64,
+    /// Whether the robot did not take the last commands.
+    is_unheard: bool,
 }
 
 /// The weight of a measurement of this age \[s\], 0 to 1. It is 0 if the age is NaN.
@@ -98,6 +103,7 @@ impl StatePrediction {
             age: 0.0,
             is_overdue: false,
             trust: 1.0,
+            is_unheard: false,
         }
     }
 
@@ -126,6 +132,9 @@ impl StatePrediction {
         } else {
             (self.trust + period / RETURN).min(1.0)
         };
+        if self.is_unheard {
+            self.trust = 0.0;
+        }
         self.accelerate(period);
         if self.is_overdue {
             let joints = self.position.iter_mut().zip(&mut self.velocity).zip(&self.acceleration);
@@ -146,12 +155,18 @@ impl StatePrediction {
     /// Computes â of this tick.
     fn accelerate(&mut self, period: f64) {
         let Some(changes) = self.changes.get(self.newest) else { return };
+        let braking = if self.is_overdue { BRAKING } else { SETTLING };
         let joints =
             self.acceleration.iter_mut().zip(changes).zip(&self.velocity).zip(&self.driven);
         for (((acceleration, change), velocity), is_driven) in joints {
-            let is_lost = *is_driven && self.is_overdue;
-            *acceleration = if is_lost { -velocity / BRAKING } else { change / period };
+            let trust = if *is_driven { self.trust } else { 1.0 };
+            *acceleration = trust * change / period - (1.0 - trust) * velocity / braking;
         }
+    }
+
+    /// Sets whether the robot does not take commands. The weight is zero meanwhile.
+    pub fn set_unheard(&mut self, is_unheard: bool) {
+        self.is_unheard = is_unheard;
     }
 
     fn remember(&mut self, commanded: &[f64]) {
@@ -194,6 +209,12 @@ impl StatePrediction {
     /// The weight of the measurement, 0 to 1.
     pub fn weight(&self) -> f64 {
         weight(self.age).min(self.trust)
+    }
+
+    /// Whether c is below 1, because measurements were overdue or commands lost. The desired position should then
+    /// restart from the measured one in each tick, so that no error of that time is corrected.
+    pub fn is_recovering(&self) -> bool {
+        self.trust < 1.0
     }
 
     /// The way in which torques change: together while measurements do not have full weight.

@@ -1,0 +1,60 @@
+"""Runs the cells of the notebook in which MOCA follows a person, and judges what MuJoCo says of the run.
+
+    python notebook.py moca-model/python/examples/moca_in_mujoco.ipynb
+"""
+
+import json
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+MOST_LINES = 60
+LONGEST = 20.0  # s
+# From hips to wrist of the robot: the work zone, the drill, half of the box, and what is aside [m].
+FARTHEST = np.hypot(0.75 + 0.2 + 0.06, 0.5)
+SPEED = np.array([1.5, 1.5, 3.0, 2.175, 2.175, 2.175, 2.175, 2.61, 2.61, 2.61])  # m/s, rad/s: the URDF's
+
+
+def run(path):
+    """Returns the names of the notebook, and the number of its lines of code."""
+    cells = json.loads(Path(path).read_text())["cells"]
+    code = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
+    names = {}
+    for number, cell in enumerate(code, 1):
+        exec(compile(cell, f"{path}, cell {number}", "exec"), names)
+    return names, sum(1 for cell in code for line in cell.splitlines() if line.strip())
+
+
+def findings(names, lines, seconds):
+    """Gives what is wrong."""
+    hand, person, base = np.array(names["paths"]).transpose(1, 0, 2)
+    commands = names["commands"]
+    distance = np.linalg.norm(hand - person, axis=1)[2000:]
+    walk, drive = person[-1] - person[0], base[-1] - base[0]
+    phases = list(dict.fromkeys(command.phase for command in commands))
+    faults = {command.fault for command in commands} - {None}
+    states = {command.safety for command in commands} - {"normal", "reduced"}
+    speed = max(np.abs(command.velocity / SPEED).max() for command in commands)
+    if phases != ["apart", "working", "walking"] or commands[-1].phase != "working":
+        yield f"the phases are {phases}, and {commands[-1].phase} at the end"
+    if faults or states:
+        yield f"faults {faults}, safety states {states}"
+    if not 0.2 < distance.min() <= distance.max() < FARTHEST:
+        yield f"the hand is {distance.min():.2f} to {distance.max():.2f} m from the person's hips"
+    if np.linalg.norm(walk) < 0.9 or np.linalg.norm(drive - walk) > 0.5 * np.linalg.norm(walk):
+        yield f"the person walks {walk} m, the base drives {drive} m"
+    if speed > 1.0 + 1e-9:
+        yield f"a joint is told {speed:.3f} of its limit"
+    if lines > MOST_LINES or seconds > LONGEST:
+        yield f"{lines} lines, {seconds:.1f} s; at most {MOST_LINES} and {LONGEST} s"
+
+
+if __name__ == "__main__":
+    begun = time.monotonic()
+    names, lines = run(sys.argv[1])
+    seconds = time.monotonic() - begun
+    found = list(findings(names, lines, seconds))
+    print(f"the notebook: {lines} lines, {seconds:.1f} s", *found, sep="\n")
+    sys.exit(bool(found))
