@@ -67,7 +67,7 @@ fn a_map_of_another_person_is_refused() {
 fn working(options: &[&str]) -> serde_json::Value {
     let folder = tempfile::tempdir().unwrap();
     let person = folder.path().join("person.jsonl").to_str().unwrap().to_owned();
-    Runs::new("record").with(&["--duration=8", "--output", &person]).run().done();
+    Runs::new("record").with(&["--duration=8", "--seed=2", "--output", &person]).run().done();
     let follow = Runs::follow().with(&["--kinematic", "--no-report", "--json", "--recording"]);
     follow.with(&[&person]).with(options).run().done().json()
 }
