@@ -45,8 +45,8 @@ impl SeparationViolations {
         self.too_near = false;
     }
 
-    /// Takes a pair that may not touch and is nearer than the protective distance of a robot at rest from a part as fast
-    /// as it may be.
+    /// Takes a pair that may not touch. It is nearer than the protective distance of a robot at rest
+    /// from a part as fast as it may be.
     pub(super) fn take(
         &mut self,
         (robot, body): (usize, &RobotBody),
