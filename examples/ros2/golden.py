@@ -2,7 +2,7 @@
 
 from messages import (
     CameraInfo, Float64MultiArray, Header, Image, JointState, MultiArrayDimension, MultiArrayLayout, Odometry, Point, Pose, PoseArray,
-    PoseWithCovariance, Quaternion, RegionOfInterest, String, Time, Twist, TwistStamped, TwistWithCovariance, Vector3,
+    PoseWithCovariance, Quaternion, RegionOfInterest, String, TFMessage, Time, Transform, TransformStamped, Twist, TwistStamped, TwistWithCovariance, Vector3,
 )
 
 STAMP = Time(1_700_000_000, 250_000_000)
@@ -25,6 +25,7 @@ MESSAGES = [
         TwistWithCovariance(TWIST, [-float(index) for index in range(36)]),
     ),
     PoseArray(Header(STAMP, "odom"), [Pose(Point(2.0, 0.01 * joint, 1.0)) for joint in range(25)]),
+    TFMessage([TransformStamped(Header(STAMP, "map"), "odom", Transform(Vector3(1.0, 2.0, 0.0), QUARTER))]),
     String("Using The Drill"),
     TwistStamped(Header(STAMP, "base_footprint"), TWIST),
     Float64MultiArray(

@@ -9,7 +9,7 @@ from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
-from messages import CameraInfo, Float64MultiArray, Image, JointState, Odometry, PoseArray, String, TwistStamped
+from messages import CameraInfo, Float64MultiArray, Image, JointState, Odometry, PoseArray, String, TFMessage, TwistStamped
 
 # What publishers and subscribers of ROS have by default, and what ros2_controllers have.
 RELIABLE = Qos(
@@ -22,6 +22,7 @@ TYPES = {
     "/joint_states": JointState,
     "/odom": Odometry,
     "/robot_mode": String,
+    "/tf": TFMessage,
     "/body_confidences": Float64MultiArray,
     "/body_covariances": Float64MultiArray,
     "/body_joints": PoseArray,

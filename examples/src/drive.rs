@@ -6,6 +6,7 @@ mod cameras;
 #[cfg(feature = "ros2")]
 mod interface;
 mod object;
+mod own_robot;
 mod percepts;
 mod records;
 mod robot_adds;
@@ -18,6 +19,7 @@ pub use cameras::seen_by_others;
 #[cfg(feature = "ros2")]
 pub use interface::FollowedBy;
 pub use object::ObjectOption;
+pub use own_robot::DrivenRobot;
 pub use percepts::watch_percepts;
 pub use records::Records;
 pub use robot_adds::RobotAdds;

@@ -16,15 +16,19 @@
 //! # Ok::<(), examples::settings::SettingsError>(())
 //! ```
 
+mod camera_place;
 mod error;
 mod field;
 mod file;
+mod own_robot;
 mod ranges;
 mod robot;
 mod scenario;
 mod text;
 
+pub use camera_place::{CameraFrame, CameraPlace};
 pub use error::SettingsError;
 pub use file::SettingsFile;
+pub use own_robot::OwnRobot;
 pub use robot::{RobotSettings, SETTINGS_VERSION};
 pub use scenario::with_settings;

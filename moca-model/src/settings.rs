@@ -1,5 +1,7 @@
 //! All thresholds and gains of the controller, with their defaults.
 
+mod other_robot;
+
 use ahqp_core::{Budget, Stacking};
 use ergo_map::{Person, Region, Side};
 use hrsw::Bounds;

@@ -11,29 +11,29 @@ use anyhow::{Context, Result, anyhow, ensure};
 use clap::Parser;
 use ergo_map::{MapOptions, Person};
 use examples::drive::{
-    Attendant, ObjectOption, Records, RobotAdds, acknowledge_by_keys, alone, recorded,
+    Attendant, DrivenRobot, ObjectOption, Records, RobotAdds, acknowledge_by_keys, alone, recorded,
     watch_percepts,
 };
 #[cfg(feature = "ros2")]
 use examples::drive::{FollowedBy, seen_by_others};
 use examples::maps::{build_map, read_map};
 use examples::program::{self, Ending, Json, Program, Quiet, Session};
-use examples::settings::{RobotSettings, SettingsFile, with_settings};
+use examples::settings::{RobotSettings, SettingsFile};
 use examples::shipped;
 #[cfg(feature = "ros2")]
 use moca_drivers::TopicNames;
 #[cfg(feature = "ros2")]
-use moca_drivers::ros2::{RobotJoints, Ros2Report, Ros2Server, Ros2Side, RosDomain, TopicReport};
+use moca_drivers::ros2::{Ros2Report, Ros2Server, Ros2Side, RosDomain, TopicReport};
 use moca_drivers::{
-    AnnouncedLaw, DriveReport, LinkReport, LockstepSide, SharedKey, SimulatedSide, UdpServer,
-    UdpSide,
+    AnnouncedLaw, DriveReport, LinkReport, LockstepSide, SharedKey, UdpServer, UdpSide,
 };
+#[cfg(feature = "ros2")]
+use moca_model::MOCA_HOME;
 use moca_model::whole_body::control_loop::{
     Clock, ControlLoop, JointMeasurement, LoopSettings, ManualClock, MonotonicClock, RobotSide,
     Scheduling, StopCause,
 };
-use moca_model::{AnswerDelay, Controller, LoopController, MOCA_HOME, TorqueController};
-use moca_simulation::plant::RobotNoise;
+use moca_model::{AnswerDelay, Controller, LoopController, TorqueController};
 use moca_simulation::run::Scenario;
 use percept_recording::{self, IfPartial, Recording};
 use serde::Serialize;
@@ -42,8 +42,6 @@ use vision_models::{People, PeopleSettings, TrackerSettings};
 
 /// Stature of a person whose recording gives none \[m\].
 const DEFAULT_STATURE: f64 = 1.75;
-/// Seed of the simulated robot's noise.
-const SEED: u64 = 1;
 /// Moves MOCA in real time at 1 kHz beside a recorded person, and prints how well the deadlines were kept.
 ///
 /// The robot is simulated, in this process or behind UDP. `drive --serve` is such a robot, and shows what a driver of a
@@ -175,7 +173,6 @@ impl Program for Options {
                 program::warn(format_args!("{error:#}"));
             }
         };
-        let period = scenario.settings.period;
         if let Some(address) = &self.robot {
             let mut robot = UdpSide::connect(address, scenario.start.len(), key.as_ref())
                 .with_context(|| format!("--robot {address}"))?;
@@ -192,7 +189,7 @@ impl Program for Options {
             writeln!(session.output(), "{}\n{}", report.report, report.link)?;
             return session.conclude(self.json, &report, ended(session, cause));
         }
-        let mut robot = SimulatedSide::new(&scenario.start, period, RobotNoise::new(SEED))?;
+        let mut robot = DrivenRobot::from(&scenario).simulated()?;
         let report = self.drive(session, &scenario, &mut robot, clock, camera)?;
         writeln!(session.output(), "{report}")?;
         session.conclude(self.json, &report, ended(session, report.cause))
@@ -208,13 +205,9 @@ impl Options {
         key: Option<&SharedKey>,
     ) -> Result<Ending> {
         let address = address.context("--serve: give an address, HOST:PORT")?;
-        let mut settings = RobotSettings::default();
-        if let Some((path, file)) = self.settings()? {
-            settings = file.over(&settings).with_context(|| path.display().to_string())?;
-        }
-        let period = settings.controller.period;
-        let robot = SimulatedSide::new(&MOCA_HOME, period, RobotNoise::new(SEED))?;
-        let mut server = UdpServer::bind(address, robot, &MOCA_HOME, key)
+        let robot = self.robot(RobotSettings::default())?;
+        let period = robot.settings.controller.period;
+        let mut server = UdpServer::bind(address, robot.simulated()?, &robot.start, key)
             .with_context(|| format!("--serve {address}"))?;
         writeln!(session.output(), "a robot at {}; Ctrl-C ends it", server.address()?)?;
         session.output().flush()?;
@@ -237,6 +230,12 @@ impl Options {
         };
         let read = |path| Ok((path, read(path).with_context(|| path.display().to_string())?));
         self.settings.as_ref().map(read).transpose()
+    }
+
+    /// The robot of the settings file, or MOCA, with these settings where the file has none.
+    fn robot(&self, base: RobotSettings) -> Result<DrivenRobot> {
+        let settings = self.settings()?;
+        DrivenRobot::read(base, settings.as_ref().map(|(path, file)| (path.as_path(), file)))
     }
 
     /// Sets the compensation of the robot, which must be stated for a robot that is not simulated here.
@@ -291,7 +290,7 @@ impl Options {
     /// The scenario that `follow` plays, for real time.
     fn scenario(&self, session: &Session) -> Result<Scenario> {
         // Settings are read before the work.
-        let settings = self.settings()?;
+        self.robot(RobotSettings::default())?;
         let Recording { header, percepts, others, .. } = match &self.recording {
             Some(path) => Recording::read(percept_recording::open(path)?, IfPartial::Refuse)
                 .with_context(|| path.display().to_string())?,
@@ -305,11 +304,9 @@ impl Options {
             let map = build_map(session, &person, &MapOptions::default(), None)?;
             (person, map)
         };
-        let mut scenario = Scenario::new(percepts, &person, map)?.among(others)?;
-        if let Some((path, file)) = settings {
-            scenario =
-                with_settings(scenario, &file).with_context(|| path.display().to_string())?;
-        }
+        let scenario = Scenario::new(percepts, &person, map)?.among(others)?;
+        let base = DrivenRobot::from(&scenario).settings;
+        let scenario = self.robot(base)?.in_scenario(scenario);
         Ok(match self.object {
             Some(object) => object.in_scenario(scenario),
             None if self.circle => alone(scenario),
@@ -331,10 +328,10 @@ impl Options {
         };
         if let Some(address) = &self.serve {
             ensure!(address.is_none(), "--ros2 --serve: give no address");
-            let period = scenario.settings.period;
-            let robot = SimulatedSide::new(&scenario.start, period, RobotNoise::new(SEED))?;
-            let mut server =
-                Ros2Server::join(RosDomain::of_environment()?, &topics, robot, &scenario.start)?;
+            let (period, start) = (scenario.settings.period, &scenario.start);
+            let robot = DrivenRobot::from(scenario).simulated()?;
+            ensure!(*start == MOCA_HOME, "--ros2 --serve: only MOCA is simulated on ROS 2");
+            let mut server = Ros2Server::join(RosDomain::of_environment()?, &topics, robot, start)?;
             writeln!(session.output(), "a robot on ROS 2; Ctrl-C ends it")?;
             session.output().flush()?;
             let interrupt = session.interrupt().clone();
@@ -347,7 +344,7 @@ impl Options {
         let (mut robot, people) = Ros2Side::join(
             RosDomain::of_environment()?,
             &topics,
-            RobotJoints::moca(),
+            DrivenRobot::from(scenario).ros2_joints()?,
             self.interface.into(),
         )?;
         let tracker = People::new(PeopleSettings::untracked(), TrackerSettings::default())?;

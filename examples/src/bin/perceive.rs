@@ -93,7 +93,7 @@ struct Options {
     #[cfg(feature = "ros2")]
     #[arg(long, requires = "live", conflicts_with = "output")]
     ros2: bool,
-    /// Take the names of topics from this file of settings.
+    /// Take the names of topics, and the place of the camera, from this file of settings.
     #[cfg(feature = "ros2")]
     #[arg(long, value_name = "FILE", requires = "ros2")]
     settings: Option<PathBuf>,
@@ -205,9 +205,9 @@ impl Options {
         };
         let on_board = self.surface.is_given();
         let stop = || session.interrupt().requested();
-        let (source, publisher) =
-            Ros2Source::join(&self.frames, &settings.topics, on_board, wait, stop)?;
-        Ok((Source::Ros2(Box::new(source)), Some(LiveWriter::publishing(publisher))))
+        let (source, publisher) = Ros2Source::join(&self.frames, &settings, on_board, wait, stop)?;
+        let live = LiveWriter::publishing(publisher, settings.camera.frame.name());
+        Ok((Source::Ros2(Box::new(source)), Some(live)))
     }
 
     /// The source of frames.

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use moca_drivers::Logbook;
-use moca_model::Scene;
-#[cfg(feature = "mcap")]
 use moca_model::whole_body::Model;
+use moca_model::whole_body::robot::JointKind;
+use moca_model::{MOCA_JOINTS, Scene};
 #[cfg(feature = "mcap")]
 use moca_replay::mcap::RobotLog;
 use moca_replay::report::{MOCA_COLUMNS, RunLog, TickRow, TickTable, figure};
@@ -57,7 +57,7 @@ impl Records {
         Ok(Self {
             recording: Writer::new(file("recording.jsonl")?, &header)?,
             last: None,
-            ticks: TickTable::new(file("ticks.csv")?, &MOCA_COLUMNS)?,
+            ticks: TickTable::new(file("ticks.csv")?, &columns(&scenario.model))?,
             log: RunLog::new("The robot's loop"),
             #[cfg(feature = "mcap")]
             robot: RobotRows { model: scenario.model.clone(), rows: Vec::new() },
@@ -107,6 +107,16 @@ impl Records {
         }
         Ok(())
     }
+}
+
+/// The columns of a robot's joints, with their units.
+fn columns(model: &Model) -> Vec<(&str, &str)> {
+    let joints = model.joints();
+    if joints.iter().map(|joint| &*joint.name).eq(MOCA_JOINTS) {
+        return MOCA_COLUMNS.to_vec();
+    }
+    let unit = |kind| if kind == JointKind::Prismatic { "m" } else { "rad" };
+    joints.iter().map(|joint| (&*joint.name, unit(joint.kind))).collect()
 }
 
 #[cfg(feature = "mcap")]

@@ -103,6 +103,14 @@ impl SettingsFile {
         Ok(settings)
     }
 
+    /// Whether the file has this setting, or one of this table.
+    pub fn has(&self, path: &str) -> bool {
+        let names: Vec<&str> = path.split('.').collect();
+        self.entries
+            .iter()
+            .any(|entry| entry.names.iter().map(String::as_str).take(names.len()).eq(names.clone()))
+    }
+
     /// Checks each value alone over the defaults, so that an error has its line.
     fn check_kinds(&self) -> Result<(), SettingsError> {
         let defaults = as_table(&RobotSettings::default())?;

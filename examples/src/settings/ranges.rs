@@ -79,6 +79,7 @@ const RANGES: &[Range] = &[
     ("person.least_confidence", 0.0, 1.0),
     ("person.position_sigma", 1e-6, 10.0),
     ("person.forget_after", 1e-3, 1e6),
+    ("camera.pose", -1e3, 1e3),
     ("torque.rotor_inertia", 0.0, 1e3),
     ("torque.delay", 0.0, 0.0045),
     ("delay.known", 0.0, 0.0045),

@@ -6,7 +6,9 @@ use moca_simulation::plant::{Drive, PlantSettings};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::camera_place::CameraPlace;
 use super::error::SettingsError;
+use super::own_robot::OwnRobot;
 use super::text;
 
 /// The version of settings files that is read and written.
@@ -20,6 +22,11 @@ pub struct RobotSettings {
     pub controller: ControllerSettings,
     /// The torque law of the arm, and the observer of external torques.
     pub torque: TorqueLoopSettings,
+    /// Another robot than MOCA, for `drive`. Its settings that this file leaves out are those of a robot without
+    /// capsules.
+    pub robot: OwnRobot,
+    /// The camera that sees the people, for `perceive`.
+    pub camera: CameraPlace,
     /// Names of the topics on the ROS 2 graph.
     pub topics: TopicNames,
 }
@@ -36,6 +43,8 @@ impl From<&PlantSettings> for RobotSettings {
         Self {
             controller: plant.controller.clone(),
             torque: plant.torques.clone(),
+            robot: OwnRobot::default(),
+            camera: CameraPlace::default(),
             topics: TopicNames::default(),
         }
     }
@@ -61,7 +70,8 @@ impl RobotSettings {
     /// # Errors
     /// The first setting that is outside its range.
     pub fn validate(&self) -> Result<(), moca_model::Error> {
-        let Self { controller, torque, .. } = self;
+        let Self { controller, torque, camera, .. } = self;
+        camera.isometry()?;
         controller.validate()?;
         controller.intention.validate()?;
         controller.safety.validate()?;

@@ -23,9 +23,9 @@ pub struct LiveWriter {
 enum Sink {
     /// A file, a pipe or a device.
     File(Writer<File>),
-    /// The ROS 2 graph.
+    /// The ROS 2 graph, with people in this frame.
     #[cfg(feature = "ros2")]
-    Ros2(Box<PeoplePublisher>),
+    Ros2(Box<PeoplePublisher>, &'static str),
 }
 
 /// How old the images were when their percepts were there, and the frames that were left out.
@@ -51,10 +51,10 @@ impl LiveWriter {
         Ok(Self { sink: Sink::File(Writer::new(file, &header)?), latencies: Vec::new() })
     }
 
-    /// Publishes percepts on the ROS 2 graph.
+    /// Publishes percepts on the ROS 2 graph, with people in this frame.
     #[cfg(feature = "ros2")]
-    pub fn publishing(to: PeoplePublisher) -> Self {
-        Self { sink: Sink::Ros2(Box::new(to)), latencies: Vec::new() }
+    pub fn publishing(to: PeoplePublisher, frame: &'static str) -> Self {
+        Self { sink: Sink::Ros2(Box::new(to), frame), latencies: Vec::new() }
     }
 
     /// Passes on a percept of an image that was taken at its time by the system's clock, with the time at which it is
@@ -76,7 +76,9 @@ impl LiveWriter {
                 Ok(writer.write_people(percept, others, timing)?)
             }
             #[cfg(feature = "ros2")]
-            Sink::Ros2(publisher) => super::ros2::publish(publisher, perceived, people),
+            Sink::Ros2(publisher, frame) => {
+                super::ros2::publish(publisher, frame, perceived, people)
+            }
         }
     }
 
@@ -91,7 +93,7 @@ impl LiveWriter {
                 writer.finish()?;
             }
             #[cfg(feature = "ros2")]
-            Sink::Ros2(_) => {}
+            Sink::Ros2(..) => {}
         }
         latencies.sort_unstable();
         let p95 = latencies.get(latencies.len() * 95 / 100).copied().unwrap_or_default();

@@ -6,12 +6,13 @@ use std::time::Duration;
 use anyhow::{Context, Result, anyhow};
 use human_perception::frames::{FrameEntry, FrameImages, Picture, PlacedCamera};
 use human_perception::percepts::{Perceived, Perceiver};
-use moca_drivers::TopicNames;
 use moca_drivers::ros2::messages::Time;
 use moca_drivers::ros2::{
     CameraReport, PeoplePublisher, Place, PublishedPeople, Ros2Camera, RosDomain,
 };
 use vision_models::{Camera, PersonTrack};
+
+use crate::settings::RobotSettings;
 
 /// A camera on the ROS 2 graph, at the place that a file tells.
 #[derive(Debug)]
@@ -23,19 +24,21 @@ pub struct Ros2Source {
 }
 
 impl Ros2Source {
-    /// Joins the graph, and waits for the camera's geometry. The place of the camera in the world, its noise, and the
-    /// person's stature are those of `camera.json` in the folder. An on-board camera is listened to if `on_board`.
+    /// Joins the graph, and waits for the camera's geometry. The noise of the camera, the person's
+    /// stature, and the camera's place unless the settings have it, are those of `camera.json` in the folder. An on-board camera is listened to if `on_board`.
     ///
     /// # Errors
     /// A file that cannot be used, and a camera that says nothing of itself for `wait`.
     pub fn join(
         folder: &Path,
-        names: &TopicNames,
+        settings: &RobotSettings,
         on_board: bool,
         wait: Duration,
         stop: impl Fn() -> bool,
     ) -> Result<(Self, PeoplePublisher)> {
         let PlacedCamera { camera, stature, .. } = PlacedCamera::read(folder)?;
+        let names = &settings.topics;
+        let placed = settings.camera.isometry()?.unwrap_or(*camera.world_from_camera());
         let (link, publisher) = Ros2Camera::join(RosDomain::of_environment()?, names, on_board)?;
         let Some(intrinsics) = link.intrinsics(wait, stop) else {
             let report = link.close()?;
@@ -45,7 +48,7 @@ impl Ros2Source {
                 names.camera_info
             )));
         };
-        let camera = Camera::new(intrinsics, *camera.world_from_camera(), *camera.noise())
+        let camera = Camera::new(intrinsics, placed, *camera.noise())
             .with_context(|| names.camera_info.clone())?;
         Ok((Self { link, camera, stature, wait }, publisher))
     }
@@ -110,11 +113,16 @@ fn stamp(time: f64) -> Time {
     }
 }
 
-/// Publishes the percept of a frame.
+/// Publishes the percept of a camera frame, with the people in this frame of reference.
 ///
 /// # Errors
 /// A message that is not taken for publication.
-pub fn publish(to: &PeoplePublisher, perceived: &Perceived, perceiver: &Perceiver) -> Result<()> {
+pub fn publish(
+    to: &PeoplePublisher,
+    frame: &str,
+    perceived: &Perceived,
+    perceiver: &Perceiver,
+) -> Result<()> {
     let Perceived { percept, others, timing, .. } = perceived;
     let time = percept.time;
     let since = |time_of: Option<f64>| time_of.map_or(f64::NAN, |at| at - time);
@@ -130,6 +138,7 @@ pub fn publish(to: &PeoplePublisher, perceived: &Perceived, perceiver: &Perceive
     let places: Vec<_> = std::iter::once(engaged.and_then(place)).chain(other.map(place)).collect();
     to.publish(&PublishedPeople {
         stamp: stamp(time),
+        frame,
         person: percept.body.as_ref(),
         others,
         places: &places,

@@ -301,7 +301,7 @@ fn no_packet_ends_a_robots_side() {
     let excluded = |refusal: &LinkRefusal| {
         matches!(
             refusal,
-            LinkRefusal::Command(CommandRefusal::Limit { what: "velocity", joint: "base_x", .. })
+            LinkRefusal::Command(CommandRefusal::Limit { what: "velocity", joint: 0, .. })
         )
     };
     assert!(reasons.iter().any(excluded), "{reasons:?}");

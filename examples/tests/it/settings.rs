@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use examples::settings::{RobotSettings, SettingsError, SettingsFile};
+use examples::settings::{CameraFrame, RobotSettings, SettingsError, SettingsFile};
 use hrsw_safety::{Capsule, ContactKind};
 use moca_model::Goal;
 use nalgebra::{UnitQuaternion, Vector3};
@@ -43,6 +43,9 @@ fn others() -> RobotSettings {
     controller.safety.bodies[0].capsule = Capsule::sphere(Vector3::zeros(), 0.1).unwrap();
     controller.safety.own_pairs = vec![(0, 1)];
     settings.torque.observer_rates[3] = 1.0 / 3.0;
+    settings.robot.urdf = Some("robots/arm.urdf".into());
+    settings.camera.frame = CameraFrame::Map;
+    settings.camera.pose = Some([1.0, -2.0, 2.5, 0.5, 0.5, 0.5, -0.5]);
     settings
 }
 
@@ -159,4 +162,15 @@ fn the_programs_write_and_take_them() {
     let follow = Runs::follow().with(&["--settings", &file, "--no-report"]);
     follow.run().failed(1, "settings.toml: line 3: there is no setting controller.tol");
     Runs::new("soak").with(&["--settings", &path("none")]).run().failed(1, "cannot read");
+}
+
+#[test]
+fn only_drive_takes_another_robot() {
+    let file = tempfile::NamedTempFile::new().unwrap();
+    fs::write(file.path(), "version = 1\n[robot]\nurdf = \"arm.urdf\"\n").unwrap();
+    let path = file.path().to_str().unwrap();
+    let follow = Runs::new("follow").with(&["--settings", path]);
+    follow.run().failed(1, "drive moves others");
+    let drive = Runs::new("drive").with(&["--settings", path, "--duration=1"]);
+    drive.run().failed(1, "arm.urdf");
 }

@@ -54,6 +54,7 @@ fn all() -> Table {
     settings.controller.on_board_camera = Some([0.1, 0.2, 0.3]);
     settings.controller.budget.iterations = Some(1000);
     settings.controller.budget.time = Some(std::time::Duration::from_millis(10));
+    settings.camera.pose = Some([1.0, 0.0, 2.0, 0.0, 0.0, 0.0, 1.0]);
     let mut table = Table::try_from(settings).unwrap();
     table.insert("version".to_owned(), Value::Integer(1));
     table

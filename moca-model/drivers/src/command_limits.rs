@@ -2,7 +2,6 @@
 
 use moca_model::whole_body::Model;
 use moca_model::whole_body::control_loop::JointCommand;
-use moca_model::{MOCA_BASE_JOINTS, MOCA_JOINTS};
 
 /// Factor by which a command may exceed a limit: it covers rounding, and lists of limits that differ a little.
 const MARGIN: f64 = 1.05;
@@ -14,12 +13,12 @@ const REST: f64 = 0.02;
 #[non_exhaustive]
 pub enum CommandRefusal {
     /// A number exceeds the limit of its joint by more than 5 %.
-    #[error("a command with {what} {value} of joint {joint}, which takes at most {limit}")]
+    #[error("a command with {what} {value} of joint {} of q, which takes at most {limit}", joint + 1)]
     Limit {
         /// `velocity` \[m/s or rad/s\] or `torque` \[N or Nm\].
         what: &'static str,
-        /// Joint.
-        joint: &'static str,
+        /// Index of the joint.
+        joint: usize,
         /// Number in the command.
         value: f64,
         /// Limit of the joint.
@@ -44,13 +43,21 @@ pub enum CommandRefusal {
 pub(crate) struct CommandLimits {
     /// Largest speed and torque of each joint.
     joints: Vec<[f64; 2]>,
+    /// Number of the first joints, which take velocities.
+    base_joints: usize,
 }
 
 impl CommandLimits {
-    /// Creates the limits of MOCA: those of its URDF with a margin of 5 %.
-    pub(crate) fn new(model: &Model) -> Self {
+    /// Creates the limits of a robot: those of its URDF with a margin of 5 %.
+    pub(crate) fn new(model: &Model, base_joints: usize) -> Self {
         let limits = model.limits().iter();
-        Self { joints: limits.map(|limits| [limits.velocity, limits.effort]).collect() }
+        let joints = limits.map(|limits| [limits.velocity, limits.effort]).collect();
+        Self { joints, base_joints }
+    }
+
+    /// Returns the number of the first joints, which take velocities.
+    pub(crate) fn base_joints(&self) -> usize {
+        self.base_joints
     }
 
     /// Checks the velocities of all joints and the torques of the arm.
@@ -59,10 +66,9 @@ impl CommandLimits {
     /// [`CommandRefusal::Limit`] for the first number that is out of range.
     pub(crate) fn check(&self, command: &JointCommand) -> Result<(), CommandRefusal> {
         let joints = self.joints.iter().zip(command.velocity.iter().zip(&command.torque));
-        for (index, ([fastest, strongest], (velocity, torque))) in joints.enumerate() {
-            let joint = MOCA_JOINTS.get(index).copied().unwrap_or("?");
+        for (joint, ([fastest, strongest], (velocity, torque))) in joints.enumerate() {
             let parts = [("velocity", velocity, fastest), ("torque", torque, strongest)];
-            let driven = if index < MOCA_BASE_JOINTS { 1 } else { 2 };
+            let driven = if joint < self.base_joints { 1 } else { 2 };
             for (what, value, limit) in parts.into_iter().take(driven) {
                 let within = value.abs() <= MARGIN * limit;
                 if !within {
@@ -78,12 +84,12 @@ impl CommandLimits {
         Ok(())
     }
 
-    /// Checks that a command after a stop begins at rest.
+    /// Checks that a command after a stop begins at rest, as far as joints take velocities.
     ///
     /// # Errors
     /// [`CommandRefusal::NotAtRest`]
-    pub(crate) fn check_begin(command: &JointCommand) -> Result<(), CommandRefusal> {
-        let base = command.velocity.iter().take(MOCA_BASE_JOINTS);
+    pub(crate) fn check_begin(&self, command: &JointCommand) -> Result<(), CommandRefusal> {
+        let base = command.velocity.iter().take(self.base_joints);
         let speed = base.fold(0.0, |most: f64, velocity| most.max(velocity.abs()));
         if speed <= REST { Ok(()) } else { Err(CommandRefusal::NotAtRest { speed }) }
     }

@@ -33,6 +33,6 @@ pub use packet_error::PacketError;
 pub use recorded_camera::RecordedCamera;
 pub use shared_key::{KeyError, SharedKey};
 pub use simulated::SimulatedSide;
-pub use topic_names::TopicNames;
+pub use topic_names::{MAP_FRAME, TopicNames, WORLD_FRAME};
 pub use udp::UdpSide;
 pub use udp_server::UdpServer;

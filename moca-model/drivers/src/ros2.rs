@@ -13,6 +13,7 @@ mod frame_pairs;
 mod gripper;
 mod hand_over;
 mod inbox;
+mod map_frame;
 mod measurements;
 mod node;
 mod outbox;
@@ -31,11 +32,13 @@ mod topic;
 
 pub mod messages;
 
+pub use crate::topic_names::{MAP_FRAME, WORLD_FRAME};
 pub use camera::{CameraReport, ReceivedImages, Ros2Camera};
 pub use commands::Commands;
 pub use domain::RosDomain;
 pub use error::Ros2Error;
 pub use frame_pairs::{CameraImages, FramePairs};
+pub use map_frame::MapFrame;
 pub use measurements::{Measurements, RobotJoints};
 pub use people_publisher::{PeoplePublisher, Place, PublishedPeople};
 pub use perceived::{Perceived, SeenPeople};
@@ -51,7 +54,5 @@ pub use topic::{JointInterface, Topic};
 /// ROS 2 client that speaks DDS, in the version that this crate uses.
 pub use ros2_client;
 
-/// Frame of odometry and people: x and y on the floor, z up.
-pub const WORLD_FRAME: &str = "odom";
 /// Frame of the base: x forwards, y to the left, z up, on the floor.
 pub const BASE_FRAME: &str = "base_footprint";

@@ -18,7 +18,7 @@ use super::command_limits::{CommandLimits, CommandRefusal};
 /// Largest joint speed of a robot that counts as at rest \[m/s or rad/s\].
 const REST: f64 = 0.01;
 
-/// MOCA as rigid bodies. It moves for one period with every command.
+/// MOCA or another robot as rigid bodies. It moves for one period with every command.
 ///
 /// A command beyond its limits is refused and counts as lost. A robot that has stopped by itself accepts commands again
 /// once it stands still, if the first of them begins at rest. Its gripper holds [`GraspedObject::default`] as soon as it is
@@ -64,10 +64,26 @@ impl SimulatedSide {
         period: f64,
         noise: impl RandomSource + Send + 'static,
     ) -> Result<Self, Error> {
-        let model = moca()?;
-        let robot = DynamicRobot::new(&model, &DynamicRobotSettings::default(), start)?;
-        let (limits, noise) = (CommandLimits::new(&model), Noise(Box::new(noise)));
-        let tool = model.frame_id(&ControllerSettings::default().tool)?;
+        let tool = ControllerSettings::default().tool;
+        Self::of_robot(moca()?, &tool, MOCA_BASE_JOINTS, start, period, noise)
+    }
+
+    /// Creates another robot with this tool. Its first `base_joints` joints follow velocities, the others torques.
+    ///
+    /// # Errors
+    /// A tool that the robot does not have, and those of [`new`](Self::new).
+    pub fn of_robot(
+        model: Model,
+        tool: &str,
+        base_joints: usize,
+        start: &[f64],
+        period: f64,
+        noise: impl RandomSource + Send + 'static,
+    ) -> Result<Self, Error> {
+        let settings = DynamicRobotSettings { base_joints, ..DynamicRobotSettings::default() };
+        let robot = DynamicRobot::new(&model, &settings, start)?;
+        let limits = CommandLimits::new(&model, base_joints);
+        let (tool, noise) = (model.frame_id(tool)?, Noise(Box::new(noise)));
         Ok(Self { robot, model, tool, held: None, limits, noise, period, refused: 0 })
     }
 
@@ -95,7 +111,7 @@ impl SimulatedSide {
             if !self.status().is_stopped() {
                 Ok(())
             } else if self.is_at_rest() {
-                CommandLimits::check_begin(command)
+                self.limits.check_begin(command)
             } else {
                 Err(CommandRefusal::Braking)
             }
@@ -122,7 +138,7 @@ impl SimulatedSide {
             }
             _ => {}
         }
-        let torque = command.torque.get(MOCA_BASE_JOINTS..).unwrap_or_default();
+        let torque = command.torque.get(self.limits.base_joints()..).unwrap_or_default();
         self.robot.drive(&command.velocity, torque, &[], self.period, &mut self.noise)
     }
 

@@ -3,6 +3,11 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+/// Frame of odometry and people on a ROS graph: x and y on the floor, z up.
+pub const WORLD_FRAME: &str = "odom";
+/// Frame of a localisation, which does not drift. A camera that stands in the building stands in it.
+pub const MAP_FRAME: &str = "map";
+
 /// Names of the topics on a ROS graph. The defaults are those of `ros2_control` and of `realsense2_camera`.
 ///
 /// ```
@@ -20,6 +25,8 @@ pub struct TopicNames {
     pub odometry: String,
     /// Mode of the robot (`std_msgs/String`).
     pub robot_mode: String,
+    /// Transforms between frames, of which that from `map` to `odom` counts (`tf2_msgs/TFMessage`).
+    pub transforms: String,
     /// Joints of the people's bodies (`geometry_msgs/PoseArray`).
     pub body_joints: String,
     /// Confidences of the body joints (`std_msgs/Float64MultiArray`).
@@ -65,6 +72,7 @@ impl Default for TopicNames {
             joint_states: name("/joint_states"),
             odometry: name("/odom"),
             robot_mode: name("/robot_mode"),
+            transforms: name("/tf"),
             body_joints: name("/body_joints"),
             body_confidences: name("/body_confidences"),
             body_covariances: name("/body_covariances"),

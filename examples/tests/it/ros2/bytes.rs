@@ -4,7 +4,8 @@ use std::f64::consts::FRAC_PI_2;
 use std::fmt::Debug;
 
 use moca_drivers::ros2::messages::{
-    CameraInfo, Float64MultiArray, Image, JointState, Odometry, PoseArray, Text, TwistStamped,
+    CameraInfo, Float64MultiArray, Image, JointState, Odometry, PoseArray, Text, TfMessage,
+    TwistStamped,
 };
 use moca_drivers::ros2::ros2_client::dds::rustdds::RepresentationIdentifier;
 use moca_drivers::ros2::ros2_client::dds::rustdds::serialization::{
@@ -19,8 +20,15 @@ use serde::de::DeserializeOwned;
 use super::{after, measurements};
 
 const LITTLE_ENDIAN: RepresentationIdentifier = RepresentationIdentifier::CDR_LE;
-const TYPES: [&str; 6] =
-    ["JointState", "Odometry", "PoseArray", "String", "TwistStamped", "Float64MultiArray"];
+const TYPES: [&str; 7] = [
+    "JointState",
+    "Odometry",
+    "PoseArray",
+    "TFMessage",
+    "String",
+    "TwistStamped",
+    "Float64MultiArray",
+];
 
 /// The bytes of a message without the four that give its encoding.
 fn golden(name: &str) -> Vec<u8> {
@@ -67,6 +75,8 @@ fn take(name: &str, bytes: &[u8]) -> bool {
             .is_some_and(|message| measurements.take_odometry(&message, now).is_ok()),
         "PoseArray" => decode::<PoseArray>(bytes)
             .is_some_and(|message| perceived.take_body(&message, now).is_ok()),
+        "TFMessage" => decode::<TfMessage>(bytes)
+            .is_some_and(|message| perceived.take_transforms(&message, now).is_ok()),
         "String" => decode::<Text>(bytes)
             .is_some_and(|message| perceived.take_action(&message, now).is_ok()),
         "TwistStamped" => decode::<TwistStamped>(bytes)
@@ -104,6 +114,9 @@ fn cyclone_dds_messages_are_understood() {
     let mut perceived = Perceived::default();
     perceived.take_action(&same("String"), after(1)).unwrap();
     let poses: PoseArray = same("PoseArray");
+    let places: TfMessage = same("TFMessage");
+    perceived.take_transforms(&places, after(1)).unwrap();
+    assert_eq!(places.transforms[0].transform.translation.y, 2.0);
     let mut data = vec![f64::from(poses.header.stamp.sec), f64::from(poses.header.stamp.nanosec)];
     data.resize(27, 1.0);
     let confidences = Float64MultiArray { data, ..Float64MultiArray::default() };

@@ -144,6 +144,20 @@ fn an_arm_without_a_base_is_no_measurement() {
 }
 
 #[test]
+fn an_arm_that_stands_needs_no_odometry() {
+    let arm = RobotJoints::moca().arm().to_vec();
+    let mut measurements = Measurements::new(RobotJoints::of_arm(arm));
+    let state = joint_state();
+    measurements.take_joint_state(&state, after(2)).unwrap();
+    let measured = measurements.newest().clone();
+    assert_eq!(measured.position, state.position);
+    assert_eq!(measured.velocity, state.velocity);
+    // Odometry of others moves none of its joints.
+    measurements.take_odometry(&odometry(1.0), after(3)).unwrap();
+    assert_eq!(measurements.newest(), &measured);
+}
+
+#[test]
 fn odometry_comes_into_the_axes_of_the_world() {
     let mut measurements = Measurements::new(RobotJoints::moca());
     let mut odometry = odometry(FRAC_PI_2);

@@ -1,5 +1,9 @@
-use moca_drivers::ros2::messages::{Float64MultiArray, PoseArray, Text, Time};
-use moca_drivers::ros2::{Perceived, Refusal};
+use std::f64::consts::FRAC_PI_2;
+
+use moca_drivers::ros2::messages::{
+    Float64MultiArray, PoseArray, Quaternion, Text, TfMessage, Time, TransformStamped, Vector3,
+};
+use moca_drivers::ros2::{Perceived, Refusal, SeenPeople};
 use nalgebra::{Matrix3, Point3};
 use vision_models::{Action, Body, Body25, PersonId, Surface, Tool};
 
@@ -19,6 +23,57 @@ fn poses_follow_the_order_of_body_25() {
     assert!((wrist.position - Point3::new(2.0, 0.0, 0.7)).norm() < 1e-12);
     let taken = seen.taken.duration_since(after(0)).unwrap_or_else(|before| before.duration());
     assert!(taken.as_secs_f64() < 1e-6 && seen.action.is_none(), "{taken:?}");
+}
+
+/// Transforms of a localisation that places odometry at (1, 2) in the map, turned by a quarter.
+fn transforms() -> TfMessage {
+    let mut transform = TransformStamped {
+        header: super::header("map"),
+        child_frame_id: "odom".to_owned(),
+        ..TransformStamped::default()
+    };
+    transform.transform.translation = Vector3 { x: 1.0, y: 2.0, z: 0.0 };
+    let half = FRAC_PI_2 / 2.0;
+    transform.transform.rotation =
+        Quaternion { z: half.sin(), w: half.cos(), ..Quaternion::default() };
+    let wheel = TransformStamped { child_frame_id: "wheel".to_owned(), ..transform.clone() };
+    TfMessage { transforms: vec![wheel, transform] }
+}
+
+#[test]
+fn people_in_the_map_come_into_the_odometry() {
+    let mut poses = body();
+    poses.header.frame_id = "map".to_owned();
+    let mut perceived = Perceived::default();
+    let unknown = Refusal::NoTransform { oldest: 1.0 };
+    assert_eq!(perceived.take_body(&poses, after(80)).unwrap_err(), unknown);
+    perceived.take_transforms(&transforms(), after(60)).unwrap();
+    let neck = |seen: SeenPeople| seen.body.unwrap().get(Body25::Neck).unwrap().position;
+    // Seen from the origin of odometry the map's (2, 0) is at (1, -2). Its x axis is the map's y axis.
+    let found = neck(perceived.take_body(&poses, after(80)).unwrap());
+    assert!((found - Point3::new(-2.0, -1.0, 0.1)).norm() < 1e-12, "{found}");
+    // What stands in the odometry stays, and a transform holds for a second.
+    let mut later = body();
+    later.header.stamp.nanosec += 1_000_000;
+    let found = neck(perceived.take_body(&later, after(80)).unwrap());
+    assert_eq!(found, Point3::new(2.0, 0.0, 0.1));
+    poses.header.stamp.sec += 2;
+    assert_eq!(perceived.take_body(&poses, after(2080)).unwrap_err(), unknown);
+}
+
+#[test]
+fn transforms_that_are_none_are_refused() {
+    let refused = |change: fn(&mut TransformStamped)| {
+        let mut message = transforms();
+        change(&mut message.transforms[1]);
+        Perceived::default().take_transforms(&message, after(80))
+    };
+    let infinite = refused(|of| of.transform.translation.z = f64::INFINITY);
+    assert_eq!(infinite, Err(Refusal::NotFinite { what: "translation" }));
+    let none = refused(|of| {
+        of.transform.rotation = Quaternion { z: 2.0, w: 0.0, ..Quaternion::default() }
+    });
+    assert_eq!(none, Err(Refusal::Orientation { norm: 2.0 }));
 }
 
 /// The joints of others follow those of the person. A body without visible joints is nobody.

@@ -20,14 +20,18 @@ pub(super) fn base_velocity(velocity: &[f64], yaw: f64) -> [f64; MOCA_BASE_JOINT
     [own.x, own.y, turn]
 }
 
-/// Returns the arm's part of a command.
-pub(super) fn joint_values(command: &JointCommand, interface: JointInterface) -> &[f64] {
+/// Returns the part of a command for an arm behind so many joints of a base.
+pub(super) fn joint_values(
+    command: &JointCommand,
+    base_joints: usize,
+    interface: JointInterface,
+) -> &[f64] {
     let all = match interface {
         JointInterface::Effort => &command.torque,
         JointInterface::Velocity => &command.velocity,
         JointInterface::Position => &command.position,
     };
-    all.get(MOCA_BASE_JOINTS..).unwrap_or_default()
+    all.get(base_joints..).unwrap_or_default()
 }
 
 impl From<[f64; MOCA_BASE_JOINTS]> for Twist {

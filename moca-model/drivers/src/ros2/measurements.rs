@@ -24,20 +24,31 @@ const MODES: [(&str, RobotMode); 4] = [
     ("user_stop", RobotMode::UserStop),
 ];
 /// Largest deviation of an orientation's norm from 1.
-const NORM: f64 = 1e-3;
+pub(super) const NORM: f64 = 1e-3;
 /// Frame of the base on its axles. In the plane it moves like [`BASE_FRAME`].
 const AXLES_FRAME: &str = "base_link";
 
-/// Joints of a robot: x, y and yaw of a base, then the joints of an arm by their names.
+/// Joints of a robot: x, y and yaw of a base, if it has one, then the joints of an arm by their names.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RobotJoints {
+    has_base: bool,
     arm: Vec<String>,
 }
 
 impl RobotJoints {
     /// Returns the joints of MOCA.
     pub fn moca() -> Self {
-        Self { arm: MOCA_JOINTS.iter().skip(MOCA_BASE_JOINTS).map(ToString::to_string).collect() }
+        Self::on_base(MOCA_JOINTS.iter().skip(MOCA_BASE_JOINTS).map(ToString::to_string).collect())
+    }
+
+    /// Returns the joints of an arm on a base that odometry measures.
+    pub fn on_base(arm: Vec<String>) -> Self {
+        Self { has_base: true, arm }
+    }
+
+    /// Returns the joints of an arm that stands.
+    pub fn of_arm(arm: Vec<String>) -> Self {
+        Self { has_base: false, arm }
     }
 
     /// Returns the names of the arm's joints, in the order of q.
@@ -45,15 +56,21 @@ impl RobotJoints {
         &self.arm
     }
 
-    /// Returns the number of joints, with the three of the base.
+    /// Returns the number of the base's joints.
+    pub(super) fn of_base(&self) -> usize {
+        if self.has_base { MOCA_BASE_JOINTS } else { 0 }
+    }
+
+    /// Returns the number of joints, with the three of a base.
     pub fn count(&self) -> usize {
-        MOCA_BASE_JOINTS + self.arm.len()
+        self.of_base() + self.arm.len()
     }
 }
 
 /// Combines joint states of the arm with odometry of the base.
 ///
-/// A joint state gives a measurement of both if the last odometry is at most 0.1 s older. Other joints in the message
+/// A joint state gives a measurement of both if the last odometry is at most 0.1 s older, or if there is no base. Other
+/// joints in the message
 /// are ignored: grippers and wheels are published together with the arm.
 #[derive(Clone, Debug)]
 pub struct Measurements {
@@ -126,21 +143,21 @@ impl Measurements {
             return Err(Refusal::NotFinite { what: "effort" });
         }
         let age = self.joint_stamps.admit(header.stamp, now)?;
-        let robot = self.status(now);
+        let (robot, base) = (self.status(now), self.joints.of_base());
         let measured = &mut self.measured;
         let own = [&mut measured.position, &mut measured.velocity];
         for (own, (_, numbers)) in own.into_iter().zip(parts) {
-            for (own, place) in own.iter_mut().skip(MOCA_BASE_JOINTS).zip(&self.places) {
+            for (own, place) in own.iter_mut().skip(base).zip(&self.places) {
                 *own = of(numbers, place).unwrap_or(*own);
             }
         }
-        for (own, place) in measured.torque.iter_mut().skip(MOCA_BASE_JOINTS).zip(&self.places) {
+        for (own, place) in measured.torque.iter_mut().skip(base).zip(&self.places) {
             *own = of(effort, place).filter(|effort| !effort.is_nan());
         }
         measured.robot = robot;
         let oldest = OLDEST_ODOMETRY;
         let recent = |stamp: Time| header.stamp.seconds_since(stamp) <= oldest;
-        if self.odometry.is_some_and(recent) {
+        if base == 0 || self.odometry.is_some_and(recent) {
             Ok(age)
         } else {
             Err(Refusal::NoOdometry { oldest })
@@ -169,6 +186,9 @@ impl Measurements {
             return Err(Refusal::Orientation { norm });
         }
         let age = self.odometry_stamps.admit(odometry.header.stamp, now)?;
+        if self.joints.of_base() == 0 {
+            return Ok(age);
+        }
         let (_, _, heading) = UnitQuaternion::from_quaternion(orientation).euler_angles();
         let along =
             nalgebra::Rotation2::new(heading) * Vector2::new(twist.linear.x, twist.linear.y);

@@ -131,6 +131,32 @@ pub struct Odometry {
     pub twist: TwistWithCovariance,
 }
 
+/// `geometry_msgs/Transform`
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[allow(missing_docs)] // The names say it all.
+pub struct Transform {
+    pub translation: Vector3,
+    pub rotation: Quaternion,
+}
+
+/// `geometry_msgs/TransformStamped`
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct TransformStamped {
+    /// Time, and frame in which the child frame is placed.
+    pub header: Header,
+    /// Child frame.
+    pub child_frame_id: String,
+    /// Pose of the child frame.
+    pub transform: Transform,
+}
+
+/// `tf2_msgs/TFMessage`
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct TfMessage {
+    /// Places of frames in each other.
+    pub transforms: Vec<TransformStamped>,
+}
+
 /// `sensor_msgs/JointState`: numbers of the joints in the order of their names. A list may be empty.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct JointState {

@@ -29,7 +29,8 @@ pub(super) struct Publishing {
 
 /// Handle of the publishing thread.
 pub(super) struct Outbox {
-    twist: Publisher<TwistStamped>,
+    /// Twists for a robot with a base.
+    twist: Option<Publisher<TwistStamped>>,
     joints: Publisher<Float64MultiArray>,
     commands: Taker<f64>,
     gripper: Gripper,
@@ -42,16 +43,17 @@ pub(super) struct Outbox {
 }
 
 impl Outbox {
-    /// Creates the thread for commands to an arm with this number of joints, with their times since `epoch`.
+    /// Creates the thread for commands to an arm with this number of joints, and to a base if there is one. Times count
+    /// since `epoch`.
     pub(super) fn new(
         mut node: RosNode,
         interface: JointInterface,
-        arm_joints: usize,
+        (has_base, arm_joints): (bool, usize),
         (commands, grip): (Taker<f64>, GripState),
         epoch: SystemTime,
     ) -> Result<Self, Ros2Error> {
         Ok(Self {
-            twist: node.publisher(Topic::BaseTwist)?,
+            twist: has_base.then(|| node.publisher(Topic::BaseTwist)).transpose()?,
             joints: node.publisher(Topic::JointCommands(interface))?,
             commands,
             gripper: Gripper::new(&mut node, grip)?,
@@ -105,7 +107,8 @@ impl Outbox {
         arm: Option<Vec<f64>>,
     ) -> bool {
         let header = Header { stamp: stamp.into(), frame_id: BASE_FRAME.to_owned() };
-        let moved = self.twist.publish(TwistStamped { header, twist: twist.into() }).is_ok();
+        let twist = TwistStamped { header, twist: twist.into() };
+        let moved = self.twist.as_ref().is_none_or(|base| base.publish(twist).is_ok());
         let layout = MultiArrayLayout::default();
         let held =
             arm.is_none_or(|data| self.joints.publish(Float64MultiArray { layout, data }).is_ok());

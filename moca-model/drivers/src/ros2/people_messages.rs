@@ -3,7 +3,6 @@
 use nalgebra::Point3;
 use vision_models::{Body, Body25};
 
-use super::WORLD_FRAME;
 use super::messages::{
     Float64MultiArray, Header, MultiArrayDimension, MultiArrayLayout, Pose, PoseArray, Time,
     Vector3,
@@ -19,8 +18,13 @@ pub(super) struct BodyMessages {
     pub(super) joints: PoseArray,
 }
 
-/// Returns the messages about a person, or nobody, and others.
-pub(super) fn body_messages(stamp: Time, person: Option<&Body>, others: &[Body]) -> BodyMessages {
+/// Returns the messages about a person, or nobody, and others, whose joints are in this frame.
+pub(super) fn body_messages(
+    stamp: Time,
+    frame: &str,
+    person: Option<&Body>,
+    others: &[Body],
+) -> BodyMessages {
     let nobody = Body::default();
     let people: Vec<&Body> = std::iter::once(person.unwrap_or(&nobody)).chain(others).collect();
     let joints =
@@ -46,7 +50,7 @@ pub(super) fn body_messages(stamp: Time, person: Option<&Body>, others: &[Body])
         confidences: stamped(stamp, ("joint", 1), confidences),
         covariances: stamped(stamp, ("joint", COVARIANCE), covariances),
         joints: PoseArray {
-            header: Header { stamp, frame_id: WORLD_FRAME.to_owned() },
+            header: Header { stamp, frame_id: frame.to_owned() },
             poses: poses.collect(),
         },
     }

@@ -33,9 +33,11 @@ const PLACE: usize = 6;
 pub struct PublishedPeople<'a> {
     /// Time at which the camera took the frame.
     pub stamp: Time,
-    /// Person who works with the robot, in the frame of the odometry.
+    /// Frame in which the people are, [`WORLD_FRAME`](super::WORLD_FRAME) or [`MAP_FRAME`](super::MAP_FRAME).
+    pub frame: &'a str,
+    /// Person who works with the robot.
     pub person: Option<&'a Body>,
-    /// Other people in view, in the frame of the odometry.
+    /// Other people in view.
     pub others: &'a [Body],
     /// Places of the person and of the others, in their order; `None` for somebody without a place yet.
     pub places: &'a [Option<Place>],
@@ -83,9 +85,10 @@ impl PeoplePublisher {
     /// # Errors
     /// [`Ros2Error::Publish`]
     pub fn publish(&self, seen: &PublishedPeople<'_>) -> Result<(), Ros2Error> {
-        let PublishedPeople { stamp, person, others, places, action, surface, delays } = *seen;
+        let PublishedPeople { stamp, frame, person, others, places, action, surface, delays } =
+            *seen;
         let BodyMessages { confidences, covariances, joints } =
-            body_messages(stamp, person, others);
+            body_messages(stamp, frame, person, others);
         let place = |place: &Option<Place>| {
             place.map_or([f64::NAN; PLACE], |place| {
                 let Place { number, floor, heading, velocity: [x, y] } = place;

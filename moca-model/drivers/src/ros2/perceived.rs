@@ -8,9 +8,8 @@ use vision_models::{
     Surface,
 };
 
-use super::WORLD_FRAME;
-use super::measurements::check_frame;
-use super::messages::{Float64MultiArray, Pose, PoseArray, Text, Time};
+use super::map_frame::MapFrame;
+use super::messages::{Float64MultiArray, Pose, PoseArray, Text, TfMessage, Time};
 use super::people_messages::COVARIANCE;
 use super::refusal::Refusal;
 use super::stamps::Stamps;
@@ -43,6 +42,7 @@ pub struct Perceived {
     covariances: Option<(Time, Vec<[f64; COVARIANCE]>)>,
     action: Option<(RecognisedAction, SystemTime)>,
     surface: Option<(RecognisedSurface, SystemTime)>,
+    map: MapFrame,
 }
 
 impl Default for Perceived {
@@ -53,13 +53,14 @@ impl Default for Perceived {
             covariances: None,
             action: None,
             surface: None,
+            map: MapFrame::default(),
         }
     }
 }
 
 impl Perceived {
     /// Takes body joints that came at time `now`: a pose for each of [`Body25::ALL`], in this order, in the frame of
-    /// the odometry. A joint that was not seen has three NaN. Orientations have no meaning. Further groups of the same
+    /// the odometry or in the map. A joint that was not seen has three NaN. Orientations have no meaning. Further groups of the same
     /// length belong to other people.
     ///
     /// The confidences and covariances of the joints are those that came before with the same stamp. If confidences are
@@ -69,7 +70,7 @@ impl Perceived {
     /// # Errors
     /// Why the joints are refused.
     pub fn take_body(&mut self, poses: &PoseArray, now: SystemTime) -> Result<SeenPeople, Refusal> {
-        check_frame(&poses.header.frame_id, WORLD_FRAME)?;
+        let odom_from_map = self.map.odom_from(&poses.header.frame_id, now)?;
         let (found, expected) = (poses.poses.len(), Body25::COUNT);
         if found == 0 || found % expected != 0 {
             return Err(Refusal::Size { what: "body joints", found, expected });
@@ -93,7 +94,11 @@ impl Perceived {
                 (confidences.next().unwrap_or_default(), covariances.next().unwrap_or_default());
             let id = ids.next().flatten();
             let body = body(poses, confidences, covariances);
-            body.map(|body| body.map(|body| body.with_id(id)))
+            let placed = |body: Body| match &odom_from_map {
+                Some(motion) => body.transformed(motion),
+                None => body,
+            };
+            body.map(|body| body.map(|body| placed(body).with_id(id)))
         });
         let mut people = people.collect::<Result<Vec<_>, _>>()?.into_iter();
         let (body, others) = (people.next().flatten(), people.flatten().collect());
@@ -108,6 +113,14 @@ impl Perceived {
         let action = self.action.filter(|(_, at)| sure && holds(*at)).map(|(action, _)| action);
         let surface = self.surface.filter(|(_, at)| holds(*at)).map(|(surface, _)| surface);
         Ok(SeenPeople { taken, body, others, action, surface })
+    }
+
+    /// Takes transforms between frames that came at time `now`, for people in the map.
+    ///
+    /// # Errors
+    /// Those of [`MapFrame::take`].
+    pub fn take_transforms(&mut self, message: &TfMessage, now: SystemTime) -> Result<(), Refusal> {
+        self.map.take(message, now)
     }
 
     /// Takes the confidences of body joints: their stamp \[s, ns\], then a number from 0 to 1 for each pose. A source that

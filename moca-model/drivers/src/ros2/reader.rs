@@ -11,7 +11,7 @@ use super::error::Ros2Error;
 use super::hand_over::Giver;
 use super::inbox::Inbox;
 use super::measurements::Measurements;
-use super::messages::{Empty, Float64MultiArray, JointState, Odometry, PoseArray, Text};
+use super::messages::{Empty, Float64MultiArray, JointState, Odometry, PoseArray, Text, TfMessage};
 use super::node::{Peers, RosNode};
 use super::perceived::{Perceived, SeenPeople};
 use super::side::WAKES;
@@ -25,6 +25,7 @@ pub(super) struct Reader {
     joint_states: Inbox<JointState>,
     odometry: Inbox<Odometry>,
     modes: Inbox<Text>,
+    transforms: Inbox<TfMessage>,
     confidences: Inbox<Float64MultiArray>,
     covariances: Inbox<Float64MultiArray>,
     bodies: Inbox<PoseArray>,
@@ -56,6 +57,7 @@ impl Reader {
             Topic::JointStates,
             Topic::Odometry,
             Topic::RobotMode,
+            Topic::Transforms,
             Topic::BodyConfidences,
             Topic::BodyCovariances,
             Topic::BodyJoints,
@@ -72,6 +74,7 @@ impl Reader {
             joint_states: node.inbox(Topic::JointStates)?,
             odometry: node.inbox(Topic::Odometry)?,
             modes: node.inbox(Topic::RobotMode)?,
+            transforms: node.inbox(Topic::Transforms)?,
             confidences: node.inbox(Topic::BodyConfidences)?,
             covariances: node.inbox(Topic::BodyCovariances)?,
             bodies: node.inbox(Topic::BodyJoints)?,
@@ -110,6 +113,7 @@ impl Reader {
             self.joint_states.statistics,
             self.odometry.statistics,
             self.modes.statistics,
+            self.transforms.statistics,
             self.confidences.statistics,
             self.covariances.statistics,
             self.bodies.statistics,
@@ -150,6 +154,9 @@ impl Reader {
             // One that waits already counts for both.
             let _ = acknowledged.try_send(());
             Ok(None)
+        })?;
+        self.transforms.drain(peers, |transforms, now| {
+            perceived.take_transforms(transforms, now).map(|()| None)
         })?;
         self.confidences.drain(peers, |confidences, _| {
             perceived.take_confidences(confidences).map(|()| None)

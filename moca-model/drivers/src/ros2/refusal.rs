@@ -102,6 +102,14 @@ pub enum Refusal {
         /// Largest allowed age of odometry \[s\].
         oldest: f64,
     },
+    /// The place of the odometry's frame in the map is not known.
+    #[error(
+        "people in the frame \"map\", but no transform from it to \"odom\" on /tf in the last {oldest} s"
+    )]
+    NoTransform {
+        /// Largest allowed age of the transform \[s\].
+        oldest: f64,
+    },
     /// The name of the mode is unknown.
     #[error("the mode {found:?}, expected one of running, stopped, reflex, user_stop")]
     Mode {

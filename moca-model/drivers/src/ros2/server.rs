@@ -227,7 +227,7 @@ impl Ros2Server {
             return;
         }
         let BodyMessages { confidences, covariances, joints } =
-            body_messages(SystemTime::now().into(), percept.body.as_ref(), others);
+            body_messages(SystemTime::now().into(), WORLD_FRAME, percept.body.as_ref(), others);
         let _ = self.confidences.publish(confidences);
         let _ = self.covariances.publish(covariances);
         let _ = self.bodies.publish(joints);

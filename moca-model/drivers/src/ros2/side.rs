@@ -49,6 +49,8 @@ pub struct Ros2Side {
     epoch: SystemTime,
     interface: JointInterface,
     grip: GripState,
+    /// Number of the base's joints.
+    base_joints: usize,
     yaw: f64,
     ending: Ending,
     reader: JoinHandle<Result<Vec<TopicStatistics>, Ros2Error>>,
@@ -120,10 +122,11 @@ impl Ros2Side {
     ) -> Result<(Self, Ros2People), Ros2Error> {
         let mut node = RosNode::join(domain, "moca_control", names)?;
         let (count, arm_joints) = (joints.count(), joints.arm().len());
+        let base_joints = joints.of_base();
         let (numbers, taken) = hand_over(3 * count);
         let (status, said) = hand_over(1);
         let measured = Measured { numbers, status };
-        let (commands, outgoing) = hand_over(1 + count);
+        let (commands, outgoing) = hand_over(1 + MOCA_BASE_JOINTS + arm_joints);
         let (persons, seen) = sync_channel(WAITING);
         let (acknowledged, acknowledgements) = sync_channel(1);
         let state = node.publisher(Topic::ControlState)?;
@@ -135,14 +138,21 @@ impl Ros2Side {
             measured,
             (persons, acknowledged),
         )?;
-        let outbox = Outbox::new(node, interface, arm_joints, (outgoing, grip.clone()), epoch)?;
+        let outbox = Outbox::new(
+            node,
+            interface,
+            (base_joints > 0, arm_joints),
+            (outgoing, grip.clone()),
+            epoch,
+        )?;
         let ending = Ending(Arc::new(AtomicBool::new(false)));
         let (reads, publishes) = (ending.0.clone(), ending.0.clone());
         let side = Self {
             measured: taken,
             status: said,
             commands,
-            outgoing: vec![0.0; 1 + count],
+            outgoing: vec![0.0; 1 + MOCA_BASE_JOINTS + arm_joints],
+            base_joints,
             epoch,
             interface,
             grip,
@@ -201,7 +211,8 @@ impl RobotSide for Ros2Side {
         if let Some(([status], _)) = self.status.take() {
             *robot = RobotStatus { holds: self.grip.holds(), ..*status };
         }
-        self.yaw = measured.position.get(MOCA_BASE_JOINTS - 1).copied().unwrap_or_default();
+        let yaw = self.base_joints.checked_sub(1).and_then(|yaw| measured.position.get(yaw));
+        self.yaw = yaw.copied().unwrap_or_default();
         Ok(Received::Fresh)
     }
 
@@ -211,8 +222,11 @@ impl RobotSide for Ros2Side {
         }
         self.grip.want(command.grip);
         let time = self.epoch.elapsed().map_or(0.0, |since| since.as_secs_f64());
-        let numbers = [time].into_iter().chain(base_velocity(&command.velocity, self.yaw));
-        let numbers = numbers.chain(joint_values(command, self.interface).iter().copied());
+        // An arm that stands has no twist.
+        let base = command.velocity.get(..self.base_joints).unwrap_or_default();
+        let numbers = [time].into_iter().chain(base_velocity(base, self.yaw));
+        let arm = joint_values(command, self.base_joints, self.interface);
+        let numbers = numbers.chain(arm.iter().copied());
         self.outgoing.iter_mut().zip(numbers).for_each(|(own, number)| *own = number);
         self.commands.give(&self.outgoing);
         self.publisher.thread().unpark();

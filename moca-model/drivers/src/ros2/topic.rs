@@ -24,6 +24,8 @@ pub enum Topic {
     Odometry,
     /// Mode of the robot: whether it takes commands.
     RobotMode,
+    /// Transforms between frames.
+    Transforms,
     /// Joints of the people's bodies.
     BodyJoints,
     /// Confidences of the body joints.
@@ -63,6 +65,7 @@ impl Topic {
             Self::JointStates => &names.joint_states,
             Self::Odometry => &names.odometry,
             Self::RobotMode => &names.robot_mode,
+            Self::Transforms => &names.transforms,
             Self::BodyJoints => &names.body_joints,
             Self::BodyConfidences => &names.body_confidences,
             Self::BodyCovariances => &names.body_covariances,
@@ -88,6 +91,7 @@ impl Topic {
         match self {
             Self::JointStates => ("sensor_msgs", "JointState"),
             Self::Odometry => ("nav_msgs", "Odometry"),
+            Self::Transforms => ("tf2_msgs", "TFMessage"),
             Self::BodyJoints => ("geometry_msgs", "PoseArray"),
             Self::Action | Self::Surface | Self::RobotMode | Self::ControlState => {
                 ("std_msgs", "String")

@@ -1,0 +1,59 @@
+//! The place of the camera that sees the people.
+
+use moca_drivers::{MAP_FRAME, WORLD_FRAME};
+use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Largest deviation of the norm of an orientation from 1, since numbers written by hand have few digits.
+const TOLERANCE: f64 = 1e-3;
+
+/// The frame of a camera's place.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum CameraFrame {
+    /// That of the odometry, for a camera on the robot's own map.
+    #[default]
+    Odom,
+    /// That of a localisation, which does not drift, for a camera that stands in the building.
+    Map,
+}
+
+impl CameraFrame {
+    /// The frame's name on the ROS 2 graph.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Odom => WORLD_FRAME,
+            Self::Map => MAP_FRAME,
+        }
+    }
+}
+
+/// The place of the camera that sees the people.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CameraPlace {
+    /// Frame of its place. Default odom.
+    pub frame: CameraFrame,
+    /// Its place \[m\] and orientation, x, y, z, then the unit quaternion x, y, z, w: z along the view, x to the right.
+    /// Default "none", which is that of the folder's camera.json.
+    pub pose: Option<[f64; 7]>,
+}
+
+impl CameraPlace {
+    /// The pose of the camera in its frame, if the settings have it.
+    ///
+    /// # Errors
+    /// The norm of a quaternion that is none.
+    pub fn isometry(&self) -> Result<Option<Isometry3<f64>>, moca_model::Error> {
+        let Some([x, y, z, i, j, k, w]) = self.pose else { return Ok(None) };
+        let quaternion = Quaternion::new(w, i, j, k);
+        let (name, value) = ("camera.pose", quaternion.norm());
+        if (value - 1.0).abs() > TOLERANCE {
+            let expected = "a place and a unit quaternion: the norm of its last four numbers is 1";
+            return Err(moca_model::Error::Setting { name, value, expected });
+        }
+        let rotation = UnitQuaternion::from_quaternion(quaternion);
+        Ok(Some(Isometry3::from_parts(Translation3::new(x, y, z), rotation)))
+    }
+}
