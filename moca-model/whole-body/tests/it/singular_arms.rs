@@ -50,7 +50,8 @@ fn arrival(model: &Model, start: &[f64], target: Isometry3<f64>) -> Option<[f64;
     arrived.filter(|_| stays).map(|tick| [f64::from(tick) * PERIOD, fastest])
 }
 
-/// The three arms that do not arrive do not arrive without damping either. Joints that still move after a second are
+/// The three arms that do not arrive do not arrive without damping either: on the way a wrist joint comes to its limit,
+/// and another turn of the wrist would be needed. Joints that still move after a second are
 /// redundant ones on their way to the posture.
 #[test]
 fn nearly_all_singular_starts_arrive() {
