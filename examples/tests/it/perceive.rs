@@ -13,8 +13,7 @@ use human_perception::percepts::{Assessor, Perceiver, PerceiverSettings, assess}
 use moca_simulation::people::{CameraSettings, Occupation, WalkerSettings, WalkingPath};
 use moca_simulation::rendering::{Film, Viewpoint};
 use vision_models::{
-    Body, Body25, BodyTracker, DepthImage, Freshness, ImageBody, LiftingSettings, Percept,
-    TrackerSettings,
+    Body, Body25, BodyTracker, DepthImage, ImageBody, LiftingSettings, Percept, TrackerSettings,
 };
 
 /// Errors against the truth as root mean squares.
