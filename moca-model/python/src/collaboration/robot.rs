@@ -1,11 +1,8 @@
 //! The robot of a controller, and the person beside it.
 
 use ergo_map::{ErgonomicsQuadratic, FitOptions, MapOptions, Side};
-use hrsw_safety::{BaseBraking, Capsule, LinkCapsule, SafetySettings, SeparationSettings};
-use moca_model::{
-    ControllerSettings, MOCA_HOME, MecanumBase, PostureSettings, SpaceSettings, TorqueLoopSettings,
-    moca,
-};
+use hrsw_safety::{Capsule, LinkCapsule};
+use moca_model::{ControllerSettings, MOCA_HOME, MecanumBase, TorqueLoopSettings, moca};
 use pyo3::prelude::*;
 use whole_body::Base;
 use whole_body::torque::Compensation;
@@ -15,11 +12,6 @@ use crate::arrays::{numbers, vector_of};
 use crate::ergo::map::ErgonomicsMap;
 use crate::ergo::person::Person;
 use crate::failure::{Failure, Result};
-
-/// Number of joints of a planar base.
-const BASE_JOINTS: usize = 3;
-/// Deceleration of a planar base that safety relies on [m/s²].
-const BASE_DECELERATION: f64 = 0.5;
 
 /// Model, start and settings of a robot.
 #[derive(Debug)]
@@ -56,47 +48,17 @@ impl Robot {
         mecanum: Option<[f64; 3]>,
     ) -> Result<Self> {
         let start = vector_of("start", start, model.position_count())?.as_array().to_vec();
-        let base = if model.base() == Base::Planar { BASE_JOINTS } else { 0 };
-        let of_base = |base_value: f64, other: f64| -> Vec<f64> {
-            (0..start.len()).map(|joint| if joint < base { base_value } else { other }).collect()
-        };
-        if mecanum.is_some() && base == 0 {
+        if mecanum.is_some() && model.base() != Base::Planar {
             let text = "mecanum is for a model with base=\"planar\", whose wheels move it";
             return Err(Failure::value(text));
         }
+        let mut controller = ControllerSettings::of_robot(model, &tool, &start);
         let bodies = bodies.into_iter().map(body).collect::<Result<Vec<_>>>()?;
-        let braking = BaseBraking { joints: BASE_JOINTS, deceleration: BASE_DECELERATION };
-        let safety = SafetySettings::default();
-        let controller = ControllerSettings {
-            tool,
-            base: mecanum.map(|[speed, lever, axis_speed]| MecanumBase {
-                speed,
-                lever,
-                axis_speed,
-            }),
-            posture: PostureSettings {
-                configuration: start.clone(),
-                gain: of_base(0.0, 1.0),
-                weight: of_base(0.5, 1.0),
-            },
-            safety: SafetySettings {
-                own_pairs: pairs(&bodies, own_pairs)?,
-                separation: SeparationSettings {
-                    base: (base > 0).then_some(braking),
-                    ..safety.separation
-                },
-                bodies,
-                ..safety
-            },
-            ..ControllerSettings::default()
-        };
-        let joints: Vec<_> =
-            model.joints().iter().skip(base).map(|joint| joint.name.clone()).collect();
-        let torque = TorqueLoopSettings {
-            observer_rates: vec![50.0; joints.len()],
-            joints,
-            ..TorqueLoopSettings::new(Compensation::BARE)
-        };
+        controller.safety.own_pairs = pairs(&bodies, own_pairs)?;
+        controller.safety.bodies = bodies;
+        controller.base =
+            mecanum.map(|[speed, lever, axis_speed]| MecanumBase { speed, lever, axis_speed });
+        let torque = TorqueLoopSettings::of_robot(model, Compensation::BARE);
         Ok(Self { model: model.clone(), start, settings: Settings { controller, torque } })
     }
 
@@ -107,7 +69,7 @@ impl Robot {
         person: Option<&Bound<'_, PyAny>>,
     ) -> Result<ErgonomicsQuadratic> {
         let (ergonomics, person, side) = fit(py, person)?;
-        let space = SpaceSettings { ..self.settings.controller.space };
+        let space = self.settings.controller.space;
         self.settings.controller.space = space.for_person(&person, side);
         Ok(ergonomics)
     }

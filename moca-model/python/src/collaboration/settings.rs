@@ -18,7 +18,7 @@ pub(super) struct Settings {
 }
 
 /// Tables and entries of a settings file that do not concern a controller.
-const OF_PROGRAMS: [&str; 3] = ["version", "topics", "robot"];
+const OF_PROGRAMS: [&str; 4] = ["version", "topics", "robot", "camera"];
 
 impl Settings {
     /// Returns the settings with the values of tables of the caller.
