@@ -125,7 +125,7 @@ fn slipping_wheels_leave_the_robot_behind() {
     let (went, told) = way(0.0);
     assert!((went - told).abs() < 0.02 && went > 0.5, "{went} m, told {told} m");
     let (went, told) = way(0.4);
-    // Odometry is ahead of the commanded place by up to its following-error limit, 0.2 m. Without slip it is 0.2 m off.
+    // Odometry is ahead of the commanded place by up to its following-error limit, 0.2 m. A robot that does not slip is 0.2 m off.
     assert!((went - 0.6 * told).abs() < 0.1, "{went} m, told {told} m");
 }
 
