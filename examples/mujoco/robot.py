@@ -58,7 +58,6 @@ class Robot:
         self.data.qpos[:] = start
         mujoco.mj_forward(model, self.data)
         self.lost, self.took = 0, True
-        self.inertia = np.zeros((model.nv, model.nv))
         self.base, self.change = np.zeros(3), np.zeros(3)
         # Before the first command brakes hold the arm, behind which its sensors measure gravity.
         self.held = self.data.qfrc_bias[ARM].copy()
@@ -96,8 +95,10 @@ class Robot:
 
     def brake(self):
         """Returns the torques of the arm's own stop, which slows all joints down at one rate by the robot's model."""
-        mujoco.mj_fullM(self.model, self.data, self.inertia)
-        return self.data.qfrc_bias[ARM] - self.inertia[ARM, ARM] @ self.velocity[ARM] / BRAKE
+        slower, torque = np.zeros((2, self.model.nv))
+        slower[ARM] = -self.velocity[ARM] / BRAKE
+        mujoco.mj_mulM(self.model, self.data, torque, slower)
+        return (self.data.qfrc_bias + torque)[ARM]
 
     def step(self):
         """Moves for a period."""

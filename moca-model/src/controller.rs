@@ -155,6 +155,9 @@ impl Controller {
         if tick.forgets {
             self.space.forget();
             self.safety.forget();
+            if let Ok(situation) = self.space.situation() {
+                self.situation = situation;
+            }
         }
         tick.fault.into_iter().for_each(|fault| self.report(fault));
         let period = self.settings.period;

@@ -119,10 +119,12 @@ impl LoopController {
 
     /// Evaluates the status of the robot. It has stopped if it says so or takes none of many commands. Commands that it
     /// did not take are not made up for.
-    fn listen(&mut self, robot: RobotStatus) {
-        match robot.took_command {
-            Some(true) => self.refused = 0,
+    fn listen(&mut self, robot: RobotStatus, is_new: bool) {
+        match robot.took_command.filter(|_| is_new) {
             Some(false) => self.refused = self.refused.saturating_add(1),
+            Some(true) => self.refused = 0,
+            // It is not known whether the robot took the command.
+            None if is_new => self.refused = 0,
             None => {}
         }
         self.controller.set_unheard(self.refused >= AGAIN);
@@ -193,7 +195,7 @@ impl ControlLaw for LoopController {
             // Nobody can acknowledge a stop that is requested in every tick.
             self.controller.controller_mut().request_stop();
         }
-        self.listen(measured.robot);
+        self.listen(measured.robot, measured.age <= 0.0);
         let JointMeasurement { position, velocity, torque, age, .. } = measured;
         let measured = Measured { position, velocity, torque, age: *age };
         let told = self.controller.step(now, &measured)?;

@@ -21,9 +21,11 @@ const LEG: f64 = 2.0;
 /// Time constant with which an acceleration fades \[s\].
 const LASTS: f64 = 0.3;
 
-/// Largest speed of a joint relative to the trunk \[m/s\], and the motion that it explains at least and at most \[m\].
-const LIMB_SPEED: f64 = 6.0;
-const LIMB_MOTION: [f64; 2] = [0.3, 1.2];
+/// Largest motion of a joint relative to the trunk from frame to frame \[m\]. A joint that moved
+/// farther counts as missing unless the next frame shows it there again.
+pub(crate) const LIMB_GATE: f64 = 0.3;
+/// Largest speed of a hand that one frame can show \[m/s\]. Swung hands reach 2 to 4 m/s.
+const FASTEST_HAND: f64 = 4.0;
 /// Largest speed from frame to frame \[m/s\]: that of a person who walks (ISO 13855). A person who
 /// moves faster has jumped, and velocities are measured again.
 pub(crate) const JUMP_SPEED: f64 = 1.6;
@@ -58,6 +60,8 @@ struct Group {
     covariance: Matrix3<f64>,
     /// Times of the first and the last observation without a gap \[s\].
     seen: Option<Span>,
+    /// Apparent speed of the jump before them, zero if there was none \[m/s\].
+    jumped: f64,
 }
 
 /// Model of the accelerations of joints.
@@ -160,6 +164,14 @@ impl JointVelocities {
         group.velocity(now).filter(|velocity| velocity.uncertainty < assumed)
     }
 
+    /// Returns the speed that a joint without a measured velocity may have, at least `assumed`
+    /// \[m/s\]. A joint that has jumped may be as fast as it seemed to be.
+    pub(super) fn assumed_after_jump(&self, joint: Body25, assumed: f64) -> f64 {
+        let group = self.groups.iter().find(|group| group.joints.first() == Some(&joint));
+        let jumped = group.map_or(0.0, |group| group.jumped);
+        assumed.max(jumped.min(FASTEST_HAND))
+    }
+
     /// Returns the velocity of a part that counts for contacts \[m/s\]. It is the velocity of the
     /// trunk. If the part's `own` velocity is measured, it is the nearest to the trunk's that the
     /// part may have. The trunk has more joints than a part, so its velocity is more certain.
@@ -194,6 +206,7 @@ impl Group {
             acceleration: Vector3::zeros(),
             covariance: Matrix3::zeros(),
             seen: None,
+            jumped: 0.0,
         }
     }
 
@@ -233,9 +246,10 @@ impl Group {
             return;
         }
         let (innovation, variance) = (innovation / count, variance / (count * count));
-        if innovation.norm() > largest_motion(interval) {
-            // Such a jump is no motion.
+        if innovation.norm() > LIMB_GATE {
+            // Such a jump is no motion, or one that lost frames have hidden.
             self.begin(sigma);
+            self.jumped = innovation.norm() / interval;
             for (&joint, expected) in self.joints.iter().zip(&mut self.places) {
                 *expected = place(joint);
             }
@@ -263,6 +277,7 @@ impl Group {
         let sigmas = Vector3::new(sigma, JUMP_SPEED, ACCELERATION);
         self.covariance = Matrix3::from_diagonal(&sigmas.map(|sigma| sigma * sigma));
         self.seen = None;
+        self.jumped = 0.0;
     }
 
     /// Predicts the state after a time \[s\].
@@ -302,13 +317,6 @@ impl Group {
     fn deviation(&self) -> f64 {
         self.covariance[(1, 1)].max(0.0).sqrt()
     }
-}
-
-/// Returns the largest motion of a joint relative to the trunk in a time \[s\], in m. A joint that moved farther counts as
-/// missing unless the next frame shows it there again.
-pub(crate) fn largest_motion(elapsed: f64) -> f64 {
-    let [least, most] = LIMB_MOTION;
-    (LIMB_SPEED * elapsed).clamp(least, most)
 }
 
 /// Returns the variance of the measured place of a joint for each axis \[m²\].
@@ -449,17 +457,21 @@ mod tests {
     }
 
     #[test]
-    fn swinging_hand_stays_measured_over_lost_frames() {
+    fn swinging_hand_is_never_assumed_too_slow() {
         let mut velocities = JointVelocities::new();
+        let mut jumps = 0;
         for frame in (0..400_u32).filter(|frame| frame % 7 < 5) {
             let time = FRAME * f64::from(frame);
             // 3 m/s at most.
             let place = Vector3::new(0.4 * (7.5 * time).sin(), 0.0, 1.2);
             let seen = |joint| (joint == Body25::LeftWrist).then_some(place);
             velocities.observe(time, &Body::default(), seen, 0.02);
-            let known = velocities.of(Body25::LeftWrist, time, 9.0);
-            assert!(known.is_some() || time < SETTLING, "{time} s");
+            let assumed = velocities.assumed_after_jump(Body25::LeftWrist, 2.0);
+            assert!((2.0..=FASTEST_HAND).contains(&assumed));
+            jumps += u32::from(assumed > 2.0);
         }
+        assert!(jumps > 20, "{jumps}");
+        assert_eq!(velocities.assumed_after_jump(Body25::LeftElbow, 2.0), 2.0);
     }
 
     #[test]

@@ -8,7 +8,7 @@ use crate::approach::PersonBody;
 use crate::body_parts::{Limb, PARTS, Part};
 use crate::body_region::ContactLimits;
 use crate::contact::{Contact, ContactLimit};
-use crate::joint_velocity::{JUMP_SPEED, JointVelocities, largest_motion};
+use crate::joint_velocity::{JUMP_SPEED, JointVelocities, LIMB_GATE};
 use crate::separation::SeparationSettings;
 use crate::settings::PersonBodySettings;
 
@@ -61,8 +61,8 @@ impl Seen {
         place: Option<Vector3<f64>>,
         (time, spread): (f64, f64),
         moved: &Vector3<f64>,
+        gate: f64,
     ) {
-        let gate = largest_motion(time - self.time);
         self.place += moved;
         self.before += moved;
         let expected = self.doubtful.take().map(|doubtful| doubtful + moved);
@@ -169,7 +169,7 @@ impl PersonBodies {
             let place = place(body, joint, self.settings.least_confidence);
             let spread = spread(body, joint);
             match seen {
-                Some(seen) => seen.update(place, (time, spread), &moved),
+                Some(seen) => seen.update(place, (time, spread), &moved, LIMB_GATE),
                 None => *seen = place.map(|place| Seen::first(place, time, spread)),
             }
             if seen.is_some_and(|seen| seen.time == time) {
@@ -208,7 +208,12 @@ impl PersonBodies {
         for (part, limit) in PARTS.iter().zip(&self.contacts) {
             let ends = (self.joints[part.from as usize], self.joints[part.to as usize]);
             let (Some(from), Some(to)) = ends else { continue };
-            let assumed = assumed_speed(part, separation);
+            let mut assumed = assumed_speed(part, separation);
+            if part.limb == Limb::Arm {
+                for joint in [part.from, part.to] {
+                    assumed = self.velocities.assumed_after_jump(joint, assumed);
+                }
+            }
             let of = |joint| self.velocities.of(joint, now, assumed);
             let velocity = of(part.from).zip(of(part.to));
             let velocity = velocity.map(|ends| part.velocity(&from.place, &to.place, ends));

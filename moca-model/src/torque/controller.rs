@@ -349,7 +349,8 @@ impl TorqueController {
         self.sense_force(usable, self.watch.age() == 0.0);
         let configuration =
             if usable.position { self.prediction.position() } else { measured.position };
-        self.controller.set_measured_velocity(self.prediction.velocity());
+        let velocity = self.prediction.velocity();
+        self.controller.set_measured_velocity(if usable.velocity { velocity } else { &[] });
         let outcome = self.controller.step(now, configuration).map(|_| ());
         self.write_law(usable);
         self.apply();

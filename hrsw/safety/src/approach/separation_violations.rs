@@ -9,7 +9,7 @@ use crate::separation::SeparationSettings;
 use hrsw::Capsule;
 
 /// Number of pairs that are remembered. If there are more, the robot brakes.
-const ROOM: usize = 256;
+const ROOM: usize = 512;
 
 /// Pairs of a tick that may not touch and violate the protective distance of a robot at rest.
 #[derive(Debug, Clone)]

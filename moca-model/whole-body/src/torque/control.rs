@@ -192,10 +192,12 @@ impl TorqueControl {
         let rests = velocity.iter().all(|velocity| *velocity == 0.0);
         // The desired state restarts from the measured one, so that no error of the time without measurements is
         // corrected.
-        if self.prediction.is_recovering() {
-            self.resynchronisation.restart();
-        }
+        let restarts = self.prediction.is_recovering() && self.resynchronisation.restart();
         self.following = self.resynchronisation.clamp(&mut self.desired, &self.position, rests)?;
+        // A short gap is no reason to come to rest.
+        if restarts && self.watch.fault().is_none() {
+            self.following = Following::Follows;
+        }
         self.advance(velocity, period);
         self.support(velocity)?;
         self.gather(velocity);

@@ -127,9 +127,14 @@ impl Resynchronisation {
     }
 
     /// Restarts the desired position from the measured one in the next tick and goes on at once. Use it when the robot
-    /// follows but did something else meanwhile.
-    pub fn restart(&mut self) {
-        self.state = State::Restarting;
+    /// follows but did something else meanwhile. Returns false for a robot that is being resynchronised, which
+    /// goes on.
+    pub fn restart(&mut self) -> bool {
+        let restarts = self.state != State::Resynchronising;
+        if restarts {
+            self.state = State::Restarting;
+        }
+        restarts
     }
 
     /// Returns whether the following-error limit is reached. NaN counts as reached.
