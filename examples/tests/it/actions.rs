@@ -237,7 +237,7 @@ fn mismatched_labels_weights_and_caches_are_refused() {
 #[test]
 fn an_interrupted_training_keeps_the_features_so_far() {
     let clips = Clips::new(60, 2);
-    let ran = clips.train_at("--side=64").interrupt_at("features of clips: ", "INT");
+    let ran = clips.train_at("--side=40").interrupt_at("features of clips: ", "INT");
     assert_eq!(ran.code(), Some(130), "{ran:?}");
     assert!(ran.errors.contains("the features so far are kept in"), "{}", ran.errors);
     assert!(!Path::new(&clips.path("model")).exists());
