@@ -457,7 +457,7 @@ mod tests {
     }
 
     #[test]
-    fn swinging_hand_is_never_assumed_too_slow() {
+    fn jumped_hand_counts_with_its_apparent_speed() {
         let mut velocities = JointVelocities::new();
         let mut jumps = 0;
         for frame in (0..400_u32).filter(|frame| frame % 7 < 5) {
@@ -467,7 +467,8 @@ mod tests {
             let seen = |joint| (joint == Body25::LeftWrist).then_some(place);
             velocities.observe(time, &Body::default(), seen, 0.02);
             let assumed = velocities.assumed_after_jump(Body25::LeftWrist, 2.0);
-            assert!((2.0..=FASTEST_HAND).contains(&assumed));
+            // It is a mean over the lost frames, and so below the swing's largest speed.
+            assert!(assumed <= 3.0, "{assumed} m/s");
             jumps += u32::from(assumed > 2.0);
         }
         assert!(jumps > 20, "{jumps}");
