@@ -127,7 +127,7 @@ impl LoopController {
             None if is_new => self.refused = 0,
             None => {}
         }
-        self.controller.set_unheard(self.refused >= AGAIN);
+        self.controller.law_mut().set_unheard(self.refused >= AGAIN);
         if robot.is_stopped() || self.refused >= REFUSED {
             self.controller.controller_mut().robot_stopped();
         } else if self.refused >= AGAIN {
@@ -218,7 +218,7 @@ impl ControlLaw for LoopController {
     }
 
     fn measurement_age(&self, measured: &JointMeasurement) -> f64 {
-        self.controller.measurement_age().max(measured.age)
+        self.controller.law().age().max(measured.age)
     }
 
     fn is_at_rest(&self, _measured: &JointMeasurement) -> Option<bool> {

@@ -5,12 +5,9 @@ mod sensing;
 use hrsw_safety::SafetyState;
 use nalgebra::Vector3;
 use vision_models::{Body, Percept};
+use whole_body::Model;
 use whole_body::state::{Payload, PayloadId};
-use whole_body::torque::{
-    ContactForce, JointImpedance, JointState, MeasurementWatch, MomentumObserver, ObserverSettings,
-    StatePrediction, SupportTorque,
-};
-use whole_body::{Data, Model};
+use whole_body::torque::{ContactForce, JointState, MomentumObserver, ObserverSettings, TorqueLaw};
 
 use super::payload_watch::PayloadWatch;
 use super::settings::{AnswerDelay, TorqueLoopSettings};
@@ -34,9 +31,8 @@ pub struct Measured<'a> {
     pub age: f64,
 }
 
-/// A [`Controller`] down to torque. The arm gets τ = `K_d` (q̇* − q̇) + `K_p` (q* − q) + g(q) within limits of torque
-/// and torque rate, the base velocities. The term g(q) is left out if the robot adds it itself
-/// ([`Compensation`](whole_body::torque::Compensation)).
+/// A [`Controller`] down to torque. The arm gets the torques of a [`TorqueLaw`] that follows its commands, the base
+/// velocities.
 ///
 /// Tasks are computed at the commanded arm and base. The arm's q* is within the following-error limit of q, and the
 /// base approaches its measured place. So the arm's spring and damper do not form a feedback loop with the
@@ -68,10 +64,9 @@ pub struct Measured<'a> {
 pub struct TorqueController {
     controller: Controller,
     settings: TorqueLoopSettings,
-    data: Data,
+    law: TorqueLaw,
     /// Entries of q̇ of the joints with torque drives.
     joints: Vec<usize>,
-    impedance: JointImpedance,
     observer: MomentumObserver,
     contact: ContactForce,
     force: Vector3<f64>,
@@ -80,9 +75,6 @@ pub struct TorqueController {
     /// Last usable measurement.
     position: Vec<f64>,
     velocity: Vec<f64>,
-    watch: MeasurementWatch,
-    /// Predicted present state of the robot.
-    prediction: StatePrediction,
     /// Whether the measurements of the last tick were faulty.
     is_lost: bool,
     /// Place where an arm waits before its first motion, and whether it does.
@@ -91,19 +83,18 @@ pub struct TorqueController {
     /// Time of the last tick, and the time between the last two ticks \[s\].
     last: Option<f64>,
     elapsed: f64,
-    /// Delay of measurements and commands \[s\].
-    delay: f64,
     /// Time since the observer's last update \[s\].
     unobserved: f64,
-    support: SupportTorque,
     payload_watch: PayloadWatch,
     unknown_payload: Option<f64>,
     /// The payload of the grasped object.
     grasped: Option<PayloadId>,
-    law: LawInput,
+    /// Measured torques of the joints with torque drives \[N or Nm\].
+    sensed: Vec<f64>,
     /// Additional deflection of the springs that compensates their sag \[rad\].
     sag: Vec<f64>,
-    torque: Vec<f64>,
+    /// The configuration that the springs pull to.
+    desired: Vec<f64>,
 }
 
 /// Rate at which the sag of springs is learnt \[1/s\]: slow for the arm, fast for a working person.
@@ -115,18 +106,6 @@ const SOFT: f64 = 0.04;
 /// Speed up to which joints count as at rest \[m/s or rad/s\]. It covers sensor noise and creep in friction.
 const AT_REST: f64 = 0.02;
 
-/// Inputs of the impedance law, one element for each joint with a torque drive.
-#[derive(Debug, Clone)]
-struct LawInput {
-    desired: Vec<f64>,
-    desired_velocity: Vec<f64>,
-    measured: Vec<f64>,
-    measured_velocity: Vec<f64>,
-    /// Torques beside spring and damper \[Nm\].
-    support: Vec<f64>,
-    sensed: Vec<f64>,
-}
-
 impl TorqueController {
     /// Creates the torque control of a controller that has not made a step.
     ///
@@ -135,115 +114,69 @@ impl TorqueController {
     pub fn new(mut controller: Controller, settings: TorqueLoopSettings) -> Result<Self, Error> {
         settings.validate()?;
         let robot = controller.robot();
-        let (model, tool) = (robot.model().clone(), robot.tool());
+        let (model, tool) = (robot.model(), robot.tool());
+        let position = controller.command().joint_position.clone();
         let names = &settings.joints;
-        let mut joints = names
-            .iter()
-            .map(|name| Ok(model.joint(model.joint_id(name)?)?.velocity_index))
-            .collect::<Result<Vec<_>, Error>>()?;
-        joints.sort_unstable();
-        controller.follow_positions(&joints);
-        let limits: Vec<_> =
-            joints.iter().filter_map(|joint| model.limits().get(*joint).copied()).collect();
+        let mut law = TorqueLaw::new(model, settings.law(), &position)?;
         let observer = ObserverSettings {
             joints: names.clone(),
             rates: settings.observer_rates.clone(),
             friction: settings.friction,
         };
-        let delay = match settings.delay {
-            AnswerDelay::Known(delay) => delay,
-            AnswerDelay::Measured => 0.0,
-        };
+        let observer = MomentumObserver::new(model, observer)?;
+        let contact = ContactForce::new(model, tool, names)?;
+        let joints: Vec<_> = law.joints().iter().map(|(_, entry)| *entry).collect();
+        controller.follow_positions(&joints);
+        if let AnswerDelay::Known(delay) = settings.delay {
+            law.set_delay(delay);
+        }
         let none = vec![0.0; joints.len()];
-        let position = controller.command().joint_position.clone();
-        let mut torque_controller = Self {
-            data: Data::new(&model),
-            impedance: JointImpedance::new(settings.impedance.clone(), &limits)?,
-            observer: MomentumObserver::new(&model, observer)?,
-            contact: ContactForce::new(&model, tool, names)?,
+        Ok(Self {
+            law,
+            observer,
+            contact,
             force: Vector3::zeros(),
             measures_force: false,
             velocity: vec![0.0; position.len()],
-            watch: MeasurementWatch::new(position.len()),
-            prediction: StatePrediction::new(&position, &joints),
             is_lost: false,
             rest: position.clone(),
             waits: false,
             last: None,
             elapsed: controller.settings().period,
-            delay,
             unobserved: 0.0,
-            support: SupportTorque::new(&model, settings.compensation, settings.rotor_inertia)?,
             payload_watch: PayloadWatch::default(),
             unknown_payload: None,
             grasped: None,
-            law: LawInput {
-                desired: none.clone(),
-                desired_velocity: none.clone(),
-                measured: none.clone(),
-                measured_velocity: none.clone(),
-                support: none.clone(),
-                sensed: none.clone(),
-            },
-            sag: none.clone(),
-            torque: none,
+            sensed: none.clone(),
+            sag: none,
+            desired: position.clone(),
             position,
             joints,
             controller,
             settings,
-        };
-        torque_controller.support()?;
-        torque_controller.torque.copy_from_slice(&torque_controller.law.support);
-        Ok(torque_controller)
+        })
     }
 
     /// Makes a tick before the first motion. The arm is held in place by soft springs, and one joint is pushed \[Nm\].
     pub(super) fn wait(&mut self, measured: &Measured<'_>, (pushed, torque): (usize, f64)) {
         let usable = self.take(measured);
         self.predict(measured.age);
-        self.sense_force(usable, self.watch.age() == 0.0);
+        self.sense_force(usable);
         if !self.waits {
-            self.rest.copy_from_slice(self.prediction.position());
+            self.rest.copy_from_slice(self.law.state().position);
             self.waits = true;
         }
-        let parts = [
-            (&mut self.law.measured, self.prediction.position()),
-            (&mut self.law.measured_velocity, self.prediction.velocity()),
-            (&mut self.law.desired, &self.rest[..]),
-        ];
-        for (own, all) in parts {
-            for (own, joint) in own.iter_mut().zip(&self.joints) {
-                *own = all.get(*joint).copied().unwrap_or_default();
-            }
-        }
-        let law = &mut self.law;
-        for (desired, measured) in law.desired.iter_mut().zip(&law.measured) {
-            *desired = measured + SOFT * (*desired - measured);
-        }
-        for (desired, measured) in law.desired_velocity.iter_mut().zip(&law.measured_velocity) {
-            *desired = measured - SOFT * measured;
-        }
-        if let Some(support) = law.support.get_mut(pushed) {
-            *support += torque;
-        }
-        self.apply();
-    }
-
-    /// Computes spring, damper and support within the limits. If a number is not finite, the torque stays.
-    fn apply(&mut self) {
-        let law = &self.law;
-        let desired = JointState { position: &law.desired, velocity: &law.desired_velocity };
-        let state = JointState { position: &law.measured, velocity: &law.measured_velocity };
-        let period = self.controller.settings().period;
-        self.impedance.limit_rate(self.prediction.rate_limit());
-        if let Ok(torque) = self.impedance.torque(desired, state, &law.support, period) {
-            self.torque.copy_from_slice(torque);
-        }
+        self.law.push(pushed, torque);
+        // The command is at rest before the first motion.
+        let velocity = &self.controller.command().joint_velocity;
+        let desired = JointState { position: &self.rest, velocity };
+        // If a number is not finite, the torque stays.
+        let _ = self.law.step(desired, [SOFT; 2], self.period());
     }
 
     /// Writes the torques of the joints with torque drives into those of all joints.
     pub(crate) fn write_torques(&self, all: &mut [f64]) {
-        for (joint, torque) in self.joints.iter().zip(&self.torque) {
+        for (joint, torque) in self.joints.iter().zip(self.torque()) {
             if let Some(place) = all.get_mut(*joint) {
                 *place = *torque;
             }
@@ -259,11 +192,6 @@ impl TorqueController {
         self.controller.settings().period
     }
 
-    /// Age of the robot's measured state \[s\]: the time since a measurement that differed from the one before.
-    pub fn measurement_age(&self) -> f64 {
-        self.watch.age()
-    }
-
     /// Whether the robot is measured at rest and commanded to stay there; `None` if that is not known.
     pub fn is_at_rest(&self) -> Option<bool> {
         let is_told = self.controller.command().joint_velocity.iter().all(|speed| *speed == 0.0);
@@ -271,20 +199,14 @@ impl TorqueController {
         (!self.is_lost).then_some(is_told && is_measured)
     }
 
-    /// Sets the delay of measurements beyond their age \[s\]. It is the time from a command to its effect in a
-    /// measurement, minus the one period of every loop.
-    pub fn set_delay(&mut self, delay: f64) {
-        self.delay = delay.max(0.0);
+    /// The torque law of the arm, with the age of the measured state.
+    pub fn law(&self) -> &TorqueLaw {
+        &self.law
     }
 
-    /// Says whether the robot did not take the last commands.
-    pub(crate) fn set_unheard(&mut self, is_unheard: bool) {
-        self.prediction.set_unheard(is_unheard);
-    }
-
-    /// The assumed delay of measurements beyond their age \[s\].
-    pub fn delay(&self) -> f64 {
-        self.delay
+    /// The torque law of the arm, to set the delay of measurements.
+    pub fn law_mut(&mut self) -> &mut TorqueLaw {
+        &mut self.law
     }
 
     /// Takes a camera frame; see [`Controller::observe`].
@@ -329,9 +251,9 @@ impl TorqueController {
     /// Computes the command for the period that begins at `now` \[s\], with the robot as `measured`. The torques of the
     /// arm are [`torque`](Self::torque). Allocates nothing.
     ///
-    /// Between measurements the state is predicted ([`StatePrediction`]). Spring and damper act on the prediction, and
+    /// Between measurements the state is predicted ([`StatePrediction`](whole_body::torque::StatePrediction)). Spring and damper act on the prediction, and
     /// fade with its age until the arm only supports itself. A measurement that is missing for 6 to 8 ms or frozen
-    /// ([`MeasurementWatch`]) is a [`Fault::MissingMeasurement`](hrsw_safety::Fault::MissingMeasurement) or
+    /// ([`MeasurementWatch`](whole_body::torque::MeasurementWatch)) is a [`Fault::MissingMeasurement`](hrsw_safety::Fault::MissingMeasurement) or
     /// [`Fault::FrozenMeasurement`](hrsw_safety::Fault::FrozenMeasurement).
     ///
     /// A measurement with any unusable number is a [`Fault::BadMeasurement`](hrsw_safety::Fault::BadMeasurement), and
@@ -346,14 +268,12 @@ impl TorqueController {
         let last = self.last.replace(now);
         self.elapsed = self.time_since(last, now);
         self.predict(measured.age);
-        self.sense_force(usable, self.watch.age() == 0.0);
-        let configuration =
-            if usable.position { self.prediction.position() } else { measured.position };
-        let velocity = self.prediction.velocity();
+        self.sense_force(usable);
+        let JointState { position, velocity } = self.law.state();
+        let configuration = if usable.position { position } else { measured.position };
         self.controller.set_measured_velocity(if usable.velocity { velocity } else { &[] });
         let outcome = self.controller.step(now, configuration).map(|_| ());
-        self.write_law(usable);
-        self.apply();
+        self.follow(usable);
         outcome.map(|()| self.controller.command())
     }
 
@@ -364,34 +284,21 @@ impl TorqueController {
         if elapsed > 0.0 && elapsed <= longest { elapsed } else { self.period() }
     }
 
-    /// Writes the inputs of the law. Unknown positions remove the spring, and unknown velocities the damper.
-    /// Predictions count with their weight.
-    fn write_law(&mut self, usable: Usable) {
-        let command = self.controller.command();
-        let parts = [
-            (&mut self.law.measured, self.prediction.position()),
-            (&mut self.law.measured_velocity, self.prediction.velocity()),
-            (&mut self.law.desired, &command.joint_position),
-            (&mut self.law.desired_velocity, &command.joint_velocity),
-        ];
-        for (own, all) in parts {
-            for (own, joint) in own.iter_mut().zip(&self.joints) {
-                *own = all.get(*joint).copied().unwrap_or_default();
-            }
-        }
+    /// Computes the torques towards the command. Unknown positions remove the spring, and unknown velocities the damper.
+    fn follow(&mut self, usable: Usable) {
+        self.desired.copy_from_slice(&self.controller.command().joint_position);
         self.learn_sag(usable);
-        let blend = |desired: &mut [f64], predicted: &[f64], is_known: bool| {
-            for (desired, predicted) in desired.iter_mut().zip(predicted) {
-                let blended = self.prediction.towards(*desired, *predicted);
-                *desired = if is_known { blended } else { *predicted };
+        for (joint, sag) in self.joints.iter().zip(&self.sag) {
+            if let Some(desired) = self.desired.get_mut(*joint) {
+                *desired += sag;
             }
-        };
-        let law = &mut self.law;
-        for (desired, sag) in law.desired.iter_mut().zip(&self.sag) {
-            *desired += sag;
         }
-        blend(&mut law.desired, &law.measured, usable.position || usable.velocity);
-        blend(&mut law.desired_velocity, &law.measured_velocity, usable.velocity);
+        let velocity = &self.controller.command().joint_velocity;
+        let desired = JointState { position: &self.desired, velocity };
+        let share = |is_known: bool| if is_known { self.law.weight() } else { 0.0 };
+        let shares = [share(usable.position || usable.velocity), share(usable.velocity)];
+        // If a number is not finite, the torque stays.
+        let _ = self.law.step(desired, shares, self.period());
     }
 
     /// Learns the sag of the springs slowly. It is kept during a stop, and reset while the arm yields.
@@ -405,9 +312,11 @@ impl TorqueController {
             return;
         }
         let share = (self.elapsed * SAG_RATE).min(1.0);
-        let joints = self.sag.iter_mut().zip(&self.law.desired).zip(&self.law.measured);
-        for ((sag, desired), measured) in joints {
-            *sag = (*sag + share * (desired - measured)).clamp(-LARGEST_SAG, LARGEST_SAG);
+        let present = self.law.state().position;
+        for (sag, joint) in self.sag.iter_mut().zip(&self.joints) {
+            if let (Some(desired), Some(now)) = (self.desired.get(*joint), present.get(*joint)) {
+                *sag = (*sag + share * (desired - now)).clamp(-LARGEST_SAG, LARGEST_SAG);
+            }
         }
     }
 
@@ -419,7 +328,7 @@ impl TorqueController {
     /// The torques of the joints with torque drives, in the order of q \[Nm\]. Before the first step they support the
     /// arm.
     pub fn torque(&self) -> &[f64] {
-        &self.torque
+        self.law.torque()
     }
 
     /// The undeclared mass at the tool, while there is a [`Fault::UnknownPayload`](hrsw_safety::Fault::UnknownPayload)
@@ -461,17 +370,17 @@ impl TorqueController {
     /// Attaches a payload, which gravity and observer include.
     ///
     /// # Errors
-    /// [`Error::Robot`], as [`Data::attach`].
+    /// [`Error::Robot`], as [`Data::attach`](whole_body::Data::attach).
     pub fn attach(&mut self, payload: &Payload) -> Result<PayloadId, Error> {
-        Ok(self.data.attach(self.controller.robot().model(), payload)?)
+        Ok(self.law.data_mut().attach(self.controller.robot().model(), payload)?)
     }
 
     /// Detaches a payload.
     ///
     /// # Errors
-    /// [`Error::Robot`], as [`Data::detach`].
+    /// [`Error::Robot`], as [`Data::detach`](whole_body::Data::detach).
     pub fn detach(&mut self, payload: PayloadId) -> Result<(), Error> {
-        Ok(self.data.detach(self.controller.robot().model(), payload)?)
+        Ok(self.law.data_mut().detach(self.controller.robot().model(), payload)?)
     }
 
     /// The controller of velocities.

@@ -1,6 +1,6 @@
 //! Settings of the torque loop.
 
-use whole_body::torque::{Compensation, ImpedanceSettings, ObservedFriction};
+use whole_body::torque::{Compensation, ImpedanceSettings, ObservedFriction, TorqueSettings};
 
 use crate::error::Error;
 use crate::robot::moca::{MOCA_BASE_JOINTS, MOCA_JOINTS};
@@ -67,6 +67,16 @@ impl TorqueLoopSettings {
             observer_rates: vec![50.0; joints.len()],
             friction: ObservedFriction::Modelled,
             joints,
+        }
+    }
+
+    /// The settings of the torque law alone.
+    pub(crate) fn law(&self) -> TorqueSettings {
+        TorqueSettings {
+            joints: self.joints.clone(),
+            compensation: self.compensation,
+            rotor_inertia: self.rotor_inertia,
+            impedance: self.impedance.clone(),
         }
     }
 

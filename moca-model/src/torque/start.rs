@@ -52,7 +52,7 @@ impl Start {
         match self.probe.update(seen) {
             ProbeAnswer::Pending => Ok(false),
             ProbeAnswer::Delay(delay) if delay <= LONGEST_DELAY => {
-                controller.set_delay(delay);
+                controller.law_mut().set_delay(delay);
                 Ok(true)
             }
             ProbeAnswer::Delay(delay) => Err(Error::AnswersLate { delay, longest: LONGEST_DELAY }),

@@ -143,7 +143,7 @@ struct Ride {
 
 fn ride(delay: usize, every: u32, known: f64) -> Ride {
     let mut robot = Moving::new(delay, every, 7);
-    robot.controller.set_delay(known);
+    robot.controller.law_mut().set_delay(known);
     let mut ride = Ride { fastest: 0.0, error: 0.0, faults: 0 };
     for _ in 0..6000 {
         robot.step(Trouble::None);
@@ -341,6 +341,6 @@ impl Line {
             .map_err(|error| error.to_string())?;
         assert_eq!(ending.cause, StopCause::Requested);
         assert_eq!(ending.at_rest, Some(true));
-        Ok(law.controller().delay())
+        Ok(law.controller().law().delay())
     }
 }

@@ -2,7 +2,7 @@
 
 use hrsw_safety::Fault;
 use nalgebra::Vector3;
-use whole_body::torque::{JointState, MeasurementFault, SupportedMotion};
+use whole_body::torque::{JointState, MeasurementFault};
 
 use super::{Measured, TorqueController};
 use crate::error::Error;
@@ -44,19 +44,17 @@ fn is_sensible(value: f64) -> bool {
 impl TorqueController {
     /// Predicts the present state of the robot. Reports a fault if it is not known well enough.
     pub(super) fn predict(&mut self, age: f64) {
-        let period = self.controller.settings().period;
         let measured = JointState { position: &self.position, velocity: &self.velocity };
         let commanded = &self.controller.command().joint_velocity;
-        let age = self.watch.update(measured, commanded, age, self.elapsed);
+        let period = self.controller.settings().period;
         // The sizes are those of the robot.
-        let (age, awaited) = (self.delay + age, self.delay + self.watch.awaited());
-        let _ = self.prediction.update(measured, commanded, age, awaited, period);
-        let fault = self.watch.fault().map(|fault| match fault {
+        let _ = self.law.observe(measured, commanded, age, self.elapsed, period);
+        let fault = self.law.fault().map(|fault| match fault {
             MeasurementFault::Missing => Fault::MissingMeasurement,
             MeasurementFault::Frozen => Fault::FrozenMeasurement,
         });
         // The commanded state restarts, so that no motion is made up for when measurements return.
-        if self.prediction.is_recovering() {
+        if self.law.is_recovering() {
             self.controller.restart();
         }
         self.is_lost = fault.is_some();
@@ -65,11 +63,10 @@ impl TorqueController {
         }
     }
 
-    /// Estimates the external force by a new measurement and reports it to the supervisor. Gravity is that of the
-    /// predicted position.
-    pub(super) fn sense_force(&mut self, usable: Usable, is_new: bool) {
+    /// Estimates the external force by a new measurement and reports it to the supervisor.
+    pub(super) fn sense_force(&mut self, usable: Usable) {
         self.unobserved += self.elapsed;
-        let observes = usable.torque == Torques::Measured && is_new;
+        let observes = usable.torque == Torques::Measured && self.law.age() == 0.0;
         if usable.is_bad() || (observes && self.observe_force().is_err()) {
             self.controller.report(Fault::BadMeasurement);
         }
@@ -77,12 +74,10 @@ impl TorqueController {
         if usable.is_bad() || !self.measures_force {
             self.observer.reset();
             self.force = Vector3::zeros();
-        } else if self.watch.age() <= FELT {
+        } else if self.law.age() <= FELT {
             self.controller.set_external_force(self.force.norm());
         }
         self.look_for_payload();
-        // The position is a valid configuration.
-        let _ = self.support();
     }
 
     /// Copies the usable parts of a measurement.
@@ -111,7 +106,7 @@ impl TorqueController {
             self.move_on(position);
         }
         if usable.torque == Torques::Measured {
-            for (sensed, joint) in self.law.sensed.iter_mut().zip(&self.joints) {
+            for (sensed, joint) in self.sensed.iter_mut().zip(&self.joints) {
                 *sensed = torque.get(*joint).copied().flatten().unwrap_or_default();
             }
         }
@@ -146,28 +141,11 @@ impl TorqueController {
     /// Estimates the external force since the last update of the observer.
     fn observe_force(&mut self) -> Result<(), Error> {
         let model = self.controller.robot().model();
-        let posed = self.data.pose(model, &self.position)?;
+        let posed = self.law.data_mut().pose(model, &self.position)?;
         let mut moving = posed.moving(&self.velocity)?;
-        let found = self.observer.update(&mut moving, &self.law.sensed, self.unobserved)?;
+        let found = self.observer.update(&mut moving, &self.sensed, self.unobserved)?;
         self.unobserved = 0.0;
         self.force = self.contact.estimate(moving.posed(), found)?;
-        Ok(())
-    }
-
-    /// Computes the torques beside spring and damper for the predicted motion.
-    pub(super) fn support(&mut self) -> Result<(), Error> {
-        let model = self.controller.robot().model();
-        let motion = SupportedMotion {
-            position: self.prediction.position(),
-            velocity: self.prediction.velocity(),
-            acceleration: self.prediction.acceleration(),
-            commanded: &self.controller.command().joint_velocity,
-            share: 1.0 - self.prediction.weight(),
-        };
-        let torque = self.support.update(&mut self.data, model, &motion)?;
-        for (own, joint) in self.law.support.iter_mut().zip(&self.joints) {
-            *own = torque.get(*joint).copied().unwrap_or_default();
-        }
         Ok(())
     }
 }

@@ -1,57 +1,21 @@
 //! Torque control of a robot that follows velocities.
 
-use super::impedance::{ImpedanceSettings, JointImpedance, JointState};
-use super::measurement_watch::{MeasurementFault, MeasurementWatch};
-use super::prediction::StatePrediction;
+use super::impedance::JointState;
+use super::law::{TorqueLaw, TorqueSettings};
+use super::measurement_watch::MeasurementFault;
 use super::resynchronisation::{Following, Resynchronisation};
-use super::support::{Compensation, SupportTorque, SupportedMotion};
 use crate::error::{Error, check_finite};
 use crate::ik::following_error::FollowingErrorLimit;
 use crate::robot::joint::JointKind;
 use crate::robot::model::Model;
-use crate::state::data::Data;
 
-/// Settings of a [`TorqueControl`]. They have no default, because the compensation of the robot itself must be stated.
-#[derive(Debug, Clone, PartialEq)]
-pub struct TorqueSettings {
-    /// The joints with torque drives, in the order of q; an empty list means all. Default empty.
-    pub joints: Vec<String>,
-    /// The side that compensates gravity, Coriolis forces and friction.
-    pub compensation: Compensation,
-    /// Inertia of the rotors at these joints \[kg m²\], which is not part of the robot's mass matrix. Default 0.1, as
-    /// in MuJoCo Menagerie's Panda.
-    pub rotor_inertia: f64,
-    /// Gains of these joints, and the torque rate. The default is a Panda's.
-    pub impedance: ImpedanceSettings,
-    /// Largest following errors. Beyond them the desired state restarts from the measured one. The default is that of
-    /// [`FollowingErrorLimit`], 0.1 rad or m.
-    pub following_error: FollowingErrorLimit,
-}
-
-impl TorqueSettings {
-    /// Creates settings with a Panda's gains for all joints and an interface with this compensation.
-    pub fn new(compensation: Compensation) -> Self {
-        Self {
-            joints: Vec::new(),
-            compensation,
-            rotor_inertia: 0.1,
-            impedance: ImpedanceSettings::default(),
-            following_error: FollowingErrorLimit::default(),
-        }
-    }
-}
-
-/// Turns velocities into torques by [`JointImpedance`] with gravity compensation. The desired state stays near the
-/// measured one even if the robot is held ([`Resynchronisation`]).
+/// Turns velocities into torques by a [`TorqueLaw`]. The desired state stays near the measured one even if the robot is
+/// held ([`Resynchronisation`]).
 ///
 /// Each tick takes q̇*, from an [`Ik`](crate::Ik) for example, and the measured state. q* is the integral of q̇* within
 /// the following-error limit of q. When the following-error limit is reached, q* is set to q until the caller, who is
 /// told so, has brought q̇* to rest. The desired position of other joints, such as those of a base that takes
-/// velocities, is the measured one. Torque limits are the model's efforts.
-///
-/// Between measurements the state is predicted ([`StatePrediction`]). Springs and dampers fade with the age of the
-/// measurement, until the robot only supports itself and comes to rest. Missing or frozen measurements are a
-/// [`fault`](Self::fault). After construction nothing allocates, unless an error is returned.
+/// velocities, is the predicted one. After construction nothing allocates, unless an error is returned.
 ///
 /// ```
 /// use whole_body::{
@@ -91,79 +55,40 @@ impl TorqueSettings {
 /// ```
 #[derive(Debug, Clone)]
 pub struct TorqueControl {
-    model: Model,
-    data: Data,
-    /// Entries of q and q̇ of each joint with a torque drive.
-    joints: Vec<(usize, usize)>,
-    impedance: JointImpedance,
-    support: SupportTorque,
-    watch: MeasurementWatch,
-    /// State prediction of the joints with torque drives.
-    prediction: StatePrediction,
+    law: TorqueLaw,
     resynchronisation: Resynchronisation,
     following: Following,
     /// q*.
     desired: Vec<f64>,
-    /// Predicted state of the whole robot.
-    position: Vec<f64>,
-    velocity: Vec<f64>,
-    acceleration: Vec<f64>,
     /// q̇* of the last tick.
     commanded: Vec<f64>,
-    room: Gathered,
-}
-
-/// Inputs of the impedance law, one element for each joint with a torque drive.
-#[derive(Debug, Clone)]
-struct Gathered {
-    desired: Vec<f64>,
-    desired_velocity: Vec<f64>,
-    measured: Vec<f64>,
-    measured_velocity: Vec<f64>,
-    commanded: Vec<f64>,
-    support: Vec<f64>,
 }
 
 impl TorqueControl {
-    /// Creates a controller for a robot at rest at the `measured` configuration.
+    /// Creates a controller for a robot at rest at the `measured` configuration. Following errors are limited to 0.1
+    /// rad or m.
     ///
     /// # Errors
-    /// [`Error::UnknownName`], [`Error::Unsuitable`] for a joint that torque cannot drive; [`Error::UnknownEffort`];
-    /// those of [`JointImpedance::new`]; [`Error::Value`] for a following-error limit out of range; those of
-    /// [`Data::pose`] on the configuration.
+    /// Those of [`TorqueLaw::new`].
     pub fn new(model: &Model, settings: TorqueSettings, measured: &[f64]) -> Result<Self, Error> {
-        model.check_configuration(measured)?;
-        let joints = joints(model, &settings.joints)?;
-        joints.iter().try_for_each(|(_, entry)| model.expect_effort(*entry))?;
-        let limits: Vec<_> = joints.iter().map(|(_, entry)| model.limits()[*entry]).collect();
-        let none = vec![0.0; joints.len()];
-        let all = vec![0.0; model.velocity_count()];
-        let position: Vec<_> = joints.iter().map(|(position, _)| measured[*position]).collect();
-        let driven: Vec<_> = (0..joints.len()).collect();
+        let law = TorqueLaw::new(model, settings, measured)?;
+        let limit = FollowingErrorLimit::default();
         Ok(Self {
-            data: Data::new(model),
-            impedance: JointImpedance::new(settings.impedance, &limits)?,
-            support: SupportTorque::new(model, settings.compensation, settings.rotor_inertia)?,
-            watch: MeasurementWatch::new(joints.len()),
-            prediction: StatePrediction::new(&position, &driven),
-            position: measured.to_vec(),
-            velocity: all.clone(),
-            acceleration: all.clone(),
-            commanded: all,
-            resynchronisation: Resynchronisation::of_model(model, &settings.following_error)?,
+            law,
+            resynchronisation: Resynchronisation::of_model(model, &limit)?,
             following: Following::Follows,
             desired: measured.to_vec(),
-            room: Gathered {
-                desired: none.clone(),
-                desired_velocity: none.clone(),
-                measured: none.clone(),
-                measured_velocity: none.clone(),
-                commanded: none.clone(),
-                support: none,
-            },
-            model: model.clone(),
-            joints,
+            commanded: vec![0.0; model.velocity_count()],
         })
+    }
+
+    /// Sets the largest following errors. Beyond them the desired state restarts from the measured one.
+    ///
+    /// # Errors
+    /// [`Error::Value`] for a following-error limit out of range.
+    pub fn limit_following_error(&mut self, limit: &FollowingErrorLimit) -> Result<(), Error> {
+        self.resynchronisation = Resynchronisation::of_model(self.law.model(), limit)?;
+        Ok(())
     }
 
     /// Computes the torques for the next `period` \[s\], one for each joint with a torque drive \[Nm or N\].
@@ -185,55 +110,29 @@ impl TorqueControl {
         if period <= 0.0 {
             return Err(Error::not_positive("the time step [s]", period));
         }
-        self.model.check_velocity("q̇*", velocity)?;
-        self.model.check_velocity("q̇", measured.velocity)?;
-        self.model.check_configuration(measured.position)?;
-        self.predict(&measured, age, period)?;
+        self.law.model().check_velocity("q̇*", velocity)?;
+        self.law.observe(measured, &self.commanded, age, period, period)?;
         let rests = velocity.iter().all(|velocity| *velocity == 0.0);
         // The desired state restarts from the measured one, so that no error of the time without measurements is
         // corrected.
-        let restarts = self.prediction.is_recovering() && self.resynchronisation.restart();
-        self.following = self.resynchronisation.clamp(&mut self.desired, &self.position, rests)?;
+        let restarts = self.law.is_recovering() && self.resynchronisation.restart();
+        let present = self.law.state().position;
+        self.following = self.resynchronisation.clamp(&mut self.desired, present, rests)?;
         // A short gap is no reason to come to rest.
-        if restarts && self.watch.fault().is_none() {
+        if restarts && self.law.fault().is_none() {
             self.following = Following::Follows;
         }
         self.advance(velocity, period);
-        self.support(velocity)?;
-        self.gather(velocity);
         self.commanded.copy_from_slice(velocity);
-        let room = &self.room;
-        let desired = JointState { position: &room.desired, velocity: &room.desired_velocity };
-        let state = JointState { position: &room.measured, velocity: &room.measured_velocity };
-        self.impedance.limit_rate(self.prediction.rate_limit());
-        self.impedance.torque(desired, state, &room.support, period)
-    }
-
-    /// Predicts the present state from the measurements.
-    fn predict(&mut self, measured: &JointState<'_>, age: f64, period: f64) -> Result<(), Error> {
-        let Self { room, joints, watch, prediction, .. } = self;
-        for (joint, (position, entry)) in joints.iter().enumerate() {
-            room.measured[joint] = measured.position[*position];
-            room.measured_velocity[joint] = measured.velocity[*entry];
-            room.commanded[joint] = self.commanded[*entry];
-        }
-        let state = JointState { position: &room.measured, velocity: &room.measured_velocity };
-        let age = watch.update(state, &room.commanded, age, period);
-        prediction.update(state, &room.commanded, age, watch.awaited(), period)?;
-        self.position.copy_from_slice(measured.position);
-        self.velocity.copy_from_slice(measured.velocity);
-        for (joint, (position, entry)) in joints.iter().enumerate() {
-            self.position[*position] = prediction.position()[joint];
-            self.velocity[*entry] = prediction.velocity()[joint];
-            self.acceleration[*entry] = prediction.acceleration()[joint];
-        }
-        Ok(())
+        let weight = self.law.weight();
+        self.law.step(JointState { position: &self.desired, velocity }, [weight; 2], period)
     }
 
     /// Advances q* by q̇* for joints with torque drives.
     fn advance(&mut self, velocity: &[f64], period: f64) {
-        let mut driven = self.joints.iter().peekable();
-        for (index, (desired, now)) in self.desired.iter_mut().zip(&self.position).enumerate() {
+        let mut driven = self.law.joints().iter().peekable();
+        let joints = self.desired.iter_mut().zip(self.law.state().position);
+        for (index, (desired, now)) in joints.enumerate() {
             match driven.next_if(|(position, _)| *position == index) {
                 Some((_, entry)) => *desired += velocity[*entry] * period,
                 None => *desired = *now,
@@ -241,34 +140,9 @@ impl TorqueControl {
         }
     }
 
-    /// Computes the torques beside springs and dampers.
-    fn support(&mut self, commanded: &[f64]) -> Result<(), Error> {
-        let motion = SupportedMotion {
-            position: &self.position,
-            velocity: &self.velocity,
-            acceleration: &self.acceleration,
-            commanded,
-            share: 1.0 - self.prediction.weight(),
-        };
-        self.support.update(&mut self.data, &self.model, &motion)?;
-        Ok(())
-    }
-
-    fn gather(&mut self, velocity: &[f64]) {
-        let Self { room, prediction, support, .. } = self;
-        for (joint, (position, entry)) in self.joints.iter().enumerate() {
-            let (now, moving) = (prediction.position()[joint], prediction.velocity()[joint]);
-            room.measured[joint] = now;
-            room.measured_velocity[joint] = moving;
-            room.desired[joint] = prediction.towards(self.desired[*position], now);
-            room.desired_velocity[joint] = prediction.towards(velocity[*entry], moving);
-            room.support[joint] = support.torque()[*entry];
-        }
-    }
-
     /// The fault of the measurements. Bring q̇* to rest then, and end the loop unless they recover.
     pub fn fault(&self) -> Option<MeasurementFault> {
-        self.watch.fault()
+        self.law.fault()
     }
 
     /// Whether the robot followed in the last tick. If it does not, bring q̇* to rest.

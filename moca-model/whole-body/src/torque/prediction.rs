@@ -30,8 +30,8 @@ const REMEMBERED: usize = 16;
 ///
 /// The weight w says how far the measurement can be trusted. It is 1 up to an age of 2.5 ms, then 2.5 ms over the age,
 /// and falls to 0 from 8 to 12 ms. It is at most c, since q̇* has meanwhile changed otherwise than q̇. Springs and dampers
-/// on the predicted state are weighted by it ([`towards`](Self::towards)), because a damper on an old velocity is a
-/// constant push. The model provides the remaining share 1 − w of M(q̂) â + C(q̂, v̂) v̂.
+/// on the predicted state are weighted by it, because a damper on an old velocity is a constant push. The model provides
+/// the remaining share 1 − w of M(q̂) â + C(q̂, v̂) v̂.
 ///
 /// ```
 /// use whole_body::torque::{JointState, StatePrediction};
@@ -220,10 +220,5 @@ impl StatePrediction {
     /// The way in which torques change: together while measurements do not have full weight.
     pub fn rate_limit(&self) -> RateLimit {
         if self.weight() < 1.0 { RateLimit::Together } else { RateLimit::Each }
-    }
-
-    /// The desired value of a spring or damper, weighted with the measurement: between `predicted` and `desired`.
-    pub fn towards(&self, desired: f64, predicted: f64) -> f64 {
-        predicted + self.weight() * (desired - predicted)
     }
 }

@@ -138,11 +138,9 @@ fn torque_control_follows_a_circle() {
 /// q* stays within the following-error limit for 3 s at a wall, and the robot jumps by at most 5 mm.
 #[test]
 fn arm_released_from_wall_does_not_jump() {
-    let settings = TorqueSettings {
-        following_error: FollowingErrorLimit { revolute: 0.05, ..FollowingErrorLimit::default() },
-        ..TorqueSettings::new(Compensation::BARE)
-    };
-    let mut panda = Loop::new(settings);
+    let mut panda = Loop::new(TorqueSettings::new(Compensation::BARE));
+    let limit = FollowingErrorLimit { revolute: 0.05, ..FollowingErrorLimit::default() };
+    panda.control.limit_following_error(&limit).unwrap();
     let start = panda.point(&HOME);
     let tool = panda.model.frame_id("panda_tcp").unwrap();
     let wall = Contact::wall(tool, -Vector3::x_axis(), -(start.x + 0.1));
@@ -205,13 +203,10 @@ fn what_torque_control_cannot_use() {
     let error =
         new(TorqueSettings { joints: vec!["panda_joint4".into()], ..default() }).unwrap_err();
     assert!(matches!(error, Error::WrongSize { what: "stiffness", expected: 1, got: 7 }));
-    let following_error = FollowingErrorLimit { revolute: 0.0, ..FollowingErrorLimit::default() };
-    assert!(matches!(
-        new(TorqueSettings { following_error, ..default() }),
-        Err(Error::Value { .. })
-    ));
     assert!(TorqueControl::new(&model, default(), &[0.0; 6]).is_err());
     let mut control = new(default()).unwrap();
+    let limit = FollowingErrorLimit { revolute: 0.0, ..FollowingErrorLimit::default() };
+    assert!(matches!(control.limit_following_error(&limit), Err(Error::Value { .. })));
     let rest = JointState { position: &HOME, velocity: &[0.0; 7] };
     let nan = JointState { position: &[f64::NAN; 7], velocity: &[0.0; 7] };
     assert!(control.step(&[0.0; 7], nan, 0.0, PERIOD).is_err());
