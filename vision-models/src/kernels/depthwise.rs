@@ -170,7 +170,7 @@ impl Line<'_> {
         unsafe {
             let input = self.input.add(pixel * self.input_step + channel);
             let output = self.output.add(pixel * self.output_step + channel);
-            let mut sums = [V::load(self.bias.as_ptr().add(channel)); PIXELS];
+            let mut sums = [V::splat(0.0); PIXELS];
             let mut weights = self.weights.as_ptr().add(channel);
             for &tap in self.taps {
                 let weight = V::load(weights);
@@ -179,7 +179,9 @@ impl Line<'_> {
                 }
                 weights = weights.wrapping_add(self.channels);
             }
+            let bias = V::load(self.bias.as_ptr().add(channel));
             for (at, sum) in sums.into_iter().enumerate() {
+                let sum = sum.add(bias);
                 let to = output.add(at * self.output_step);
                 let sum = if self.epilogue.add { sum.add(V::load(to)) } else { sum };
                 self.epilogue.finish.apply(sum, channel).store(to);
