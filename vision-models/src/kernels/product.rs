@@ -46,7 +46,7 @@ pub(super) struct Product<'a> {
     pub(super) chunks: &'a [Vec<Segment>],
     /// A row of `width` weights for each float of a pixel's input, in order.
     pub(super) weights: *const f32,
-    /// Channels of the panel: one, two or four registers, at most [`MAX_PANEL`].
+    /// Channels of the panel: half a register, or one, two or four, at most [`MAX_PANEL`].
     pub(super) width: usize,
     /// Number of channels that exist, at most `width`.
     pub(super) channels: usize,
@@ -70,13 +70,15 @@ impl Task for Product<'_> {
     #[inline(always)]
     unsafe fn run<V: Vector>(self) {
         assert!(self.width <= MAX_PANEL && self.channels <= self.width);
-        assert!(
-            [1, 2, 4].contains(&(self.width / V::LANES)) && self.width.is_multiple_of(V::LANES)
-        );
+        let half = self.width == V::Half::LANES;
+        let whole =
+            self.width.is_multiple_of(V::LANES) && [1, 2, 4].contains(&(self.width / V::LANES));
+        assert!(half || whole);
         assert_eq!(self.rows.len(), self.output_rows.len());
         // SAFETY: passed on to the caller.
         unsafe {
             match self.width / V::LANES {
+                0 => multiply::<V::Half, 1>(&self),
                 1 => multiply::<V, 1>(&self),
                 2 => multiply::<V, 2>(&self),
                 _ => multiply::<V, 4>(&self),

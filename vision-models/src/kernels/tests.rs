@@ -347,7 +347,7 @@ proptest! {
         let count: usize = case.window.kernel.iter().product();
         let mut pool = pool(case.lanes)?;
         for isa in InstructionSet::available() {
-            let panels = Panels::new(isa, case.outputs);
+            let panels = Panels::whole(isa, case.outputs);
             let weights = Winograd::pack(panels, tiling, case.inputs, |output, input, taps| {
                 for (tap, value) in taps.iter_mut().enumerate() {
                     let index = (output * case.inputs + input) * count + tap;
