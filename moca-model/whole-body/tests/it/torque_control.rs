@@ -10,7 +10,7 @@ use whole_body::tasks::{OrientationTask, PositionTask, PostureTask};
 use whole_body::torque::{
     Compensation, Following, ImpedanceSettings, JointState, TorqueControl, TorqueSettings,
 };
-use whole_body::{Data, Error, Ik, Model};
+use whole_body::{Data, Description, Error, Ik, Model};
 
 use crate::momentum::{HOME, arm};
 use crate::simulation::Noise;
@@ -229,4 +229,44 @@ fn what_torque_control_cannot_use() {
     elbow.step(&[0.1; 7], state, 0.0, PERIOD).unwrap();
     assert_eq!(elbow.desired()[0], 0.05);
     assert!((elbow.desired()[3] - HOME[3] - 2e-4).abs() < 1e-12);
+}
+
+/// A cart that slides along y and carries a hinge about z, whose link points along x.
+const CART: &str = r#"<robot name="cart"><link name="world"/>
+  <link name="cart"><inertial><mass value="20"/>
+    <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <link name="link"><inertial><origin xyz="0.5 0 0"/><mass value="5"/>
+    <inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <joint name="slide" type="prismatic"><parent link="world"/><child link="cart"/><axis xyz="0 1 0"/>
+    <limit lower="-9" upper="9" velocity="2" effort="500"/></joint>
+  <joint name="hinge" type="revolute"><parent link="cart"/><child link="link"/><axis xyz="0 0 1"/>
+    <limit lower="-2" upper="2" velocity="2" effort="50"/></joint></robot>"#;
+
+/// The spring alone would be deflected by 5 kg · 0.5 m · 0.5 m/s² / 100 Nm/rad = 12.5 mrad.
+#[test]
+fn accelerating_base_does_not_push_arm() {
+    let model = Model::from_urdf(CART, &Description::default()).unwrap();
+    let settings = TorqueSettings {
+        joints: vec!["hinge".into()],
+        impedance: ImpedanceSettings {
+            stiffness: vec![100.0],
+            damping: vec![20.0],
+            ..ImpedanceSettings::default()
+        },
+        ..TorqueSettings::new(Compensation::BARE)
+    };
+    let mut control = TorqueControl::new(&model, settings, &[0.0; 2]).unwrap();
+    let drives =
+        [JointDrive::Velocity { time_constant: 0.03 }, JointDrive::Torque { rotor_inertia: 0.1 }];
+    let mut robot = RigidBodySimulation::new(&model, &drives, &[0.0; 2]).unwrap();
+    let mut speed = 0.0;
+    for tick in 0..1_000 {
+        speed += 0.5 * PERIOD;
+        let measured = JointState { position: robot.position(), velocity: robot.velocity() };
+        let torque = control.step(&[speed, 0.0], measured, 0.0, PERIOD).unwrap()[0];
+        robot.step(&[speed, torque], &[], PERIOD).unwrap();
+        if tick > 300 {
+            assert!(robot.position()[1].abs() < 1e-3, "{} rad", robot.position()[1]);
+        }
+    }
 }
