@@ -274,9 +274,10 @@ impl Solver {
             }
         }
         self.polish();
-        self.set.move_onto_broken_rows();
-        self.expect_hard_rows()?;
-        Ok(status)
+        match self.set.move_onto_broken_rows() {
+            Some(id) => Err(self.inaccurate(id)),
+            None => Ok(status),
+        }
     }
 
     /// Repairs errors of rounding where the forces of rows differ much. A new factorisation of all
@@ -291,11 +292,11 @@ impl Solver {
         }
     }
 
-    fn expect_hard_rows(&mut self) -> Result<(), Error> {
-        let Some(id) = self.set.broken_row() else { return Ok(()) };
+    /// Returns the error for a hard row that does not hold.
+    fn inaccurate(&self, id: usize) -> Error {
         let source_of_row = self.set.data.sources[id];
         let violation = self.set.violation(id).abs() / self.set.data.scale(id);
-        Err(Error::Inaccurate { source_of_row, violation, names: Names::default() })
+        Error::Inaccurate { source_of_row, violation, names: Names::default() }
     }
 
     fn read_out(&mut self, status: Status) {

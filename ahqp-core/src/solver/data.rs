@@ -199,8 +199,10 @@ impl ProblemData {
 
     /// Computes aᵢx for the rows in `ids`, none of them a bound, into the same places of `out`.
     pub(crate) fn multiply(&self, ids: Range<usize>, x: &[f64], out: &mut [f64]) {
-        let data = &self.coefficients[(ids.start - self.n) * self.n..];
-        multiply_rows(data, self.n, x, &mut out[ids]);
+        if !ids.is_empty() {
+            let data = &self.coefficients[(ids.start - self.n) * self.n..];
+            multiply_rows(data, self.n, x, &mut out[ids]);
+        }
     }
 
     /// Computes aᵢx for all rows in use.
@@ -233,8 +235,10 @@ impl ProblemData {
         self.check_ranges(0..self.n)?;
         for (level, data) in hierarchy.levels().iter().enumerate() {
             let constraints = self.levels[level].constraints.start;
-            self.load_rows(constraints, data.constraints(), data.constraints().len())?;
-            self.scale_rows(constraints..constraints + data.constraints().len())?;
+            if !data.constraints().is_empty() {
+                self.load_rows(constraints, data.constraints(), data.constraints().len())?;
+                self.scale_rows(constraints..constraints + data.constraints().len())?;
+            }
             let start = self.levels[level].objective.start;
             match data.objective() {
                 Objective::None => {}

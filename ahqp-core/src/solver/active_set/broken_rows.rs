@@ -11,7 +11,7 @@ use crate::solver::tolerances::ROUNDS;
 impl ActiveSet {
     /// Clamps x to its bounds, and returns the most violated hard row. None if the violation is
     /// rounding.
-    pub(crate) fn broken_row(&mut self) -> Option<usize> {
+    fn broken_row(&mut self) -> Option<usize> {
         for (x, (&lower, &upper)) in
             self.x.iter_mut().zip(self.data.lower.iter().zip(&self.data.upper))
         {
@@ -32,17 +32,18 @@ impl ActiveSet {
         worst.filter(|&(_, relative_violation)| relative_violation > 1.0).map(|(id, _)| id)
     }
 
-    /// Moves x onto violated hard rows one after the other (Kaczmarz). Stops at a row for which x
-    /// would have to move by more than the feasibility tolerance of its length.
-    pub(crate) fn move_onto_broken_rows(&mut self) {
+    /// Moves x onto violated hard rows one after the other (Kaczmarz). Returns a row that stays
+    /// violated. It stops at a row for which x would have to move by more than the feasibility
+    /// tolerance of its length.
+    pub(crate) fn move_onto_broken_rows(&mut self) -> Option<usize> {
         let most = self.settings.feasibility_tolerance * norm(&self.x);
         for _ in 0..ROUNDS * self.data.n {
-            let Some(id) = self.broken_row() else { return };
+            let id = self.broken_row()?;
             let norm = self.data.norm_beside_bounds(id, &self.activity);
             let distance = self.violation(id) / norm;
             // The distance is NaN if the row has no coefficient at a free variable.
             if distance.is_nan() || distance.abs() > most {
-                return;
+                return Some(id);
             }
             let Self { data, x, activity, .. } = self;
             match data.row(id).coefficients() {
@@ -55,5 +56,6 @@ impl ActiveSet {
                 }
             }
         }
+        self.broken_row()
     }
 }

@@ -100,8 +100,11 @@ impl ActiveSet {
 
     fn find_candidates_among(&mut self, rows: Range<usize>, full: f64, least: f64) {
         let data = &self.data;
-        for first in rows.clone().step_by(BLOCK) {
-            let mut met = self.rows_ahead(first..rows.end.min(first + BLOCK), full);
+        let mut next = rows.start;
+        while next < rows.end {
+            let first = next;
+            next = rows.end.min(first + BLOCK);
+            let mut met = self.rows_ahead(first..next, full);
             while met != 0 {
                 let id = first + met.trailing_zeros() as usize;
                 met &= met - 1;

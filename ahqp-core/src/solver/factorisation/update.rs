@@ -136,6 +136,7 @@ impl Factorisation {
         if !self.tolerances.is_there(norm(&row[place..]) / size)? {
             self.expect_heavy_pivots(data, start..start + rank, size)?;
             self.open(end, group);
+            self.renumber();
             return Ok(end);
         }
         let last = if self.tolerances.is_there(norm(&row[decided..]) / size)? {
@@ -265,8 +266,8 @@ impl Factorisation {
         if is_pivot {
             self.groups[group].rank -= 1;
             self.move_down(data, group, at, coordinate)?;
-            self.renumber();
         }
+        self.renumber();
         Ok(())
     }
 
@@ -415,7 +416,7 @@ impl Factorisation {
         }
     }
 
-    /// Inserts a place into the stack, in `group`.
+    /// Inserts a place into the stack, in `group`. The pivots must be renumbered afterwards.
     fn open(&mut self, at: usize, group: usize) {
         let (n, count) = (self.stride, self.stacked.len());
         self.stacked.insert(at, 0);
@@ -426,10 +427,9 @@ impl Factorisation {
             later.start += 1;
             later.end += 1;
         }
-        self.renumber();
     }
 
-    /// Removes a place from the stack, in `group`.
+    /// Removes a place from the stack, in `group`. The pivots must be renumbered afterwards.
     fn close(&mut self, at: usize, group: usize) {
         let (n, count) = (self.stride, self.stacked.len());
         self.stacked.remove(at);
@@ -440,7 +440,6 @@ impl Factorisation {
             later.start -= 1;
             later.end -= 1;
         }
-        self.renumber();
     }
 
     /// Recomputes the places of the pivots from the ranks of the groups.

@@ -51,8 +51,9 @@ fn arrival(model: &Model, start: &[f64], target: Isometry3<f64>) -> Option<[f64;
 }
 
 /// The three arms that do not arrive do not arrive without damping either: on the way a wrist joint comes to its limit,
-/// and another turn of the wrist would be needed. Joints that still move after a second are
-/// redundant ones on their way to the posture.
+/// and another turn of the wrist would be needed. Bounded least squares by a trust region (SciPy) from the same starts
+/// stay at the same limits, 12, 34 and 5 mm away. The targets are reached on another branch. Joints that still move
+/// after a second are redundant ones on their way to the posture.
 #[test]
 fn nearly_all_singular_starts_arrive() {
     let arms = arms();
