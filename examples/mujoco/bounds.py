@@ -27,9 +27,6 @@ PLACES = pathlib.Path(__file__).with_name("places.csv")  # where the robot is in
 WARM_UP = 1500  # ms at least before a moment, in which the robot sets out from where it is in the run
 SEED = 20
 FASTER, BEYOND = 1.2, 0.1  # no joint above 1.2 times its speed when it began, and 0.1 m/s or rad/s
-# What is allowed beyond that here [rad/s]. While commands are lost, the robot holds the torques of springs and dampers,
-# which accelerate coupled joints.
-ALLOWED = {"silent": 0.0, "frozen": 0.0, "lost": 0.04}
 NAMED_WITHIN = 10  # ms
 BRIDGED = 3  # ms without a fault
 ERROR = 0.05  # rad: the largest following error
@@ -131,7 +128,7 @@ def judge_trouble(kind, ticks, outcomes):
     unnamed, latest = len(outcomes) - len(faults), max((tick for _, tick in faults), default=0)
     row = {"kind": kind, "ms": ticks, "moments": len(outcomes), "beyond": worst, "fault": latest, "unnamed": unnamed}
     row |= {"names": sorted({name for name, _ in faults}), "fastest": max(speed for _, speed, _ in outcomes)}
-    wrong = [f"{worst:.3f} rad/s beyond"] if worst > ALLOWED[kind] else []
+    wrong = [f"{worst:.3f} rad/s beyond"] if worst > 0.0 else []
     if ticks == BRIDGED and faults:
         wrong.append(f"a fault within {ticks} ms")
     if ticks not in (3, 5) and (unnamed or latest > NAMED_WITHIN):

@@ -25,6 +25,8 @@ for camera in "$folder"/frames/*/; do
         fi
     done
     if [ -f "$folder/mediapipe/whole" ]; then
+        "$target/examples/blaze_pose" "$folder/package/pose_solution_packed_assets.data" "$folder/package/pose_landmark_full.tflite" \
+            "$folder/theirs_${camera}_25.regions.json" "$folder/frames/$camera"/*.png > "$folder/ours_${camera}_step.jsonl"
         "$folder/mediapipe/bin/python" "$here/blaze_pose_mediapipe.py" 25 "$folder/changed_$camera.json" --changed \
             "$folder/frames/$camera"/*.png 2> /dev/null
     fi

@@ -3,6 +3,8 @@
 python blaze_pose_mediapipe.py RATE OUTPUT IMAGE...
 python blaze_pose_mediapipe.py RATE OUTPUT --changed IMAGE...
 
+Writes the landmarks of each image. Beside OUTPUT, a file that ends in `.regions.json` has the region in which they were
+searched: centre x, y, side (pixels), angle (rad).
 With rate 0 the detector looks at every image. With --changed one pixel in the middle of the first image is a level off:
 what that changes in the images after it is how far MediaPipe agrees with itself. `mediapipe.solutions` is not used: in static mode its landmarks are up to
 three pixels from what the graph that it names makes of the same region.
@@ -11,6 +13,7 @@ three pixels from what the graph that it names makes of the same region.
 import json
 import os
 import sys
+from pathlib import Path
 
 import cv2
 import mediapipe as mp
@@ -20,6 +23,8 @@ from mediapipe.python._framework_bindings import resource_util
 GRAPH = """
 input_stream: "image"
 output_stream: "landmarks"
+output_stream: "detected"
+output_stream: "next"
 node {
   calculator: "ConstantSidePacketCalculator"
   output_side_packet: "PACKET:0:complexity"
@@ -38,6 +43,8 @@ node {
   input_side_packet: "USE_PREV_LANDMARKS:follow"
   input_stream: "IMAGE:image"
   output_stream: "LANDMARKS:landmarks"
+  output_stream: "ROI_FROM_DETECTION:detected"
+  output_stream: "ROI_FROM_LANDMARKS:next"
 }
 """
 
@@ -48,10 +55,12 @@ def main():
     files = files[changed:]
     resource_util.set_resource_dir(os.path.dirname(os.path.dirname(mp.__file__)))
     graph = mp.CalculatorGraph(graph_config=GRAPH % ("true" if rate else "false"))
-    seen = []
-    graph.observe_output_stream("landmarks", lambda _, packet: seen.append(packet_getter.get_proto(packet)), False)
+    seen = {"landmarks": [], "detected": [], "next": []}
+    for name, packets in seen.items():
+        keep = lambda _, packet, packets=packets: packets.append(packet_getter.get_proto(packet))
+        graph.observe_output_stream(name, keep, False)
     graph.start_run()
-    people = []
+    people, regions, expected = [], [], []
     for number, file in enumerate(files):
         image = cv2.cvtColor(cv2.imread(file), cv2.COLOR_BGR2RGB)
         rows, columns, _ = image.shape
@@ -60,11 +69,16 @@ def main():
         packet = packet_creator.create_image_frame(image_format=mp.ImageFormat.SRGB, data=image)
         # Time stamps do not begin with zero, which the graph treats as missing.
         graph.add_packet_to_input_stream("image", packet.at(int((number + 1) * 1e6 / (rate or 25))))
-        seen.clear()
+        for packets in seen.values():
+            packets.clear()
         graph.wait_until_idle()
-        people.append([[point.x * columns, point.y * rows] for found in seen for point in found.landmark])
-    with open(output, "w") as file:
-        json.dump(people, file)
+        people.append([[point.x * columns, point.y * rows] for found in seen["landmarks"] for point in found.landmark])
+        pixels = lambda found: [[one.x_center * columns, one.y_center * rows, one.width * columns, one.rotation]
+                                for one in found]
+        regions += (pixels(seen["detected"]) or expected or [None])[:1]
+        expected = pixels(seen["next"])
+    Path(output).write_text(json.dumps(people))
+    Path(output).with_suffix(".regions.json").write_text(json.dumps(regions))
 
 
 main()

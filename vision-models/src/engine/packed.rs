@@ -49,12 +49,13 @@ impl Packed {
         let kernel = take(tensors, &format!("{name}.weight"))?;
         let Affine { scale, shift } = Affine::of(&layer.convolution, tensors)?;
         let kernel = Kernel { layer, elements: kernel, scale };
-        let panels = if algorithm == Algorithm::Depthwise {
-            Panels { groups: 1, channels: *outputs, width: *outputs }
-        } else {
-            let together = kernel.groups_together();
-            let groups = layer.convolution.groups / together;
-            Panels::of_groups(isa, groups, outputs / groups)
+        let panels = match algorithm {
+            Algorithm::Depthwise => Panels { groups: 1, channels: *outputs, width: *outputs },
+            Algorithm::Winograd(_) => Panels::whole(isa, *outputs),
+            Algorithm::Direct => {
+                let groups = layer.convolution.groups / kernel.groups_together();
+                Panels::of_groups(isa, groups, outputs / groups)
+            }
         };
         let weights = match algorithm {
             Algorithm::Direct => kernel.direct(panels),
@@ -97,7 +98,7 @@ impl Packed {
     ) -> Result<Self, Error> {
         let matrix = take(tensors, &format!("{name}.weight"))?;
         let bias = take(tensors, &format!("{name}.bias"))?;
-        let panels = Panels::new(isa, outputs);
+        let panels = Panels::of_groups(isa, 1, outputs);
         let weights = pack(panels, inputs, |output, column| {
             column.copy_from_slice(&matrix[output * inputs..][..inputs]);
         });

@@ -140,19 +140,10 @@ struct Line<'a> {
 impl Task for Line<'_> {
     #[inline(always)]
     unsafe fn run<V: Vector>(self) {
-        let whole = self.channels - self.channels % V::LANES;
         // SAFETY: passed on to the caller.
         unsafe {
-            for channel in (0..whole).step_by(V::LANES) {
-                let mut pixel = 0;
-                while pixel + TILE <= self.pixels {
-                    self.tile::<V, TILE>(channel, pixel);
-                    pixel += TILE;
-                }
-                for pixel in pixel..self.pixels {
-                    self.tile::<V, 1>(channel, pixel);
-                }
-            }
+            let whole = self.registers::<V>(0);
+            let whole = self.registers::<V::Half>(whole);
             for channel in whole..self.channels {
                 for pixel in 0..self.pixels {
                     self.one(channel, pixel);
@@ -163,6 +154,27 @@ impl Task for Line<'_> {
 }
 
 impl Line<'_> {
+    /// Computes the channels from `first` on that fill whole registers. Returns the first channel
+    /// behind them.
+    #[inline(always)]
+    unsafe fn registers<V: Vector>(&self, first: usize) -> usize {
+        let end = self.channels - (self.channels - first) % V::LANES;
+        for channel in (first..end).step_by(V::LANES) {
+            let mut pixel = 0;
+            // SAFETY: passed on to the caller.
+            unsafe {
+                while pixel + TILE <= self.pixels {
+                    self.tile::<V, TILE>(channel, pixel);
+                    pixel += TILE;
+                }
+                for pixel in pixel..self.pixels {
+                    self.tile::<V, 1>(channel, pixel);
+                }
+            }
+        }
+        end
+    }
+
     /// Computes a register of channels of `PIXELS` neighbouring pixels.
     #[inline(always)]
     unsafe fn tile<V: Vector, const PIXELS: usize>(&self, channel: usize, pixel: usize) {
@@ -170,7 +182,7 @@ impl Line<'_> {
         unsafe {
             let input = self.input.add(pixel * self.input_step + channel);
             let output = self.output.add(pixel * self.output_step + channel);
-            let mut sums = [V::load(self.bias.as_ptr().add(channel)); PIXELS];
+            let mut sums = [V::splat(0.0); PIXELS];
             let mut weights = self.weights.as_ptr().add(channel);
             for &tap in self.taps {
                 let weight = V::load(weights);
@@ -179,7 +191,9 @@ impl Line<'_> {
                 }
                 weights = weights.wrapping_add(self.channels);
             }
+            let bias = V::load(self.bias.as_ptr().add(channel));
             for (at, sum) in sums.into_iter().enumerate() {
+                let sum = sum.add(bias);
                 let to = output.add(at * self.output_step);
                 let sum = if self.epilogue.add { sum.add(V::load(to)) } else { sum };
                 self.epilogue.finish.apply(sum, channel).store(to);

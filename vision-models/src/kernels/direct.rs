@@ -6,7 +6,7 @@ use super::buffer::Buffer;
 use super::epilogue::Epilogue;
 use super::isa::InstructionSet;
 use super::pack::Panels;
-use super::product::{Product, Segment, Start};
+use super::product::{Beside, Product, Segment};
 use super::shared_slice::SharedSlice;
 use super::threads::Pool;
 use super::window::{Phase, Tap};
@@ -175,7 +175,7 @@ impl Direct {
                         channels: panels.channels_of(panel),
                         output: output.at(panels.first(panel)),
                         output_rows: &output_rows[..count],
-                        start: if add { Start::BiasAndOutput(bias) } else { Start::Bias(bias) },
+                        beside: if add { Beside::BiasAndOutput(bias) } else { Beside::Bias(bias) },
                         finish: finish.of_panel(start, panels.width),
                     };
                     // SAFETY: the rows were checked against both slices, and weights, biases and

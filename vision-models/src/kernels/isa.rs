@@ -79,15 +79,6 @@ impl InstructionSet {
         }
     }
 
-    /// Returns how many it computes at once if a layer has fewer.
-    pub(super) fn narrowest_panel(self) -> usize {
-        match self.0 {
-            #[cfg(target_arch = "x86_64")]
-            Kind::Avx512 => 16,
-            _ => 8,
-        }
-    }
-
     /// Runs a task with this instruction set.
     ///
     /// # Safety

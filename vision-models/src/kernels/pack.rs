@@ -3,6 +3,9 @@
 use super::buffer::Buffer;
 use super::isa::InstructionSet;
 
+/// Channels of the narrowest panel: half a register of AVX-512, one of AVX2, two of NEON.
+const NARROWEST: usize = 8;
+
 /// The division of a layer's output channels into panels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Panels {
@@ -15,21 +18,27 @@ pub(crate) struct Panels {
 }
 
 impl Panels {
-    /// Returns the widest panels of the instruction set that waste at most 16 channels, and narrow
-    /// ones for few channels.
-    pub(crate) fn new(isa: InstructionSet, channels: usize) -> Self {
-        Self::of_groups(isa, 1, channels)
-    }
-
-    /// Returns the panels for groups of this many channels.
-    pub(crate) fn of_groups(isa: InstructionSet, groups: usize, channels: usize) -> Self {
+    /// Returns the panels that fill the output without padding, as wide as possible. Channels are a
+    /// multiple of 16.
+    pub(crate) fn whole(isa: InstructionSet, channels: usize) -> Self {
         let mut width = isa.panel_width();
-        while width > 16 && channels.next_multiple_of(width) >= channels.next_multiple_of(16) + 16 {
+        while width > 16 && !channels.is_multiple_of(width) {
             width /= 2;
         }
-        if channels <= isa.narrowest_panel() {
-            width = isa.narrowest_panel();
-        }
+        Self { groups: 1, channels, width }
+    }
+
+    /// Returns the fastest panels for groups of this many channels.
+    ///
+    /// The time of a panel grows with its width, padding included. Additions of 16 channels are too
+    /// few to hide their latency: they take as long as those of 21.
+    pub(crate) fn of_groups(isa: InstructionSet, groups: usize, channels: usize) -> Self {
+        let widths = [64, 32, 16].into_iter().filter(|&width| width <= isa.panel_width());
+        let time = |width: usize| channels.div_ceil(width) * (3 * width / 16).max(4);
+        let width = match channels {
+            0..=NARROWEST => NARROWEST,
+            _ => widths.min_by_key(|&width| time(width)).unwrap_or(16),
+        };
         Self { groups, channels, width }
     }
 

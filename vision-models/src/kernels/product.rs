@@ -24,14 +24,14 @@ pub(crate) struct Segment {
     pub(crate) length: usize,
 }
 
-/// The initial value of the sums.
+/// What is added to the products.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Start<'a> {
-    /// Zero.
-    Zero,
+pub(super) enum Beside<'a> {
+    /// Nothing.
+    Nothing,
     /// The bias of each channel.
     Bias(&'a [f32]),
-    /// The bias of each channel plus the output's previous value: the residual connection.
+    /// The bias of each channel, and the output's previous value: the residual connection.
     BiasAndOutput(&'a [f32]),
 }
 
@@ -46,7 +46,7 @@ pub(super) struct Product<'a> {
     pub(super) chunks: &'a [Vec<Segment>],
     /// A row of `width` weights for each float of a pixel's input, in order.
     pub(super) weights: *const f32,
-    /// Channels of the panel: one, two or four registers, at most [`MAX_PANEL`].
+    /// Channels of the panel: half a register, or one, two or four, at most [`MAX_PANEL`].
     pub(super) width: usize,
     /// Number of channels that exist, at most `width`.
     pub(super) channels: usize,
@@ -54,8 +54,8 @@ pub(super) struct Product<'a> {
     pub(super) output: *mut f32,
     /// Start of each pixel's output.
     pub(super) output_rows: &'a [usize],
-    /// The initial value of the sums.
-    pub(super) start: Start<'a>,
+    /// What is added to the products.
+    pub(super) beside: Beside<'a>,
     /// The function that is applied to the sums.
     pub(super) finish: Finish<'a>,
 }
@@ -70,13 +70,15 @@ impl Task for Product<'_> {
     #[inline(always)]
     unsafe fn run<V: Vector>(self) {
         assert!(self.width <= MAX_PANEL && self.channels <= self.width);
-        assert!(
-            [1, 2, 4].contains(&(self.width / V::LANES)) && self.width.is_multiple_of(V::LANES)
-        );
+        let half = self.width == V::Half::LANES;
+        let whole =
+            self.width.is_multiple_of(V::LANES) && [1, 2, 4].contains(&(self.width / V::LANES));
+        assert!(half || whole);
         assert_eq!(self.rows.len(), self.output_rows.len());
         // SAFETY: passed on to the caller.
         unsafe {
             match self.width / V::LANES {
+                0 => multiply::<V::Half, 1>(&self),
                 1 => multiply::<V, 1>(&self),
                 2 => multiply::<V, 2>(&self),
                 _ => multiply::<V, 4>(&self),
@@ -166,13 +168,13 @@ unsafe fn tile_of<V: Vector, const ROWS: usize, const VECTORS: usize>(
         let output: [*mut f32; ROWS] = std::array::from_fn(|r| {
             product.output.add(*product.output_rows.get_unchecked(row + r))
         });
-        let (bias, load) = match product.start {
+        let (bias, add) = match product.beside {
             _ if !step.first => (None, true),
-            Start::Zero => (None, false),
-            Start::Bias(bias) => (Some(bias.as_ptr()), false),
-            Start::BiasAndOutput(bias) => (Some(bias.as_ptr()), true),
+            Beside::Nothing => (None, false),
+            Beside::Bias(bias) => (Some(bias.as_ptr()), false),
+            Beside::BiasAndOutput(bias) => (Some(bias.as_ptr()), true),
         };
-        tile::<V, ROWS, VECTORS>(input, output, product.channels, step, bias, load);
+        tile::<V, ROWS, VECTORS>(input, output, product.channels, step, bias, add);
     }
 }
 
@@ -206,6 +208,9 @@ unsafe fn store_first<V: Vector>(value: V, to: *mut f32, count: usize) {
 
 /// Computes the register tile: `ROWS` pixels × `VECTORS` registers of channels, of which the first
 /// `channels` exist.
+///
+/// The output's previous value is added last. Products that are added to a large one lose more of
+/// their last digits.
 #[inline(always)]
 unsafe fn tile<V: Vector, const ROWS: usize, const VECTORS: usize>(
     input: [*const f32; ROWS],
@@ -213,31 +218,13 @@ unsafe fn tile<V: Vector, const ROWS: usize, const VECTORS: usize>(
     channels: usize,
     step: Step,
     bias: Option<*const f32>,
-    load: bool,
+    add: bool,
 ) {
     let mut weights = step.weights;
     let mut ahead = step.ahead.start;
     // SAFETY: all pointers are as `Product` requires, and stay within its rows and panel.
     unsafe {
         let mut sums = [[V::splat(0.0); VECTORS]; ROWS];
-        if let Some(bias) = bias {
-            for v in 0..VECTORS {
-                let bias = V::load(bias.add(v * V::LANES));
-                for sums in &mut sums {
-                    sums[v] = bias;
-                }
-            }
-        }
-        if load {
-            for (sums, output) in sums.iter_mut().zip(output) {
-                for (v, sum) in sums.iter_mut().enumerate() {
-                    let first = v * V::LANES;
-                    if first < channels {
-                        *sum = sum.add(load_first(output.add(first), channels - first));
-                    }
-                }
-            }
-        }
         for segment in step.chunk {
             let input = input.map(|row| row.add(segment.offset));
             for k in 0..segment.length {
@@ -254,12 +241,21 @@ unsafe fn tile<V: Vector, const ROWS: usize, const VECTORS: usize>(
                 ahead = ahead.wrapping_add(step.ahead.step);
             }
         }
+        if let Some(bias) = bias {
+            for v in 0..VECTORS {
+                let bias = V::load(bias.add(v * V::LANES));
+                for sums in &mut sums {
+                    sums[v] = sums[v].add(bias);
+                }
+            }
+        }
         for (sums, output) in sums.into_iter().zip(output) {
             for (v, sum) in sums.into_iter().enumerate() {
                 let first = v * V::LANES;
                 if first < channels {
-                    let sum = step.finish.apply(sum, first);
-                    store_first(sum, output.add(first), channels - first);
+                    let (output, count) = (output.add(first), channels - first);
+                    let sum = if add { sum.add(load_first(output, count)) } else { sum };
+                    store_first(step.finish.apply(sum, first), output, count);
                 }
             }
         }

@@ -138,33 +138,48 @@ struct Blend<'a> {
 impl Task for Blend<'_> {
     #[inline(always)]
     unsafe fn run<V: Vector>(self) {
-        let Self { lines: [upper, lower], step, down, columns, channels, output, next } = self;
-        let whole = channels - channels % V::LANES;
         // SAFETY: the caller guarantees all channels of all pixels.
         unsafe {
-            let below = V::splat(down);
-            for (index, column) in columns.iter().enumerate() {
-                let (first, second) = (step * column.first, step * column.second);
-                let output = output.add(index * next);
-                let right = V::splat(column.fraction);
-                for channel in (0..whole).step_by(V::LANES) {
-                    let across = |line: *const f32| {
-                        let value = V::load(line.add(first + channel));
-                        V::load(line.add(second + channel)).sub(value).mul_add(right, value)
-                    };
-                    let above = across(upper);
-                    let value = across(lower).sub(above).mul_add(below, above);
-                    value.store(output.add(channel));
-                }
-                for channel in whole..channels {
+            for (index, column) in self.columns.iter().enumerate() {
+                let whole = self.registers::<V>(index, column, 0);
+                let whole = self.registers::<V::Half>(index, column, whole);
+                let (first, second) = (self.step * column.first, self.step * column.second);
+                for channel in whole..self.channels {
                     let across = |line: *const f32| {
                         let value = *line.add(first + channel);
                         (*line.add(second + channel) - value) * column.fraction + value
                     };
-                    let above = across(upper);
-                    *output.add(channel) = (across(lower) - above) * down + above;
+                    let [above, below] = self.lines.map(across);
+                    *self.output.add(index * self.next + channel) =
+                        (below - above) * self.down + above;
                 }
             }
         }
+    }
+}
+
+impl Blend<'_> {
+    /// Computes the channels of a column from `first` on that fill whole registers. Returns the
+    /// first channel behind them.
+    #[inline(always)]
+    unsafe fn registers<V: Vector>(&self, index: usize, column: &Place, first: usize) -> usize {
+        let end = self.channels - (self.channels - first) % V::LANES;
+        // SAFETY: passed on to the caller.
+        unsafe {
+            let (down, right) = (V::splat(self.down), V::splat(column.fraction));
+            let [upper, lower] = self.lines;
+            for channel in (first..end).step_by(V::LANES) {
+                let [left, next] =
+                    [column.first, column.second].map(|pixel| self.step * pixel + channel);
+                let across = |line: *const f32| {
+                    let value = V::load(line.add(left));
+                    V::load(line.add(next)).sub(value).mul_add(right, value)
+                };
+                let (above, below) = (across(upper), across(lower));
+                let value = below.sub(above).mul_add(down, above);
+                value.store(self.output.add(index * self.next + channel));
+            }
+        }
+        end
     }
 }

@@ -253,3 +253,55 @@ fn pause(spins: &mut usize) {
         std::hint::spin_loop();
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(64))]
+
+        #[test]
+        fn every_task_runs_once(lanes in 1..5_usize, loops in prop::collection::vec(0..40_usize, 1..9)) {
+            let mut pool = Pool::new(lanes, &[], Waiting::Spinning).expect("threads");
+            for tasks in loops {
+                prop_assert!(runs(&mut pool, lanes, tasks).iter().all(|&count| count == 1));
+            }
+        }
+    }
+
+    /// Threads that sleep between loops and are bound to one core work too.
+    #[test]
+    fn parked_threads_on_one_core_run_all_tasks() {
+        let cores: &[usize] = if cfg!(target_os = "linux") { &[0] } else { &[] };
+        let mut pool = Pool::new(3, cores, Waiting::Parking).expect("core 0");
+        for _ in 0..20 {
+            assert!(runs(&mut pool, 3, 50).iter().all(|&count| count == 1));
+        }
+        if cfg!(target_os = "linux") {
+            let error = Pool::new(2, &[1 << 20], Waiting::Spinning).unwrap_err();
+            assert_eq!(error.to_string(), "there is no core 1048576");
+        }
+    }
+
+    /// The largest number of threads can start, work and end.
+    #[test]
+    fn the_most_threads_run_every_task_once() {
+        let lanes = crate::engine::Options::MAX_THREADS;
+        let mut pool = Pool::new(lanes, &[], Waiting::Spinning).expect("so many threads");
+        assert_eq!(pool.lanes(), lanes);
+        assert!(runs(&mut pool, lanes, 5000).iter().all(|&count| count == 1));
+    }
+
+    /// Returns how often each task of a loop runs.
+    fn runs(pool: &mut Pool, lanes: usize, tasks: usize) -> Vec<usize> {
+        let counts: Vec<AtomicUsize> = (0..tasks).map(|_| AtomicUsize::new(0)).collect();
+        pool.run(tasks, &|lane, task| {
+            assert!(lane < lanes);
+            counts[task].fetch_add(1, Ordering::Relaxed);
+        });
+        counts.into_iter().map(AtomicUsize::into_inner).collect()
+    }
+}

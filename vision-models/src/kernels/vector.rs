@@ -10,6 +10,9 @@
 pub(super) unsafe trait Vector: Copy {
     /// Number of floats in a register.
     const LANES: usize;
+    /// A register of half as many lanes, or the same register if the kernels have no smaller one.
+    /// Its instruction set is part of this one's.
+    type Half: Vector;
 
     /// Loads `LANES` floats from memory.
     unsafe fn load(from: *const f32) -> Self;
@@ -70,6 +73,7 @@ pub(super) struct Portable([f32; 8]);
 // SAFETY: needs no instruction set. `load` and `store` use `LANES` floats.
 unsafe impl Vector for Portable {
     const LANES: usize = 8;
+    type Half = Self;
 
     #[inline(always)]
     unsafe fn load(from: *const f32) -> Self {
@@ -120,12 +124,13 @@ unsafe impl Vector for Portable {
 
 /// Implements [`Vector`] with the intrinsics of one instruction set.
 macro_rules! vector {
-    ($register:ty, $lanes:literal, $load:ident, $store:ident, $splat:ident, $mul_add:expr,
+    ($register:ty, $half:ty, $lanes:literal, $load:ident, $store:ident, $splat:ident, $mul_add:expr,
      $add:ident, $sub:ident, $max:ident, $min:ident) => {
         // SAFETY: the intrinsics are those of the type's instruction set, which the caller has
         // enabled. The unaligned loads and stores use exactly its lanes.
         unsafe impl Vector for $register {
             const LANES: usize = $lanes;
+            type Half = $half;
 
             #[inline(always)]
             unsafe fn load(from: *const f32) -> Self {
@@ -190,6 +195,7 @@ mod x86 {
 
     vector!(
         __m256,
+        __m256,
         8,
         _mm256_loadu_ps,
         _mm256_storeu_ps,
@@ -202,6 +208,7 @@ mod x86 {
     );
     vector!(
         __m512,
+        __m256,
         16,
         _mm512_loadu_ps,
         _mm512_storeu_ps,
@@ -223,6 +230,7 @@ mod arm {
     };
 
     vector!(
+        float32x4_t,
         float32x4_t,
         4,
         vld1q_f32,

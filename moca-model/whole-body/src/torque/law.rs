@@ -193,7 +193,7 @@ impl TorqueLaw {
         for (joint, (position, entry)) in predicted.iter().enumerate() {
             self.position[*position] = prediction.position()[joint];
             self.velocity[*entry] = prediction.velocity()[joint];
-            self.acceleration[*entry] = prediction.acceleration()[joint];
+            self.acceleration[*entry] = prediction.modelled_acceleration()[joint];
         }
         Ok(())
     }

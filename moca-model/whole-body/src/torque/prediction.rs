@@ -17,6 +17,10 @@ const RETURN: f64 = 0.2;
 /// joints are also held against friction that is not modelled.
 const BRAKING: f64 = 0.1;
 const SETTLING: f64 = 0.05;
+/// Share of â that the model provides while measurements have full weight, and the time constant with which it follows
+/// \[s\]. A larger share follows the command more closely. A robot whose commands get lost keeps that acceleration.
+const MODELLED: f64 = 0.6;
+const SMOOTHING: f64 = 0.03;
 /// Number of ticks whose commanded accelerations are stored, at least those of 8 ms.
 const REMEMBERED: usize = 16;
 
@@ -31,7 +35,8 @@ const REMEMBERED: usize = 16;
 /// The weight w says how far the measurement can be trusted. It is 1 up to an age of 2.5 ms, then 2.5 ms over the age,
 /// and falls to 0 from 8 to 12 ms. It is at most c, since q̇* has meanwhile changed otherwise than q̇. Springs and dampers
 /// on the predicted state are weighted by it, because a damper on an old velocity is a constant push. The model provides
-/// the remaining share 1 − w of M(q̂) â + C(q̂, v̂) v̂.
+/// the remaining share 1 − w of M(q̂) â + C(q̂, v̂) v̂, and a part of M(q̂) â always
+/// ([`modelled_acceleration`](Self::modelled_acceleration)).
 ///
 /// ```
 /// use whole_body::torque::{JointState, StatePrediction};
@@ -62,6 +67,8 @@ pub struct StatePrediction {
     commanded: Vec<f64>,
     /// â of the last tick.
     acceleration: Vec<f64>,
+    /// The part of â that the model provides.
+    modelled: Vec<f64>,
     /// Whether each joint has a torque drive.
     driven: Vec<bool>,
     /// Changes of q̇* in the last ticks.
@@ -96,6 +103,7 @@ impl StatePrediction {
             velocity: none.clone(),
             commanded: none.clone(),
             acceleration: none.clone(),
+            modelled: none.clone(),
             driven: (0..position.len()).map(|joint| driven.contains(&joint)).collect(),
             changes: vec![none; REMEMBERED],
             newest: 0,
@@ -162,6 +170,21 @@ impl StatePrediction {
             let trust = if *is_driven { self.trust } else { 1.0 };
             *acceleration = trust * change / period - (1.0 - trust) * velocity / braking;
         }
+        self.model(period);
+    }
+
+    /// Computes the part of â that the model provides.
+    fn model(&mut self, period: f64) {
+        let (weight, follows) = (self.weight(), (period / SMOOTHING).min(1.0));
+        let joints = self.modelled.iter_mut().zip(&self.acceleration).zip(&self.driven);
+        for ((modelled, acceleration), is_driven) in joints {
+            let (share, follows) = if *is_driven {
+                (1.0 - weight + weight * MODELLED, 1.0 - weight + weight * follows)
+            } else {
+                (1.0, follows)
+            };
+            *modelled += follows * (share * acceleration - *modelled);
+        }
     }
 
     /// Sets whether the robot does not take commands. The weight is zero meanwhile.
@@ -191,9 +214,12 @@ impl StatePrediction {
         }
     }
 
-    /// â \[rad/s² or m/s²\].
-    pub fn acceleration(&self) -> &[f64] {
-        &self.acceleration
+    /// The accelerations that the model provides \[rad/s² or m/s²\], beside springs and dampers.
+    ///
+    /// They follow â with 0.03 s: all of it for joints that follow velocities, whose motion pushes the others, and 60 %
+    /// of it for joints with torque drives. While the weight w is below 1, a share 1 − w of â counts at once and in full.
+    pub fn modelled_acceleration(&self) -> &[f64] {
+        &self.modelled
     }
 
     /// q̂ \[rad or m\].

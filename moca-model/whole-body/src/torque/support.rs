@@ -43,14 +43,14 @@ impl Compensation {
     /// torque law adds gravity.
     pub const BARE: Self = Self {
         gravity: CompensatedBy::Controller,
-        coriolis: CompensatedBy::Nobody,
+        coriolis: CompensatedBy::Controller,
         friction: CompensatedBy::Nobody,
     };
 
     /// Franka robots under libfranka or `franka_ros2`, which add gravity and friction themselves.
     pub const FRANKA: Self = Self {
         gravity: CompensatedBy::Robot,
-        coriolis: CompensatedBy::Nobody,
+        coriolis: CompensatedBy::Controller,
         friction: CompensatedBy::Robot,
     };
 }
@@ -66,7 +66,7 @@ pub struct SupportedMotion<'a> {
     pub acceleration: &'a [f64],
     /// q̇*.
     pub commanded: &'a [f64],
-    /// Share of M(q) q̈ + C(q, q̇) q̇ that the model is to provide, 0 to 1. Springs and dampers lack this share.
+    /// Share of C(q, q̇) q̇ that the model is to provide if no side compensates it, 0 to 1.
     pub share: f64,
 }
 
@@ -156,7 +156,8 @@ impl SupportTorque {
             CompensatedBy::Robot => 0.0,
             CompensatedBy::Nobody => motion.share,
         };
-        if coriolis > 0.0 || motion.share > 0.0 {
+        let accelerates = motion.acceleration.iter().any(|acceleration| *acceleration != 0.0);
+        if coriolis > 0.0 || accelerates {
             let mut moving = posed.moving(motion.velocity)?;
             moving.bias_forces_into(&mut self.bias)?;
             moving.inverse_dynamics_into(motion.acceleration, &[], &mut self.forces)?;
@@ -169,7 +170,7 @@ impl SupportTorque {
         for (torque, (((gravity, bias), force), acceleration)) in self.torque.iter_mut().zip(parts)
         {
             let inertia = force - bias + self.rotor_inertia * acceleration;
-            *torque = carries * gravity + coriolis * (bias - gravity) + motion.share * inertia;
+            *torque = carries * gravity + coriolis * (bias - gravity) + inertia;
         }
         if friction == CompensatedBy::Controller {
             let joints = model.friction.iter().zip(motion.commanded);

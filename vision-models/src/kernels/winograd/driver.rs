@@ -8,7 +8,7 @@ use super::super::{
     epilogue::{Epilogue, Finish},
     isa::InstructionSet,
     pack::{Panels, pack},
-    product::{Product, Segment, Start},
+    product::{Beside, Product, Segment},
     shared_slice::SharedSlice,
     threads::Pool,
 };
@@ -282,7 +282,7 @@ impl Layer<'_> {
                 // SAFETY: as above.
                 output: unsafe { sums.add(point * plan.panel_stride()) },
                 output_rows: &sum_rows[..count],
-                start: Start::Zero,
+                beside: Beside::Nothing,
                 finish: Finish::Keep,
             };
             // SAFETY: passed on to the caller.
