@@ -11,7 +11,6 @@ mod turning;
 
 use ahqp_core::{Status, integrate_pose};
 use ergo_map::ErgonomicsQuadratic;
-use hrsw::Softening;
 use hrsw_safety::{Fault, LoopClock, RobotLimits, Safety, SafetyState};
 use nalgebra::Isometry3;
 use vision_models::Freshness;
@@ -25,9 +24,9 @@ use crate::motion_limits::TickTimes;
 use crate::robot::kinematics::Kinematics;
 use crate::robot::moca::MOCA_AXIS_SPEED;
 use crate::settings::{ControllerSettings, Goal};
-use crate::shared_space::{POSITION_ROWS, SharedSpace};
+use crate::shared_space::SharedSpace;
 use crate::situation::Situation;
-use crate::stack::{CollaborationStack, GoalTerms, Levels, StackInput, StackSettings};
+use crate::stack::{CollaborationStack, GoalTerms, Levels, StackInput};
 use commanded_motion::CommandedMotion;
 use goal_share::{ACTIVATES_OVER, GoalShare};
 use grasping::Workpiece;
@@ -93,23 +92,7 @@ impl Controller {
         let limits = RobotLimits { accelerations: &accelerations, speed: MOCA_AXIS_SPEED };
         let safety = Safety::new(layout, settings.safety.clone(), &limits, settings.period)?;
         let clock = LoopClock::new(settings.period, settings.clock())?;
-        let softening = Softening {
-            margin: settings.space.margin,
-            position_rows: POSITION_ROWS,
-            ..Softening::default()
-        };
-        let stack = StackSettings {
-            gain: settings.gain,
-            period: settings.period,
-            horizon: settings.horizon,
-            softening,
-            base: settings.base,
-            posture: settings.posture.clone(),
-            levels: settings.levels,
-            stacking: settings.stacking,
-            budget: settings.budget,
-        };
-        let stack = CollaborationStack::new(&robot, &stack, &safety)?;
+        let stack = CollaborationStack::new(&robot, &settings, &safety)?;
         let motion = CommandedMotion::new(&mut robot, &settings, configuration)?;
         let tool = *robot.world_from_tool();
         let space = SharedSpace::new(&settings, &tool)?;

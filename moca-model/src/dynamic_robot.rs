@@ -1,6 +1,6 @@
 //! A simulated robot whose arm takes torques.
 
-use whole_body::control_loop::{RobotMode, RobotStatus};
+use whole_body::control_loop::{JointMeasurement, RobotMode, RobotStatus};
 use whole_body::simulation::{
     CommandLine, JointDrive, RandomSource, RigidBodySimulation, SensorSettings, Sensors,
 };
@@ -11,7 +11,6 @@ use crate::command::Command;
 use crate::error::{Error, check_plain};
 use crate::grasped_object::GraspedObject;
 use crate::robot::moca::MOCA_BASE_JOINTS;
-use crate::torque::Measured;
 
 /// Drives and sensors of a [`DynamicRobot`].
 #[derive(Debug, Clone, PartialEq)]
@@ -117,8 +116,7 @@ pub struct DynamicRobot {
     /// Configuration of a robot that brakes by itself, and its gravity.
     position: Vec<f64>,
     gravity: Vec<f64>,
-    /// Last measured torques of the arm.
-    torque: Vec<Option<f64>>,
+    measured: JointMeasurement,
     /// Whether the last command was taken; `None` before the first.
     took_command: Option<bool>,
 }
@@ -151,7 +149,7 @@ impl DynamicRobot {
             model: model.clone(),
             position: position.to_vec(),
             gravity: vec![0.0; n],
-            torque: vec![None; n],
+            measured: JointMeasurement::resting(position.to_vec(), n),
             took_command: None,
             obeyed: command.clone(),
             command,
@@ -164,19 +162,17 @@ impl DynamicRobot {
     /// Never.
     pub fn measure(&mut self, random: &mut impl RandomSource) -> Result<(), Error> {
         self.sensors.measure(&self.simulation, random)?;
-        let arm = self.torque.iter_mut().zip(self.sensors.torque()).skip(self.base_joints);
-        arm.for_each(|(own, torque)| *own = Some(*torque));
+        self.measured.position.copy_from_slice(self.sensors.position());
+        self.measured.velocity.copy_from_slice(self.sensors.velocity());
+        let torques = self.measured.torque.iter_mut().zip(self.sensors.torque());
+        torques.skip(self.base_joints).for_each(|(own, torque)| *own = Some(*torque));
+        self.measured.robot = self.status();
         Ok(())
     }
 
-    /// The last measurement.
-    pub fn measured(&self) -> Measured<'_> {
-        Measured {
-            position: self.sensors.position(),
-            velocity: self.sensors.velocity(),
-            torque: &self.torque,
-            age: 0.0,
-        }
+    /// The last measurement, at rest at the beginning.
+    pub fn measured(&self) -> &JointMeasurement {
+        &self.measured
     }
 
     /// Moves the robot for `period` \[s\] under constant external wrenches. The base follows the command's velocities

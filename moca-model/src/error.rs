@@ -11,31 +11,15 @@ use crate::grasped_object::BoxSide;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A number is NaN or infinite.
-    #[error("{what} is {value}; it must be a finite number")]
-    NotFinite {
+    /// A number is out of its range.
+    #[error("{what} is {value}; it must be {expected}")]
+    Value {
         /// Which number.
         what: String,
         /// Its value.
         value: f64,
-    },
-
-    /// A limit or parameter is not positive.
-    #[error("{what} is {value}; it must be positive")]
-    NotPositive {
-        /// Which one.
-        what: String,
-        /// Its value.
-        value: f64,
-    },
-
-    /// A limit or parameter is negative.
-    #[error("{what} is {value}; it must be zero or positive")]
-    Negative {
-        /// Which one.
-        what: String,
-        /// Its value.
-        value: f64,
+        /// The range it must lie in.
+        expected: &'static str,
     },
 
     /// A vector has the wrong number of elements.
@@ -118,17 +102,6 @@ pub enum Error {
         torque: f64,
     },
 
-    /// The robot has another number of joints than one of its parts expects.
-    #[error("{what} has {found} entries, but the robot has {expected} joints")]
-    JointCount {
-        /// The part.
-        what: &'static str,
-        /// The number of its joints.
-        found: usize,
-        /// The number of the robot's joints.
-        expected: usize,
-    },
-
     /// A camera frame counts as no data because of its time.
     #[error(
         "{fault}: it is stamped {stamp} s, {}; stamp frames when they are taken, on the clock of the \
@@ -185,11 +158,6 @@ fn present(now: Option<f64>, newest: Option<f64>) -> String {
     format!("the last tick {}, the newest frame {}", time(now), time(newest))
 }
 
-/// Returns an error unless `value` is finite. `what` is called only then.
-pub(crate) fn check_finite(value: f64, what: impl FnOnce() -> String) -> Result<(), Error> {
-    if value.is_finite() { Ok(()) } else { Err(Error::NotFinite { what: what(), value }) }
-}
-
 /// Returns an error unless `slice` has `expected` elements.
 pub(crate) fn check_size(what: &'static str, slice: &[f64], expected: usize) -> Result<(), Error> {
     if slice.len() == expected {
@@ -205,9 +173,4 @@ pub(crate) fn check_plain(model: &Model) -> Result<usize, Error> {
         return Err(Error::FloatingBase { robot: model.name().to_owned() });
     }
     Ok(model.velocity_count())
-}
-
-/// Returns an error unless `value` is positive; infinity counts as positive.
-pub(crate) fn check_positive(value: f64, what: &str) -> Result<(), Error> {
-    if value > 0.0 { Ok(()) } else { Err(Error::NotPositive { what: what.to_owned(), value }) }
 }

@@ -94,10 +94,8 @@ pub use settings::{ControllerSettings, DesiredMotion, Goal, SpaceSettings};
 pub use shared_space::SharedSpace;
 pub use simulation::SimulatedRobot;
 pub use situation::Situation;
-pub use stack::{
-    CollaborationStack, GoalTerms, Levels, PostureSettings, StackInput, StackSettings,
-};
-pub use torque::{AnswerDelay, Measured, TorqueController, TorqueLoopSettings};
+pub use stack::{CollaborationStack, Levels, PostureSettings};
+pub use torque::{AnswerDelay, TorqueController, TorqueLoopSettings};
 pub use vision_models::Intention;
 pub use whole_body;
 pub use whole_body::torque::{ImpedanceSettings, JointImpedance, JointState};

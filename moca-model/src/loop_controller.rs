@@ -12,7 +12,7 @@ use crate::grasped_object::GraspedObject;
 use crate::gripping::{GripTime, Gripping};
 use crate::scene::Scene;
 use crate::torque::start::Start;
-use crate::torque::{LONGEST_INTERVAL, Measured, TorqueController};
+use crate::torque::{LONGEST_INTERVAL, TorqueController};
 
 /// Camera frames that may wait for the next tick, more than come within one.
 const WAITING: usize = 8;
@@ -153,8 +153,7 @@ impl ControlLaw for LoopController {
     type Error = Error;
 
     fn begin(&mut self, measured: &JointMeasurement) -> Result<(), Error> {
-        let JointMeasurement { position, velocity, torque, age, .. } = measured;
-        self.controller.begin(&Measured { position, velocity, torque, age: *age })
+        self.controller.begin(measured)
     }
 
     fn step(
@@ -196,9 +195,7 @@ impl ControlLaw for LoopController {
             self.controller.controller_mut().request_stop();
         }
         self.listen(measured.robot, measured.age <= 0.0);
-        let JointMeasurement { position, velocity, torque, age, .. } = measured;
-        let measured = Measured { position, velocity, torque, age: *age };
-        let told = self.controller.step(now, &measured)?;
+        let told = self.controller.step(now, measured)?;
         command.position.copy_from_slice(&told.joint_position);
         command.velocity.copy_from_slice(&told.joint_velocity);
         self.controller.write_torques(&mut command.torque);

@@ -2,7 +2,7 @@
 
 use whole_body::Model;
 
-use crate::error::{Error, check_finite, check_plain, check_positive, check_size};
+use crate::error::{Error, check_plain, check_size};
 
 /// A robot whose joints, the base's included, follow commanded velocities.
 ///
@@ -32,11 +32,11 @@ impl SimulatedRobot {
     /// Creates a robot at rest at `position`, n \[rad or m\], that follows at once.
     ///
     /// # Errors
-    /// [`Error::FloatingBase`], [`Error::WrongSize`] and [`Error::NotFinite`].
+    /// [`Error::FloatingBase`], [`Error::WrongSize`] and [`Error::Value`].
     pub fn new(model: &Model, position: &[f64]) -> Result<Self, Error> {
         let n = check_plain(model)?;
         check_size("the position", position, n)?;
-        check_all_finite("the position", position)?;
+        check_all("the position", position, FINITE)?;
         Ok(Self {
             position: position.to_vec(),
             velocity: vec![0.0; n],
@@ -47,16 +47,11 @@ impl SimulatedRobot {
     /// Sets the time constants T, n \[s\].
     ///
     /// # Errors
-    /// [`Error::WrongSize`], [`Error::NotFinite`], [`Error::Negative`].
+    /// [`Error::WrongSize`], [`Error::Value`].
     pub fn with_time_constants(mut self, time_constants: &[f64]) -> Result<Self, Error> {
         let what = "the time constant";
         check_size(what, time_constants, self.position.len())?;
-        check_all_finite(what, time_constants)?;
-        if let Some((joint, &value)) =
-            time_constants.iter().enumerate().find(|(_, value)| **value < 0.0)
-        {
-            return Err(Error::Negative { what: format!("{what} of joint {}", joint + 1), value });
-        }
+        check_all(what, time_constants, (0.0, "finite and not negative"))?;
         self.time_constants.copy_from_slice(time_constants);
         Ok(self)
     }
@@ -74,12 +69,14 @@ impl SimulatedRobot {
     /// Moves the robot for `dt` \[s\] under the constant command q̇*, n \[rad/s or m/s\].
     ///
     /// # Errors
-    /// [`Error::WrongSize`], [`Error::NotFinite`], [`Error::NotPositive`] on dt. The robot is then unchanged.
+    /// [`Error::WrongSize`], [`Error::Value`]. The robot is then unchanged.
     pub fn step(&mut self, command: &[f64], dt: f64) -> Result<(), Error> {
         check_size("the velocity command", command, self.position.len())?;
-        check_all_finite("the velocity command", command)?;
-        check_finite(dt, || "the time step [s]".to_owned())?;
-        check_positive(dt, "the time step [s]")?;
+        check_all("the velocity command", command, FINITE)?;
+        if !(dt > 0.0 && dt.is_finite()) {
+            let (what, expected) = ("the time step [s]".to_owned(), "positive and finite");
+            return Err(Error::Value { what, value: dt, expected });
+        }
         let state = self.position.iter_mut().zip(&mut self.velocity);
         for ((state, constant), target) in state.zip(&self.time_constants).zip(command) {
             let (position, velocity) = state;
@@ -93,8 +90,18 @@ impl SimulatedRobot {
     }
 }
 
-fn check_all_finite(what: &str, values: &[f64]) -> Result<(), Error> {
-    values.iter().enumerate().try_for_each(|(joint, &value)| {
-        check_finite(value, || format!("{what} of joint {}", joint + 1))
+/// The least value, and the words for it, of numbers that only have to be finite.
+const FINITE: (f64, &str) = (f64::MIN, "finite");
+
+/// Returns an error unless all values are finite and at least `least`.
+fn check_all(
+    what: &str,
+    values: &[f64],
+    (least, expected): (f64, &'static str),
+) -> Result<(), Error> {
+    let bad = values.iter().position(|value| !(*value >= least && value.is_finite()));
+    bad.map_or(Ok(()), |joint| {
+        let (what, value) = (format!("{what} of joint {}", joint + 1), values[joint]);
+        Err(Error::Value { what, value, expected })
     })
 }

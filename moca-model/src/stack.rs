@@ -5,7 +5,7 @@ mod goal;
 mod settings;
 
 use ahqp_core::{AugmentedState, Budget, Hierarchy, Rows, Settings, Solution, VelocityInterval};
-use hrsw::{SoftWorkspace, Workspace};
+use hrsw::{SoftWorkspace, Softening, Workspace};
 use hrsw_safety::{JointMotion, Safety};
 use nalgebra::{Isometry3, Translation3};
 use whole_body::stack::{TaskId, TaskLevel, TaskStack};
@@ -15,9 +15,11 @@ use crate::error::Error;
 use crate::motion_limits::MecanumBase;
 use crate::robot::kinematics::Kinematics;
 use crate::robot::moca::MOCA_BASE_JOINTS;
+use crate::settings::ControllerSettings;
+use crate::shared_space::POSITION_ROWS;
 use goal::GoalTask;
-pub use goal::GoalTerms;
-pub use settings::{Levels, PostureSettings, StackSettings};
+pub(crate) use goal::GoalTerms;
+pub use settings::{Levels, PostureSettings};
 
 /// Weights of a change of velocity against the posture in the last level, for the joints of the base and the others.
 /// Motions that no other level decides then change over some tens of ticks.
@@ -56,25 +58,25 @@ struct Tasks {
 
 /// The inputs of a tick.
 #[derive(Debug, Clone, Copy)]
-pub struct StackInput<'a> {
+pub(crate) struct StackInput<'a> {
     /// x_d(t−1).
-    pub desired: &'a Isometry3<f64>,
+    pub(crate) desired: &'a Isometry3<f64>,
     /// The shared workspace.
-    pub workspace: &'a Workspace,
+    pub(crate) workspace: &'a Workspace,
     /// The objective of the third level.
-    pub goal: GoalTerms<'a>,
+    pub(crate) goal: GoalTerms<'a>,
     /// The last commanded q̇, n \[m/s or rad/s\].
-    pub velocity: &'a [f64],
+    pub(crate) velocity: &'a [f64],
     /// Velocity intervals of the joints, then those of ẋ_d.
-    pub intervals: &'a [VelocityInterval],
+    pub(crate) intervals: &'a [VelocityInterval],
     /// Velocities that return joints into their position limits; infinite intervals for joints within them.
-    pub returns: &'a [VelocityInterval],
+    pub(crate) returns: &'a [VelocityInterval],
     /// Velocities of the base while safety does not need more; empty for a robot without a base.
-    pub gentle: &'a [VelocityInterval],
+    pub(crate) gentle: &'a [VelocityInterval],
     /// Separation from people and from the robot itself, as measured in this tick.
-    pub safety: &'a Safety,
+    pub(crate) safety: &'a Safety,
     /// The joint velocities nearest to rest that the intervals allow, n \[m/s or rad/s\].
-    pub braking: &'a [f64],
+    pub(crate) braking: &'a [f64],
 }
 
 impl CollaborationStack {
@@ -82,12 +84,17 @@ impl CollaborationStack {
     ///
     /// # Errors
     /// Parameters out of range, or a posture of another size.
-    pub fn new(
+    pub(crate) fn new(
         robot: &Kinematics,
-        settings: &StackSettings,
+        settings: &ControllerSettings,
         safety: &Safety,
     ) -> Result<Self, Error> {
-        let StackSettings { gain, period, horizon, softening, base, posture, .. } = settings;
+        let ControllerSettings { gain, period, horizon, base, posture, space, .. } = settings;
+        let softening = Softening {
+            margin: space.margin,
+            position_rows: POSITION_ROWS,
+            ..Softening::default()
+        };
         let extended = settings.levels == Levels::Extended;
         let (model, joints) = (robot.model(), robot.jacobian().ncols());
         posture.check(joints)?;
@@ -95,7 +102,7 @@ impl CollaborationStack {
         let mut variables = VariableLayout::new(model);
         let desired = variables.add("desired twist", state.task);
         let slack = variables.add("slack", state.slack);
-        let soft = SoftWorkspace::with_softening(state, *horizon, *softening)?;
+        let soft = SoftWorkspace::with_softening(state, *horizon, softening)?;
         let on_base = base.map_or(0, |_| MOCA_BASE_JOINTS.min(joints));
         let safety = safety.rows();
 
@@ -195,7 +202,7 @@ impl CollaborationStack {
     ///
     /// # Errors
     /// Data that are not finite or do not fit; the problem itself is always feasible.
-    pub fn solve(
+    pub(crate) fn solve(
         &mut self,
         robot: &mut Kinematics,
         input: &StackInput<'_>,

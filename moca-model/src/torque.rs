@@ -5,7 +5,7 @@ mod payload_watch;
 mod settings;
 pub(crate) mod start;
 
-pub use controller::{Measured, TorqueController};
+pub use controller::TorqueController;
 pub use settings::{AnswerDelay, TorqueLoopSettings};
 
 /// Longest delay at which springs and dampers do not oscillate \[s\], and the longest time between measurements.

@@ -161,10 +161,7 @@ impl RobotSide for SimulatedSide {
 
     fn receive(&mut self, measured: &mut JointMeasurement) -> Result<Received, Error> {
         self.robot.measure(&mut self.noise)?;
-        let now = self.robot.measured();
-        measured.position.copy_from_slice(now.position);
-        measured.velocity.copy_from_slice(now.velocity);
-        measured.torque.copy_from_slice(now.torque);
+        measured.take(self.robot.measured());
         measured.robot = self.status();
         Ok(Received::Fresh)
     }

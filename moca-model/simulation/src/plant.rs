@@ -27,7 +27,7 @@ use moca_model::whole_body::torque::Compensation;
 use moca_model::whole_body::{Data, FrameId, Model};
 use moca_model::{
     Command, Controller, ControllerSettings, DynamicRobot, DynamicRobotSettings, GraspedObject,
-    Measured, SimulatedRobot, TorqueController, TorqueLoopSettings,
+    SimulatedRobot, TorqueController, TorqueLoopSettings,
 };
 use nalgebra::{Isometry3, Translation3, Vector3, Vector6};
 use rand::Rng;
@@ -266,15 +266,11 @@ impl Plant {
                     if robot.status().is_stopped() {
                         controller.controller_mut().robot_stopped();
                     }
-                    let measured = robot.measured();
-                    told.position.copy_from_slice(measured.position);
-                    told.velocity.copy_from_slice(measured.velocity);
-                    told.torque.copy_from_slice(measured.torque);
+                    told.take(robot.measured());
                     spoil(&mut told.position);
                 }
                 let started = Instant::now();
-                let JointMeasurement { position, velocity, torque, age, .. } = &*told;
-                controller.step(now, &Measured { position, velocity, torque, age: *age })?;
+                controller.step(now, told)?;
                 started
             }
             Robot::Kinematic(both) => {

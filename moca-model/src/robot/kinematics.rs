@@ -131,10 +131,11 @@ impl Kinematics {
     /// object.
     ///
     /// # Errors
-    /// [`Error::NotFinite`]; the hand is then unchanged.
+    /// [`Error::Value`]; the hand is then unchanged.
     pub(crate) fn set_hand(&mut self, hand: Vector3<f64>) -> Result<(), Error> {
         if let Some(&value) = hand.iter().find(|value| !value.is_finite()) {
-            return Err(Error::NotFinite { what: "the place of a hand".to_owned(), value });
+            let what = "the place of a hand".to_owned();
+            return Err(Error::Value { what, value, expected: "finite" });
         }
         self.hand = hand;
         self.carry()

@@ -8,14 +8,14 @@ use crate::error::Error;
 
 /// The objective of the third level.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct GoalTerms<'a> {
+pub(crate) struct GoalTerms<'a> {
     /// The person's ergonomics in the world, τ seconds ahead.
-    pub ergonomics: Option<&'a ErgonomicsQuadratic>,
+    pub(crate) ergonomics: Option<&'a ErgonomicsQuadratic>,
     /// Velocity of the walking person in world axes \[m/s\]. It is fed forward, so that the optimum does not lag
     /// behind.
-    pub drift: Vector3<f64>,
+    pub(crate) drift: Vector3<f64>,
     /// Weight from 0, the benchmark min ‖ẋ_d‖², to 1, ergonomics alone.
-    pub activation: f64,
+    pub(crate) activation: f64,
 }
 
 /// activation · e_s(x_d + τ (ẋ_d − drift)) + (1 − activation) ‖ẋ_d‖², over ẋ_d.

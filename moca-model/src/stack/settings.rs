@@ -1,12 +1,8 @@
 //! Settings of the stack.
 
-use ahqp_core::{Budget, Stacking};
-use hrsw::Softening;
-use nalgebra::Vector6;
 use whole_body::tasks::{Feedback, PostureTask};
 
-use crate::error::Error;
-use crate::motion_limits::MecanumBase;
+use crate::error::{Error, check_size};
 
 /// The posture task, which decides motions that no other level determines.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,29 +30,6 @@ pub enum Levels {
     Paper,
 }
 
-/// Settings that do not change from tick to tick.
-#[derive(Debug, Clone, PartialEq)]
-pub struct StackSettings {
-    /// The diagonal of K_p \[1/s\].
-    pub gain: Vector6<f64>,
-    /// Δt of the inverse kinematics \[s\].
-    pub period: f64,
-    /// τ of workspace and goal \[s\].
-    pub horizon: f64,
-    /// Softening of the workspace.
-    pub softening: Softening,
-    /// The wheel limit.
-    pub base: Option<MecanumBase>,
-    /// The last level.
-    pub posture: PostureSettings,
-    /// The levels.
-    pub levels: Levels,
-    /// Method by which later levels keep the optimum of a level.
-    pub stacking: Stacking,
-    /// Budget of the solve of a tick.
-    pub budget: Budget,
-}
-
 impl PostureSettings {
     pub(super) fn check(&self, joints: usize) -> Result<(), Error> {
         for (what, values) in [
@@ -64,9 +37,7 @@ impl PostureSettings {
             ("posture.gain", &self.gain),
             ("posture.weight", &self.weight),
         ] {
-            if values.len() != joints {
-                return Err(Error::JointCount { what, found: values.len(), expected: joints });
-            }
+            check_size(what, values, joints)?;
             if let Some(&value) = values.iter().find(|value| !value.is_finite()) {
                 return Err(Error::Setting { name: what, value, expected: "finite" });
             }

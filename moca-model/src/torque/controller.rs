@@ -6,6 +6,7 @@ use hrsw_safety::SafetyState;
 use nalgebra::Vector3;
 use vision_models::{Body, Percept};
 use whole_body::Model;
+use whole_body::control_loop::JointMeasurement;
 use whole_body::state::{Payload, PayloadId};
 use whole_body::torque::{ContactForce, JointState, MomentumObserver, ObserverSettings, TorqueLaw};
 
@@ -16,20 +17,6 @@ use crate::controller::Controller;
 use crate::error::Error;
 use crate::grasped_object::GraspedObject;
 use sensing::Usable;
-
-/// Measurements of a robot in a tick, n of each, in the order of q.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Measured<'a> {
-    /// q \[m or rad\].
-    pub position: &'a [f64],
-    /// q̇ \[m/s or rad/s\]; the base's x and y in the world's axes.
-    pub velocity: &'a [f64],
-    /// Torques on the links at the output of the gears \[N or Nm\]; `None` for joints without a torque sensor. Only
-    /// joints with torque drives are read.
-    pub torque: &'a [Option<f64>],
-    /// Age of the measurement \[s\]: zero if it came in this tick.
-    pub age: f64,
-}
 
 /// A [`Controller`] down to torque. The arm gets the torques of a [`TorqueLaw`] that follows its commands, the base
 /// velocities.
@@ -43,18 +30,18 @@ pub struct Measured<'a> {
 ///
 /// ```
 /// use ergo_map::ErgonomicsQuadratic;
+/// use moca_model::whole_body::{control_loop::JointMeasurement, torque::Compensation};
 /// use moca_model::{
-///     Controller, ControllerSettings, MOCA_HOME, Measured, TorqueController, TorqueLoopSettings, moca,
+///     Controller, ControllerSettings, MOCA_HOME, TorqueController, TorqueLoopSettings, moca,
 /// };
-/// use moca_model::whole_body::torque::Compensation;
 /// use nalgebra::{Matrix3, Vector3};
 ///
 /// let ergonomics = ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::new(-0.4, 0.1, -1.1), 0.8)?;
 /// let controller = Controller::new(moca()?, ergonomics, ControllerSettings::default(), &MOCA_HOME)?;
 /// let mut controller = TorqueController::new(controller, TorqueLoopSettings::new(Compensation::BARE))?;
 /// // In the loop: controller.observe(&percept) at each camera frame, and each millisecond
-/// let measured =
-///     Measured { position: &MOCA_HOME, velocity: &[0.0; 10], torque: &[Some(0.0); 10], age: 0.0 };
+/// let mut measured = JointMeasurement::resting(MOCA_HOME.to_vec(), 10);
+/// measured.torque.fill(Some(0.0));
 /// let command = controller.step(0.001, &measured)?;
 /// let [_forward, _left, _turn] = command.base_twist; // to the base
 /// assert!(controller.torque()[3] > 20.0); // Nm, to the arm: the elbow carries itself
@@ -158,7 +145,7 @@ impl TorqueController {
     }
 
     /// Makes a tick before the first motion. The arm is held in place by soft springs, and one joint is pushed \[Nm\].
-    pub(super) fn wait(&mut self, measured: &Measured<'_>, (pushed, torque): (usize, f64)) {
+    pub(super) fn wait(&mut self, measured: &JointMeasurement, (pushed, torque): (usize, f64)) {
         let usable = self.take(measured);
         self.predict(measured.age);
         self.sense_force(usable);
@@ -230,8 +217,8 @@ impl TorqueController {
     ///
     /// # Errors
     /// [`Error::Robot`] for a state far beyond the limits, which must be in other units. It names the joint.
-    pub fn begin(&mut self, measured: &Measured<'_>) -> Result<(), Error> {
-        self.model().check_units(measured.position, measured.velocity)?;
+    pub fn begin(&mut self, measured: &JointMeasurement) -> Result<(), Error> {
+        self.model().check_units(&measured.position, &measured.velocity)?;
         self.measures_force = self.measures_torques(measured);
         Ok(())
     }
@@ -243,7 +230,7 @@ impl TorqueController {
         self.measures_force
     }
 
-    fn measures_torques(&self, measured: &Measured<'_>) -> bool {
+    fn measures_torques(&self, measured: &JointMeasurement) -> bool {
         let known = |joint: &usize| measured.torque.get(*joint).is_some_and(Option::is_some);
         self.joints.iter().all(known)
     }
@@ -263,14 +250,14 @@ impl TorqueController {
     ///
     /// # Errors
     /// [`Error::WrongSize`] for a configuration of the wrong size, as [`Controller::step`].
-    pub fn step(&mut self, now: f64, measured: &Measured<'_>) -> Result<&Command, Error> {
+    pub fn step(&mut self, now: f64, measured: &JointMeasurement) -> Result<&Command, Error> {
         let usable = self.take(measured);
         let last = self.last.replace(now);
         self.elapsed = self.time_since(last, now);
         self.predict(measured.age);
         self.sense_force(usable);
         let JointState { position, velocity } = self.law.state();
-        let configuration = if usable.position { position } else { measured.position };
+        let configuration = if usable.position { position } else { &measured.position };
         self.controller.set_measured_velocity(if usable.velocity { velocity } else { &[] });
         let outcome = self.controller.step(now, configuration).map(|_| ());
         self.follow(usable);

@@ -4,7 +4,7 @@ use whole_body::control_loop::{JointCommand, JointMeasurement};
 use whole_body::torque::{DelayProbe, ProbeAnswer};
 
 use super::LONGEST_DELAY;
-use super::controller::{Measured, TorqueController};
+use super::controller::TorqueController;
 use super::settings::AnswerDelay;
 use crate::error::Error;
 
@@ -40,12 +40,12 @@ impl Start {
         measured: &JointMeasurement,
         command: &mut JointCommand,
     ) -> Result<bool, Error> {
-        let JointMeasurement { position, velocity, torque, age, .. } = measured;
+        let JointMeasurement { position, velocity, age, .. } = measured;
         let entry = controller.joints().get(self.joint).copied().unwrap_or_default();
         let is_new = *age < 0.5 * controller.period();
         let seen = velocity.get(entry).copied().filter(|velocity| is_new && velocity.is_finite());
         let push = (self.joint, self.probe.torque());
-        controller.wait(&Measured { position, velocity, torque, age: *age }, push);
+        controller.wait(measured, push);
         command.position.copy_from_slice(position);
         command.velocity.fill(0.0);
         controller.write_torques(&mut command.torque);

@@ -3,6 +3,7 @@
 use ergo_map::ErgonomicsQuadratic;
 use std::f64::consts::{PI, TAU};
 
+use moca_model::whole_body::control_loop::JointMeasurement;
 use moca_model::whole_body::torque::Compensation;
 use moca_model::whole_body::{Data, Model};
 use moca_model::{
@@ -128,12 +129,8 @@ fn the_arm_carries_what_it_holds() {
     let mut empty = TorqueController::new(controller(), settings).unwrap();
     let object = GraspedObject { mass: 1.5, ..GraspedObject::default() };
     held.grasp(object.clone()).unwrap();
-    let measured = moca_model::Measured {
-        position: &MOCA_HOME,
-        velocity: &[0.0; 10],
-        torque: &[Some(0.0); 10],
-        age: 0.0,
-    };
+    let mut measured = JointMeasurement::resting(MOCA_HOME.to_vec(), 10);
+    measured.torque.fill(Some(0.0));
     // The torque rate is limited.
     for tick in 0..200_u32 {
         for controller in [&mut held, &mut empty] {

@@ -9,7 +9,7 @@ use hrsw_safety::{Capsule, SafetyState, proximity};
 use moca_model::whole_body::Data;
 use moca_model::whole_body::control_loop::{ControlLaw, JointCommand, RobotMode, RobotStatus};
 use moca_model::{
-    Controller, ControllerSettings, DynamicRobot, DynamicRobotSettings, MOCA_HOME, Measured,
+    Controller, ControllerSettings, DynamicRobot, DynamicRobotSettings, MOCA_HOME,
     TorqueController, TorqueLoopSettings,
 };
 use nalgebra::{Matrix3, Point3, Vector3};
@@ -110,10 +110,9 @@ impl Run {
             self.controller.observe(&see(now)).unwrap();
         }
         self.robot.measure(&mut self.noise).unwrap();
-        let measured = self.robot.measured();
-        let mut torques = measured.torque.to_vec();
-        torque(&mut torques);
-        self.controller.step(now, &Measured { torque: &torques, ..measured }).unwrap();
+        let mut measured = self.robot.measured().clone();
+        torque(&mut measured.torque);
+        self.controller.step(now, &measured).unwrap();
         let (command, torque) = (self.controller.controller().command(), self.controller.torque());
         assert_eq!(command.fault, None, "at {now} s");
         self.robot.step(command, torque, &[], PERIOD, &mut self.noise).unwrap();

@@ -26,11 +26,7 @@ fn drive(lost: u32, moments: u32) -> (Vec<(u32, Fault)>, f64) {
             let _ = frames.try_send(Scene::from(percept(now, None)));
         }
         robot.measure(&mut noise).unwrap();
-        let told = robot.measured();
-        measured.position.copy_from_slice(told.position);
-        measured.velocity.copy_from_slice(told.velocity);
-        measured.torque.copy_from_slice(told.torque);
-        measured.robot = robot.status();
+        measured.take(robot.measured());
         law.step(now, &measured, &mut command).unwrap();
         let since = tick % 1000;
         faults.extend(law.controller().controller().command().fault.map(|fault| (since, fault)));

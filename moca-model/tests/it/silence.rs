@@ -11,7 +11,7 @@ use moca_model::whole_body::simulation::RandomSource;
 use moca_model::whole_body::torque::Compensation;
 use moca_model::{
     AnswerDelay, Controller, ControllerSettings, DynamicRobot, DynamicRobotSettings, MOCA_HOME,
-    Measured, TorqueController, TorqueLoopSettings,
+    TorqueController, TorqueLoopSettings,
 };
 use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 
@@ -38,10 +38,7 @@ struct Moving {
     tick: u32,
     /// Number of ticks between measurements.
     every: u32,
-    position: Vec<f64>,
-    velocity: Vec<f64>,
-    torque: Vec<Option<f64>>,
-    age: f64,
+    measured: JointMeasurement,
     worst_error: f64,
     wanders: bool,
 }
@@ -65,10 +62,7 @@ impl Moving {
             noise: Noise(seed),
             tick: 0,
             every,
-            position: MOCA_HOME.to_vec(),
-            velocity: vec![0.0; 10],
-            torque: vec![Some(0.0); 10],
-            age: 0.0,
+            measured: JointMeasurement::resting(MOCA_HOME.to_vec(), 10),
             worst_error: 0.0,
             wanders: true,
         }
@@ -95,26 +89,16 @@ impl Moving {
         let comes = self.tick.is_multiple_of(self.every);
         match trouble {
             Trouble::None if comes => {
-                let measured = self.robot.measured();
-                self.position.copy_from_slice(measured.position);
-                self.velocity.copy_from_slice(measured.velocity);
-                self.torque.copy_from_slice(measured.torque);
-                self.age = 0.0;
+                self.measured.take(self.robot.measured());
             }
-            Trouble::Frozen => self.age = 0.0,
-            _ => self.age += PERIOD,
+            Trouble::Frozen => self.measured.age = 0.0,
+            _ => self.measured.age += PERIOD,
         }
         let now = f64::from(self.tick) * PERIOD;
         if self.tick.is_multiple_of(FRAME) {
             self.controller.observe(&percept(now, None)).unwrap();
         }
-        let measured = Measured {
-            position: &self.position,
-            velocity: &self.velocity,
-            torque: &self.torque,
-            age: self.age,
-        };
-        self.controller.step(now, &measured).unwrap();
+        self.controller.step(now, &self.measured).unwrap();
         let (command, torque) = (self.controller.controller().command(), self.controller.torque());
         self.robot.step(command, torque, &[], PERIOD, &mut self.noise).unwrap();
         let desired = command.joint_position.iter().zip(self.robot.simulation().position()).skip(3);
@@ -300,9 +284,9 @@ impl RobotSide for Line {
             return Ok(Received::Nothing);
         }
         let told = self.robot.measured();
-        measured.position.copy_from_slice(told.position);
-        measured.velocity.copy_from_slice(told.velocity);
-        measured.torque.copy_from_slice(told.torque);
+        measured.position.clone_from(&told.position);
+        measured.velocity.clone_from(&told.velocity);
+        measured.torque.clone_from(&told.torque);
         Ok(Received::Fresh)
     }
 

@@ -2,7 +2,8 @@
 
 use std::time::Instant;
 
-use moca_model::{AnswerDelay, Goal, Measured, TorqueController};
+use moca_model::whole_body::control_loop::JointMeasurement;
+use moca_model::{AnswerDelay, Goal, TorqueController};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -82,9 +83,7 @@ struct State {
     time: f64,
     has_begun: bool,
     /// Measurements of the present step.
-    position: Vec<f64>,
-    velocity: Vec<f64>,
-    torques: Vec<Option<f64>>,
+    measured: JointMeasurement,
 }
 
 impl State {
@@ -104,21 +103,16 @@ impl State {
 
     /// Makes a step with the measurements that were written.
     fn step(&mut self, age: f64) -> Result<()> {
-        let measured = Measured {
-            position: &self.position,
-            velocity: &self.velocity,
-            torque: &self.torques,
-            age,
-        };
+        self.measured.age = age;
         match &mut self.law {
             Law::Velocity(controller) => {
-                controller.step(self.time, &self.position)?;
+                controller.step(self.time, &self.measured.position)?;
             }
             Law::Torque(controller) => {
                 if !std::mem::replace(&mut self.has_begun, true) {
-                    controller.begin(&measured)?;
+                    controller.begin(&self.measured)?;
                 }
-                controller.step(self.time, &measured)?;
+                controller.step(self.time, &self.measured)?;
             }
         }
         Ok(())
@@ -130,7 +124,7 @@ impl State {
         let torque = match &self.law {
             Law::Velocity(_) => None,
             Law::Torque(law) => {
-                let mut all = vec![0.0; self.torques.len()];
+                let mut all = vec![0.0; self.measured.torque.len()];
                 for (joint, torque) in law.joints().iter().zip(law.torque()) {
                     if let Some(place) = all.get_mut(*joint) {
                         *place = *torque;
@@ -162,6 +156,7 @@ impl Controller {
         let Robot { model, start, settings: own } = robot;
         let Settings { controller, mut torque } = own.with(settings)?;
         let controller = moca_model::Controller::new(model, ergonomics, controller, &start)?;
+        let joints = start.len();
         let law = match adds {
             None => Law::Velocity(Box::new(controller)),
             Some(adds) => {
@@ -179,9 +174,7 @@ impl Controller {
             people: People::new(PeopleSettings::untracked(), TrackerSettings::default())?,
             time: 0.0,
             has_begun: false,
-            velocity: vec![0.0; start.len()],
-            torques: vec![None; start.len()],
-            position: start,
+            measured: JointMeasurement::resting(start, joints),
         };
         Ok(Self(Shared::new("Controller", state)))
     }
@@ -261,24 +254,24 @@ impl Controller {
         let py = slf.py();
         let mut state = slf.get().0.lock()?;
         let state = &mut *state;
-        let joints = state.torques.len();
+        let joints = state.measured.torque.len();
         let q = vector("q", q)?;
-        state.position.clear();
-        state.position.extend(q.as_array());
+        state.measured.position.clear();
+        state.measured.position.extend(q.as_array());
         if matches!(state.law, Law::Torque(_)) {
             let Some(velocity) = velocity else {
                 let text = "step needs velocity=…: the springs and dampers of a torque law do";
                 return Err(Failure::value(text));
             };
             let velocity = vector_of("velocity", velocity, joints)?;
-            state.velocity.clear();
-            state.velocity.extend(velocity.as_array());
+            state.measured.velocity.clear();
+            state.measured.velocity.extend(velocity.as_array());
             match torque {
-                None => state.torques.fill(None),
+                None => state.measured.torque.fill(None),
                 Some(torque) => {
                     let torque = vector_of("torque", torque, joints)?;
                     let known = torque.as_array();
-                    for (own, torque) in state.torques.iter_mut().zip(known) {
+                    for (own, torque) in state.measured.torque.iter_mut().zip(known) {
                         *own = (!torque.is_nan()).then_some(*torque);
                     }
                 }
@@ -363,7 +356,7 @@ impl Controller {
     /// The configuration of the last step, (n,); the start before it.
     #[getter]
     fn position<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyArray1<f64>>> {
-        Ok(to_vector(py, &self.0.lock()?.position))
+        Ok(to_vector(py, &self.0.lock()?.measured.position))
     }
 
     /// The time of the last step [s], 0 before the first.

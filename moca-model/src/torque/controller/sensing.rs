@@ -2,9 +2,10 @@
 
 use hrsw_safety::Fault;
 use nalgebra::Vector3;
+use whole_body::control_loop::JointMeasurement;
 use whole_body::torque::{JointState, MeasurementFault};
 
-use super::{Measured, TorqueController};
+use super::TorqueController;
 use crate::error::Error;
 
 /// Usability of the measurements of a tick.
@@ -81,8 +82,8 @@ impl TorqueController {
     }
 
     /// Copies the usable parts of a measurement.
-    pub(super) fn take(&mut self, measured: &Measured<'_>) -> Usable {
-        let Measured { position, velocity, torque, .. } = *measured;
+    pub(super) fn take(&mut self, measured: &JointMeasurement) -> Usable {
+        let JointMeasurement { position, velocity, torque, .. } = measured;
         let driven = || self.joints.iter().map(|joint| torque.get(*joint).copied().flatten());
         let torques = if !driven().flatten().all(is_sensible) {
             Torques::Bad

@@ -87,6 +87,14 @@ impl JointMeasurement {
             age: 0.0,
         }
     }
+
+    /// Takes the values of a measurement of the same robot. Allocates nothing.
+    pub fn take(&mut self, other: &Self) {
+        self.position.clone_from(&other.position);
+        self.velocity.clone_from(&other.velocity);
+        self.torque.clone_from(&other.torque);
+        (self.robot, self.age) = (other.robot, other.age);
+    }
 }
 
 impl JointCommand {

@@ -42,6 +42,10 @@ impl Data {
     pub fn pose<'a>(&'a mut self, model: &'a Model, q: &[f64]) -> Result<Posed<'a>, Error> {
         self.check(model)?;
         model.check_configuration(q)?;
+        // Poses depend on the configuration alone.
+        if self.is_posed && self.q == q {
+            return Ok(Posed { model, data: self });
+        }
         self.q.copy_from_slice(q);
         let root = match (model.base, q) {
             (Base::Floating, [x, y, z, ..]) => Pose {

@@ -270,3 +270,31 @@ fn accelerating_base_does_not_push_arm() {
         }
     }
 }
+
+/// A joint that follows velocities moves on at its own in the time without measurements.
+#[test]
+fn joints_without_torque_drives_are_predicted_too() {
+    let model = arm(false);
+    let impedance = ImpedanceSettings {
+        stiffness: vec![600.0],
+        damping: vec![20.0],
+        ..ImpedanceSettings::default()
+    };
+    let joints = vec!["panda_joint4".to_owned()];
+    let settings = TorqueSettings { joints, impedance, ..TorqueSettings::new(Compensation::BARE) };
+    let mut control = TorqueControl::new(&model, settings, &HOME).unwrap();
+    let mut velocity = [0.0; 7];
+    velocity[0] = 0.1;
+    let mut position = HOME;
+    for _ in 0..5 {
+        position[0] += 0.1 * PERIOD;
+        let measured = JointState { position: &position, velocity: &velocity };
+        control.step(&velocity, measured, 0.0, PERIOD).unwrap();
+    }
+    for tick in 1..=2 {
+        let measured = JointState { position: &position, velocity: &velocity };
+        control.step(&velocity, measured, PERIOD * f64::from(tick), PERIOD).unwrap();
+        let expected = position[0] + 0.1 * PERIOD * f64::from(tick);
+        assert!((control.desired()[0] - expected).abs() < 1e-12, "after {tick} ms");
+    }
+}
