@@ -25,7 +25,8 @@ const LARGEST: u64 = 1 << 30;
 ///
 /// Weights are float32 or float16, dense or sparse. The operators are CONV_2D, DEPTHWISE_CONV_2D, ADD, MAX_POOL_2D,
 /// PAD, RESIZE_BILINEAR, RESHAPE, CONCATENATION, DEPTH_TO_SPACE, LOGISTIC, RELU, RELU6, PRELU, DEQUANTIZE and
-/// DENSIFY. Reading a file takes at most four times its size and 256 KiB of memory.
+/// DENSIFY. Reading a file takes at most four times its size and 256 KiB of memory. The weights are read
+/// when the network is loaded: in float32 they take at most six times the file's size and 256 KiB.
 ///
 /// Tensors of TensorFlow Lite with fewer than four axes have the last ones: 1 × 195 values are 195
 /// channels of one pixel.

@@ -101,7 +101,7 @@ fn truncated_files_are_refused() {
 
 /// Reads a file, loads the network, and checks the promised memory of reading.
 fn is_harmless(file: Vec<u8>) -> Result<(), TestCaseError> {
-    let promised = 6 * file.len() as u64 + (256 << 10);
+    let promised = 4 * file.len() as u64 + (256 << 10);
     let mut read = None;
     let held = allocation_counter::measure(|| read = Some(TensorFlowLite::from_bytes(file)));
     prop_assert!(held.bytes_max <= promised, "{} bytes", held.bytes_max);
@@ -137,7 +137,7 @@ fn repeated_tables_need_little_memory() {
     for count in [1 << 20, 1 << 17, 120_000, 1 << 14] {
         for (place, table) in (4..file.len().min(4096)).step_by(4).filter_map(vector) {
             let changed = with_vector(file.clone(), place, count, table);
-            let promised = 6 * changed.len() as u64 + (256 << 10);
+            let promised = 4 * changed.len() as u64 + (256 << 10);
             let open = || read += usize::from(TensorFlowLite::from_bytes(changed).is_ok());
             let held = allocation_counter::measure(open).bytes_max;
             assert!(held <= promised, "{held} bytes, {count} offsets at {place}");

@@ -21,6 +21,7 @@ const MOST_ACTIVATIONS: usize = 1 << 31;
 #[derive(Debug)]
 pub(super) struct Lowering<'a> {
     pub(super) model: Model<'a>,
+    /// Memory of the weights, which are read when the network is loaded.
     budget: Budget,
     pub(super) graph: Graph,
     pub(super) weights: BTreeMap<String, Weight>,
@@ -41,8 +42,8 @@ impl<'a> Lowering<'a> {
     /// [`Error::Checkpoint`] if the file is rejected.
     pub(super) fn of(file: &'a [u8], kept: &[usize]) -> Result<Self, Error> {
         let model = Model::of(file)?;
-        let mut budget = Budget::of_graph(file.len() as u64);
-        model.pay(&mut budget)?;
+        let length = file.len() as u64;
+        model.pay(&mut Budget::of_graph(length))?;
         let given = model.inputs()?;
         let [image] = given[..] else {
             let problem = format!("there are {}: networks of one input are read", given.len());
@@ -73,7 +74,7 @@ impl<'a> Lowering<'a> {
         let value = graph.input(input.channels);
         let mut lowering = Self {
             model,
-            budget,
+            budget: Budget::of_weights(length),
             graph,
             weights: BTreeMap::new(),
             input,
@@ -144,7 +145,7 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// Returns the elements of a tensor in the file. Their memory counts towards the budget.
+    /// Returns the elements of a tensor in the file. Their memory counts towards the weights' budget.
     ///
     /// # Errors
     /// [`Error::Checkpoint`] if the tensor is computed.
@@ -188,7 +189,7 @@ impl<'a> Lowering<'a> {
         tensors.iter().flatten().map(|&tensor| self.activation(tensor)).collect()
     }
 
-    /// Adds a weight. Its memory counts towards the budget.
+    /// Adds a weight. Its memory counts towards the weights' budget.
     pub(super) fn weight(
         &mut self,
         name: String,
