@@ -158,7 +158,7 @@ impl Controller {
             self.motion.halt(&mut self.command, times.step);
             self.safety.wait(self.clock.age(), times.elapsed);
         }
-        self.motion.remember_acceleration(&self.command, times.step);
+        self.motion.remember_acceleration(&self.command, times);
         self.integrate(period);
         self.finish();
         size.map(|()| &self.command)

@@ -223,6 +223,17 @@ impl TickTimes {
         let step = if is_late { shorter } else { elapsed.min(period) };
         Self { elapsed, step }
     }
+
+    /// The acceleration after a velocity changed by `change`, with the acceleration `before`. It may have changed for the
+    /// whole elapsed time, or for less. The smallest acceleration that the jerk limit reaches counts: a larger one would
+    /// take longer to fade, and lead beyond the velocity limit.
+    pub(crate) fn acceleration(self, limits: &JerkLimits, change: f64, before: f64) -> f64 {
+        let (most, jerk) = (limits.limits().acceleration(), limits.jerk() * self.elapsed);
+        let over = |time: f64| (change / time).clamp(-most, most);
+        let (slow, fast) = (over(self.elapsed), over(self.step));
+        let reached = slow.max(before - jerk).min(before + jerk);
+        reached.max(slow.min(fast)).min(slow.max(fast))
+    }
 }
 
 /// Computes the velocities that each coordinate may take, whenever the next tick comes.
@@ -309,6 +320,38 @@ mod tests {
                     let held = velocity + (next - commanded) / step * 0.02;
                     prop_assert!(held.abs() <= 1.2 * velocity.abs() + 0.1 + 1e-9, "{held}");
                 }
+            }
+        }
+
+        #[test]
+        fn irregular_ticks_keep_velocity_and_position(
+            late in prop::collection::vec(prop_oneof![Just(1e-3), 1e-3..0.02_f64], 300),
+            ends in prop::collection::vec(any::<bool>(), 15), share in prop::collection::vec(0.0..1.0_f64, 300),
+        ) {
+            // Joint 5 of a Panda. It goes to one end of its interval for some ticks, then to the other.
+            let limits = [Limits::new(-2.8, 2.8, 2.61, 15.0).unwrap().with_jerk(7500.0).unwrap()];
+            let settings = ControllerSettings::default();
+            let (mut position, mut velocity, mut acceleration) = (0.0, 0.0, 0.0);
+            let mut before = settings.period;
+            let ends = ends.into_iter().flat_map(|up| [up; 20]);
+            for ((elapsed, share), up) in late.iter().zip(share).zip(ends) {
+                position += velocity * elapsed;
+                let times = TickTimes::new(*elapsed, before, &settings);
+                before = *elapsed;
+                let motion = Motion {
+                    position: &[position],
+                    velocity: &[velocity],
+                    acceleration: &[acceleration],
+                };
+                let mut own = [VelocityInterval { lower: 0.0, upper: 0.0 }];
+                write_intervals(&limits, motion, 1.0, times, &mut own);
+                let VelocityInterval { lower, upper } = own[0];
+                let share = if up { 1.0 - 0.3 * share * share } else { 0.3 * share * share };
+                let next = lower + share * (upper - lower);
+                acceleration = times.acceleration(&limits[0], next - velocity, acceleration);
+                velocity = next;
+                prop_assert!(velocity.abs() <= 2.61 * (1.0 + 1e-9), "{velocity} rad/s");
+                prop_assert!(position.abs() <= 2.8 + 1e-9, "{position} rad");
             }
         }
 

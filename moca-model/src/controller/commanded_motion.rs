@@ -125,14 +125,12 @@ impl CommandedMotion {
         self.last_velocity.copy_from_slice(&command.joint_velocity);
     }
 
-    /// Updates the acceleration from the change of q̇* in `step` \[s\]. If q̇* had to change for longer, the limit is
-    /// used.
-    pub(super) fn remember_acceleration(&mut self, command: &Command, step: f64) {
+    /// Updates the acceleration from the change of q̇* in a tick.
+    pub(super) fn remember_acceleration(&mut self, command: &Command, times: TickTimes) {
         let change = command.joint_velocity.iter().zip(&self.last_velocity);
         let all = self.acceleration.iter_mut().zip(change).zip(&self.joint_limits);
         for ((acceleration, (velocity, last)), limits) in all {
-            let most = limits.limits().acceleration();
-            *acceleration = ((velocity - last) / step).clamp(-most, most);
+            *acceleration = times.acceleration(limits, velocity - last, *acceleration);
         }
     }
 
