@@ -234,10 +234,10 @@ impl ProblemData {
         self.upper[..self.n].copy_from_slice(hierarchy.upper());
         self.check_ranges(0..self.n)?;
         for (level, data) in hierarchy.levels().iter().enumerate() {
-            let constraints = self.levels[level].constraints.start;
-            if !data.constraints().is_empty() {
-                self.load_rows(constraints, data.constraints(), data.constraints().len())?;
-                self.scale_rows(constraints..constraints + data.constraints().len())?;
+            let (start, rows) = (self.levels[level].constraints.start, data.constraints());
+            if !rows.is_empty() {
+                self.load_rows(start, rows, rows.len())?;
+                self.scale_rows(start..start + rows.len())?;
             }
             let start = self.levels[level].objective.start;
             match data.objective() {
@@ -407,9 +407,8 @@ impl ProblemData {
         self.expect_moderate(id, if lower > 0.0 { lower } else { upper.min(0.0) })
     }
 
-    #[expect(clippy::needless_bitwise_bool, reason = "no branches")]
+    #[expect(clippy::needless_bitwise_bool, reason = "no branches while all are valid")]
     fn check_ranges(&self, ids: Range<usize>) -> Result<(), Error> {
-        // The loop has no branches, for the usual case that all bounds are valid.
         let bounds = self.lower[ids.clone()].iter().zip(&self.upper[ids.clone()]);
         let fine = bounds.fold(true, |fine, (&lower, &upper)| {
             fine & (lower <= upper) & (lower <= MODERATE) & (upper >= -MODERATE)
@@ -436,8 +435,7 @@ impl ProblemData {
 
     /// Writes ½xᵀHx + gᵀx as ½‖Rx − b‖² + linearᵀx + constant, from the current factorisation.
     fn take_factor(&mut self, level: usize) {
-        let n = self.n;
-        let rank = self.factor.rank();
+        let (n, rank) = (self.n, self.factor.rank());
         let entry = &mut self.levels[level];
         entry.used = rank;
         entry.has_linear = self.factor.linear(&mut entry.linear);
@@ -450,8 +448,7 @@ impl ProblemData {
             let (amplification, bound_rounding) = self.factor.rounding(offset);
             self.relative_rounding[id] = ROUNDING * amplification;
             self.bound_rounding[id] = bound_rounding;
-            self.lower[id] = target;
-            self.upper[id] = target;
+            (self.lower[id], self.upper[id]) = (target, target);
         }
         let unused = entry.used_objective().end..entry.objective.end;
         self.lower[unused.clone()].fill(f64::NEG_INFINITY);

@@ -40,14 +40,15 @@ pub struct Compensation {
 
 impl Compensation {
     /// An interface that adds nothing, such as simulated motors and effort controllers of `ros2_control` on them. The
-    /// torque law adds gravity.
+    /// torque law adds gravity and Coriolis forces.
     pub const BARE: Self = Self {
         gravity: CompensatedBy::Controller,
         coriolis: CompensatedBy::Controller,
         friction: CompensatedBy::Nobody,
     };
 
-    /// Franka robots under libfranka or `franka_ros2`, which add gravity and friction themselves.
+    /// Franka robots under libfranka or `franka_ros2`, which add gravity and friction themselves. The torque law
+    /// adds Coriolis forces.
     pub const FRANKA: Self = Self {
         gravity: CompensatedBy::Robot,
         coriolis: CompensatedBy::Controller,
