@@ -267,7 +267,7 @@ impl Controller {
         let moves = self.robot.motion(&self.command.joint_velocity);
         let (safety, separation) = (&self.safety, self.stack.separation());
         let share =
-            separation.map_or(0.0, |rows| safety.braking_share(&moves, rows, &motion.braking));
+            separation.map_or(0.0, |rows| safety.braking_share(&moves, rows, &motion.stopping));
         motion.keeps_separation = share == 0.0;
         self.goal_share.at_limit =
             separation.is_some_and(|rows| safety.is_at_limit(rows, moves.velocity));

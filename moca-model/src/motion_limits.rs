@@ -297,6 +297,13 @@ pub(crate) fn brake(braking: &[JerkLimits], acceleration: &[f64], step: f64, vel
     }
 }
 
+/// Moves each velocity to the nearest one of its interval.
+pub(crate) fn clamp(velocity: &mut [f64], intervals: &[VelocityInterval]) {
+    for (velocity, interval) in velocity.iter_mut().zip(intervals) {
+        *velocity = velocity.max(interval.lower).min(interval.upper);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

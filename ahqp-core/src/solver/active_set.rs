@@ -66,6 +66,8 @@ pub(crate) struct ActiveSet {
     candidates: List<Candidate>,
     /// Rows that stay active in the current search: they are needed, or only rounding drops them.
     tabu: List<usize>,
+    /// Path of x when each row was last dropped in a long search.
+    path_at_drop: Vec<f64>,
     /// Rows of a finished objective that were made inactive, with their former activity.
     released: List<(usize, Activity)>,
     /// Largest ‖x‖ of this solve.
@@ -98,6 +100,7 @@ impl ActiveSet {
             slope: vec![0.0; count],
             candidates: List::with_capacity(count),
             tabu: List::with_capacity(count),
+            path_at_drop: vec![f64::NEG_INFINITY; count],
             released: List::with_capacity(count),
             max_norm: 0.0,
             data,

@@ -58,8 +58,8 @@ pub(crate) const CLEAR: f64 = 1e4;
 /// in which heavy rows are pivots. A light pivot would lose the digits of the heavy row.
 pub(crate) const HEAVIER: f64 = 16.0;
 
-/// Largest motion of x, relative to 1 + ‖x‖, by objectives above when a row becomes inactive on
-/// which they do not depend. They are at their optimum already.
+/// Largest motion of x, relative to 1 + ‖x‖, that counts as rounding. Objectives above move no more
+/// when a row becomes inactive on which they do not depend, since they are at their optimum.
 pub(crate) const SETTLED: f64 = 1e-9;
 
 // Sizes of numbers.

@@ -118,6 +118,15 @@ fn a_row_that_comes_back_at_once_stays() {
     }
 }
 
+/// Rounding drops five rows, one after the other, which then become active again. It is a tick of a
+/// controller near a person, after the tick before it.
+#[test]
+fn rows_that_come_back_together_stay() {
+    let problems = read(include_str!("written/rows_that_come_back.txt"));
+    let mut solver = Solver::new(&problems[0], Settings::default()).unwrap();
+    expect_proofs(&problems, &mut solver);
+}
+
 /// Two of these rows differ by a millionth. Their violation is only known from x.
 #[test]
 fn rows_that_nearly_agree_hold_together() {

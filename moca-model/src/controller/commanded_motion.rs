@@ -9,7 +9,7 @@ use crate::command::{Command, Outcome};
 use crate::error::Error;
 use crate::following_error::FollowingErrorLimit;
 use crate::motion_limits::{
-    Motion, TickTimes, admit_braking, bound_held_acceleration, brake, braking_limits,
+    Motion, TickTimes, admit_braking, bound_held_acceleration, brake, braking_limits, clamp,
     desired_limits, joint_limits, nearest_to_rest, write_intervals,
 };
 use crate::robot::kinematics::Kinematics;
@@ -54,6 +54,8 @@ pub(super) struct CommandedMotion {
     pub(super) gentle: Vec<VelocityInterval>,
     /// Joint velocities as near to rest as the intervals allow.
     pub(super) braking: Vec<f64>,
+    /// Joint velocities of an emergency stop. It may hold any acceleration within the limits.
+    pub(super) stopping: Vec<f64>,
     /// Last measured yaw of the base \[rad\].
     yaw: f64,
     /// Share of all velocity limits, 0 while the person is lost.
@@ -107,7 +109,8 @@ impl CommandedMotion {
             returns: vec![VelocityInterval { lower: 0.0, upper: 0.0 }; n],
             gentle: vec![free; base],
             base: base.min(n),
-            braking: rest,
+            braking: rest.clone(),
+            stopping: rest,
             yaw: 0.0,
             speed: 1.0,
             keeps_separation: true,
@@ -217,20 +220,21 @@ impl CommandedMotion {
         let (base, arm) = motion.split_at(self.base);
         write_intervals(limits.0, base, scale, times, of_base);
         write_intervals(limits.1, arm, scale, times, of_arm);
-        let measured = self.measured_velocity.get(of_base.len()..);
-        let measured = measured.filter(|own| !own.is_empty()).unwrap_or(arm.velocity);
-        bound_held_acceleration(arm.velocity, measured, times.step, of_arm);
         if let Some(drive) = &self.base_drive {
             drive.write(&command.joint_velocity, times.step, joints, &mut self.gentle);
         }
         let limits = [&self.joint_limits[..], &self.joint_braking];
         admit_braking(limits, motion, times.step, joints, &mut self.returns);
         // Comes to rest without passing it: near it, the acceleration fades at the limit of jerk.
-        self.braking.copy_from_slice(&command.joint_velocity);
-        brake(&self.joint_braking, &self.acceleration, times.step, &mut self.braking);
-        for (braking, interval) in self.braking.iter_mut().zip(joints) {
-            *braking = braking.max(interval.lower).min(interval.upper);
-        }
+        self.stopping.copy_from_slice(&command.joint_velocity);
+        brake(&self.joint_braking, &self.acceleration, times.step, &mut self.stopping);
+        clamp(&mut self.stopping, joints);
+        let (_, of_arm) = joints.split_at_mut(self.base);
+        let measured = self.measured_velocity.get(self.base..);
+        let measured = measured.filter(|own| !own.is_empty()).unwrap_or(arm.velocity);
+        bound_held_acceleration(arm.velocity, measured, times.step, of_arm);
+        self.braking.copy_from_slice(&self.stopping);
+        clamp(&mut self.braking, joints);
         let twist = command.desired_twist.as_slice();
         let motion = Motion { position: &[0.0; 6], velocity: twist, acceleration: &[0.0; 6] };
         // Safety does not slow down the desired pose, which moves along with a robot that stops.
@@ -243,14 +247,14 @@ impl CommandedMotion {
         command.outcome = Outcome::Braking;
     }
 
-    /// Moves the velocities by this share towards those nearest to rest.
+    /// Moves the velocities by this share towards those of an emergency stop.
     pub(super) fn go_towards_rest(&self, command: &mut Command, share: f64) {
         if share == 0.0 {
             return;
         }
         let (_, desired) = self.intervals.split_at(self.braking.len());
-        let velocities = command.joint_velocity.iter_mut().zip(&self.braking);
-        velocities.for_each(|(velocity, braking)| *velocity += share * (braking - *velocity));
+        let velocities = command.joint_velocity.iter_mut().zip(&self.stopping);
+        velocities.for_each(|(velocity, stopping)| *velocity += share * (stopping - *velocity));
         for (velocity, interval) in command.desired_twist.iter_mut().zip(desired) {
             *velocity += share * (nearest_to_rest(interval) - *velocity);
         }
@@ -270,6 +274,41 @@ impl CommandedMotion {
         if let ([x, y, turn, ..], true) = (&command.joint_velocity[..], self.base > 0) {
             let (sine, cosine) = self.yaw.sin_cos();
             command.base_twist = [cosine * x + sine * y, cosine * y - sine * x, *turn];
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::robot::moca::{MOCA_HOME, moca};
+    use proptest::prelude::*;
+
+    proptest! {
+        /// The last part of a stop, from the acceleration α to rest, satisfies α² = 2 j v. From v at a constant
+        /// speed, α Δt + α²/(2 j) = v leads to it.
+        #[test]
+        fn emergency_stops_use_all_acceleration_and_jerk(
+            velocity in prop::collection::vec(-0.5..0.5_f64, 7), share in 0.0..1.0_f64,
+        ) {
+            let settings = ControllerSettings::default();
+            let model = moca().unwrap();
+            let mut robot = Kinematics::new(model.clone(), &settings.tool, &[], &MOCA_HOME).unwrap();
+            let mut motion = CommandedMotion::new(&mut robot, &settings, &MOCA_HOME).unwrap();
+            let mut command = Command::at_rest(&MOCA_HOME, *robot.world_from_tool());
+            let joints = command.joint_velocity.iter_mut().skip(MOCA_BASE_JOINTS);
+            joints.zip(&velocity).for_each(|(own, velocity)| *own = share * share * velocity);
+            let before = command.joint_velocity.clone();
+            let step = settings.period;
+            motion.write_intervals(&command, TickTimes { elapsed: step, step }, 1.0);
+            motion.brake(&mut command);
+            let joints = model.limits().iter().zip(before.iter().zip(&command.joint_velocity));
+            for (limits, (before, now)) in joints.skip(MOCA_BASE_JOINTS) {
+                let jerk = limits.jerk;
+                let fading = jerk * ((step * step + 2.0 * before.abs() / jerk).sqrt() - step);
+                let change = fading.min(limits.acceleration).min(jerk * step) * step;
+                prop_assert!((now.abs() - (before.abs() - change)).abs() < 1e-12, "{before} {now}");
+            }
         }
     }
 }
