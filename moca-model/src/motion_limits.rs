@@ -261,16 +261,18 @@ pub(crate) fn write_intervals(
 
 /// Time for which an arm may hold its acceleration, because commands or measurements are missing \[s\]. A robot bridges
 /// 20 ms of lost commands. The rest is a margin, since springs and dampers accelerate joints beyond their commands.
-const HELD: f64 = 0.03;
+pub(crate) const HELD: f64 = 0.03;
+/// The same time for an emergency stop, which spends the margin \[s\].
+pub(crate) const HELD_IN_STOP: f64 = 0.02;
 /// Largest speed after that time: this multiple of the speed at its beginning, and this much more \[rad/s\].
 const FASTER: (f64, f64) = (1.2, 0.1);
 
-/// Narrows the intervals so that a joint that holds its acceleration for [`HELD`] does not run away, whether it moves as
-/// `commanded` or as `measured`. It then moves at most [`FASTER`] in either direction. Where limits ask for more, they
-/// win.
+/// Narrows the intervals so that a joint that holds its acceleration for the time `held` \[s\] does not run away. It then
+/// moves at most [`FASTER`] in either direction, whether it moves as `commanded` or as `measured`. Where limits ask for
+/// more, they win.
 pub(crate) fn bound_held_acceleration(
-    commanded: &[f64],
-    measured: &[f64],
+    [commanded, measured]: [&[f64]; 2],
+    held: f64,
     step: f64,
     intervals: &mut [VelocityInterval],
 ) {
@@ -278,7 +280,7 @@ pub(crate) fn bound_held_acceleration(
     for ((interval, &commanded), &measured) in joints {
         for velocity in [commanded, measured] {
             let fastest = FASTER.0 * velocity.abs() + FASTER.1;
-            let towards = |end: f64| commanded + (end - velocity) * step / HELD;
+            let towards = |end: f64| commanded + (end - velocity) * step / held;
             let within = |end: f64| end.max(interval.lower).min(interval.upper);
             let (lower, upper) = (within(towards(-fastest)), within(towards(fastest)));
             *interval = VelocityInterval { lower, upper };
@@ -318,7 +320,7 @@ mod tests {
             let step = 1e-3;
             let mut own = [VelocityInterval { lower, upper: lower + 3.0 }];
             let whole = own[0];
-            bound_held_acceleration(&[commanded], &[commanded + apart], step, &mut own);
+            bound_held_acceleration([&[commanded], &[commanded + apart]], HELD, step, &mut own);
             let [VelocityInterval { lower, upper }] = own;
             prop_assert!(whole.lower <= lower && lower <= upper && upper <= whole.upper);
             let next = lower + share * (upper - lower);
