@@ -77,6 +77,14 @@ def machine():
     return f"{cpu}, {os.cpu_count()} cores, {platform.system()}"
 
 
+def write_block(page, name, text):
+    """Replaces what is between the marks of this name on a page."""
+    begin, end = f"<!-- {name}: begin -->\n", f"<!-- {name}: end -->"
+    head, rest = page.read_text().split(begin)
+    _, tail = rest.split(end)
+    page.write_text(f"{head}{begin}\n{text}\n{end}{tail}")
+
+
 def measure(name, folder, more):
     """The text between the page's marks of this part."""
     command = [str(word) for word in PARTS[name](folder, more)]
@@ -106,11 +114,7 @@ def main():
         for name in arguments.parts or PARTS:
             text = measure(name, folder, arguments.options.split())
             place = QUICK_START if name == "follow" else PAGE
-            page = place.read_text()
-            begin, end = f"<!-- {name}: begin -->\n", f"<!-- {name}: end -->"
-            head, rest = page.split(begin)
-            _, tail = rest.split(end)
-            place.write_text(f"{head}{begin}\n{text}\n{end}{tail}")
+            write_block(place, name, text)
             print(f"{name}: done")
 
 

@@ -36,21 +36,21 @@ pub struct Limits {
     hold: f64,
 }
 
-/// Position and velocity of one coordinate.
+/// Position and velocity of one coordinate, in its own unit, such as rad or m, and that per second.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotionState {
-    /// The position.
+    /// The position \[rad or m\].
     pub position: f64,
-    /// The velocity commanded last.
+    /// The velocity commanded last \[rad/s or m/s\].
     pub velocity: f64,
 }
 
 /// Interval of the velocities that may be commanded next, `lower ≤ v ≤ upper`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VelocityInterval {
-    /// Smallest velocity.
+    /// Smallest velocity \[rad/s or m/s\].
     pub lower: f64,
-    /// Largest velocity.
+    /// Largest velocity \[rad/s or m/s\].
     pub upper: f64,
 }
 
@@ -97,22 +97,22 @@ impl Limits {
         JerkLimits::new(self, jerk)
     }
 
-    /// The lower position limit.
+    /// The lower position limit \[rad or m\].
     pub fn lower(&self) -> f64 {
         self.lower
     }
 
-    /// The upper position limit.
+    /// The upper position limit \[rad or m\].
     pub fn upper(&self) -> f64 {
         self.upper
     }
 
-    /// The velocity limit.
+    /// The velocity limit \[rad/s or m/s\].
     pub fn velocity(&self) -> f64 {
         self.velocity
     }
 
-    /// The acceleration limit.
+    /// The acceleration limit \[rad/s² or m/s²\].
     pub fn acceleration(&self) -> f64 {
         self.acceleration
     }

@@ -42,13 +42,13 @@ const BENT: f64 = 0.4;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct JointPositions {
-    /// Between the shoulders.
+    /// The middle between the shoulders.
     pub neck: Option<Vector3<f64>>,
-    /// Between the hips.
+    /// The middle between the hips.
     pub pelvis: Option<Vector3<f64>>,
     /// Tip of the nose.
     pub nose: Option<Vector3<f64>>,
-    /// Ears.
+    /// Ears, left before right.
     pub ears: [Option<Vector3<f64>>; 2],
     /// Shoulders.
     pub shoulders: [Option<Vector3<f64>>; 2],

@@ -110,7 +110,7 @@ impl EffortWeights {
     }
 }
 
-/// A predicted posture.
+/// The posture that a [`PosturePredictor`] found for a hand position, with its effort.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Prediction {
     /// The joint angles.

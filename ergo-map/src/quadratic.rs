@@ -81,12 +81,12 @@ impl ErgonomicsQuadratic {
         &self.gradient
     }
 
-    /// Constant c.
+    /// Constant c, in the unit of the score.
     pub fn constant(&self) -> f64 {
         self.constant
     }
 
-    /// Returns e(x).
+    /// Returns e at a hand position x \[m\], in the unit of the score.
     #[inline]
     pub fn value(&self, x: &Vector3<f64>) -> f64 {
         x.dot(&(self.hessian * x * 0.5 + self.gradient)) + self.constant
@@ -98,7 +98,7 @@ impl ErgonomicsQuadratic {
         self.hessian * x + self.gradient
     }
 
-    /// Returns the point at which e is smallest. `None` if H is singular.
+    /// Returns the hand position \[m\] at which e is smallest. `None` if H is singular.
     pub fn minimiser(&self) -> Option<Vector3<f64>> {
         self.hessian.cholesky().map(|factor| -factor.solve(&self.gradient))
     }

@@ -77,7 +77,7 @@ impl Workspace {
         &self.reference_rate
     }
 
-    /// The frame.
+    /// Pose of the workspace's frame in the world.
     pub fn world_from_workspace(&self) -> &Isometry3<f64> {
         &self.frame
     }
@@ -97,12 +97,12 @@ impl Workspace {
         self.orientation.goal()
     }
 
-    /// Velocity of the frame: linear at its origin, then angular, in world axes.
+    /// Velocity of the frame: linear at its origin, then angular, in world axes \[m/s, rad/s\].
     pub fn twist(&self) -> &Vector6<f64> {
         &self.twist
     }
 
-    /// Moves the frame. `twist` is its velocity, linear at its origin, then angular, in world axes
+    /// Moves the frame to a pose in the world. `twist` is its velocity, linear at its origin, then angular, in world axes
     /// \[m/s, rad/s\].
     ///
     /// # Errors
@@ -119,7 +119,7 @@ impl Workspace {
         Ok(())
     }
 
-    /// Turns the reference. `rate` is its angular velocity in the axes of the frame \[rad/s\].
+    /// Turns the reference of orientations, in the axes of the frame. `rate` is its angular velocity in the axes of the frame \[rad/s\].
     ///
     /// # Errors
     /// [`Error::Value`] if a number is invalid. The workspace is then unchanged.

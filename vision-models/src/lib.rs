@@ -12,6 +12,18 @@
 //! Units are SI and radians. Positions are in the world frame: x and y on the floor, z up. The
 //! person's frame has its origin on the floor below the pelvis, x forwards and y to the left.
 //!
+//! | you have | begin with |
+//! |---|---|
+//! | joints of one person in the world | [`BodyTracker`] |
+//! | joints of several people | [`People`] |
+//! | joints in an image, and a depth image | [`Lifter`] |
+//! | joints in images of several calibrated cameras | [`Triangulator`] |
+//! | metric joints of one camera without depth | [`MonocularLifter`] |
+//! | images of people | [`BlazePose`], [`SimpleBaseline`], [`OpenPose`] |
+//! | clips of people | [`SlowOnly`], [`SlowOnlyStream`], [`SlowFast`] |
+//! | images of surfaces | [`ResNet`] with a [`LinearSvm`] |
+//! | weights in a file | [`Checkpoint`], [`TensorFlowLite`] |
+//!
 //! Example: features of a residual network, and a linear support vector machine that distinguishes
 //! two surfaces.
 //!

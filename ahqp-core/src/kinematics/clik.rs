@@ -31,17 +31,17 @@ pub struct AugmentedState {
 }
 
 impl AugmentedState {
-    /// Range of q̇.
+    /// Indices of the joint velocities q̇ among the variables.
     pub fn joint_velocity(&self) -> Range<usize> {
         0..self.joints
     }
 
-    /// Range of ẋ_d.
+    /// Indices of the desired twist ẋ_d among the variables.
     pub fn desired_velocity(&self) -> Range<usize> {
         self.joints..self.joints + self.task
     }
 
-    /// Range of s.
+    /// Indices of the slack s among the variables.
     pub fn slack(&self) -> Range<usize> {
         self.joints + self.task..self.len()
     }

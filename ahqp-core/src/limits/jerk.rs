@@ -39,11 +39,11 @@ pub struct JerkLimits {
 /// Position, velocity and acceleration of one coordinate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AcceleratedState {
-    /// The position.
+    /// The position \[rad or m\].
     pub position: f64,
-    /// The velocity commanded last.
+    /// The velocity commanded last \[rad/s or m/s\].
     pub velocity: f64,
-    /// Change of the commanded velocity at the last command, divided by the period.
+    /// Change of the commanded velocity at the last command, divided by the period \[rad/s² or m/s²\].
     pub acceleration: f64,
 }
 
@@ -80,7 +80,7 @@ impl JerkLimits {
         self.limits
     }
 
-    /// The jerk limit, infinite for none.
+    /// The jerk limit \[rad/s³ or m/s³\], infinite for none.
     pub fn jerk(&self) -> f64 {
         self.jerk
     }

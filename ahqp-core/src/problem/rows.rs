@@ -169,7 +169,7 @@ impl Rows {
         self.lower.is_empty()
     }
 
-    /// Number of variables.
+    /// Number of variables, the columns of A.
     pub fn columns(&self) -> usize {
         self.columns
     }
@@ -223,7 +223,7 @@ impl Rows {
         Ok(())
     }
 
-    /// The lower bounds.
+    /// The lower bounds, one for each row. Negative infinity stands for none.
     pub fn lower(&self) -> &[f64] {
         &self.lower
     }
@@ -233,7 +233,7 @@ impl Rows {
         &mut self.lower
     }
 
-    /// The upper bounds.
+    /// The upper bounds, one for each row. Infinity stands for none.
     pub fn upper(&self) -> &[f64] {
         &self.upper
     }

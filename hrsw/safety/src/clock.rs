@@ -4,7 +4,7 @@ use crate::age::Age;
 use crate::error::{Error, not_negative, positive};
 use crate::fault::{ClockFault, Fault, FrameFault};
 
-/// Tolerances of times.
+/// Tolerances by which a [`LoopClock`] judges the times of ticks and of frames.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]

@@ -44,17 +44,17 @@ impl Bounds {
         Self::new(-half, half)
     }
 
-    /// The lower bounds.
+    /// The lower bounds of the three coordinates \[m\], or of a rotation vector \[rad\].
     pub fn min(&self) -> &Vector3<f64> {
         &self.min
     }
 
-    /// The upper bounds.
+    /// The upper bounds of the three coordinates \[m\], or of a rotation vector \[rad\].
     pub fn max(&self) -> &Vector3<f64> {
         &self.max
     }
 
-    /// The midpoint.
+    /// The midpoint of the bounds \[m or rad\].
     pub fn center(&self) -> Vector3<f64> {
         (self.min + self.max) * 0.5
     }

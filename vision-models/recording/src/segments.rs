@@ -9,17 +9,17 @@ const ANKLE: f64 = 0.039;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct MeasuredSegments {
-    /// Hip to knee.
+    /// Length from hip to knee.
     pub thigh: Option<f64>,
-    /// Knee to ankle.
+    /// Length from knee to ankle.
     pub shank: Option<f64>,
-    /// Hips to neck.
+    /// Length from the middle of the hips to the neck.
     pub trunk: Option<f64>,
-    /// Shoulder to elbow.
+    /// Length from shoulder to elbow.
     pub upper_arm: Option<f64>,
-    /// Elbow to wrist.
+    /// Length from elbow to wrist.
     pub forearm: Option<f64>,
-    /// Shoulder to shoulder.
+    /// Distance between the shoulders.
     pub shoulders: Option<f64>,
 }
 

@@ -28,14 +28,14 @@ const VERSION: u32 = 1;
 /// Name of the layer, as in mmaction2.
 const LAYER: &str = "cls_head.fc_cls";
 
-/// A trained recogniser.
+/// A recogniser of actions, as `actions train` writes it into a folder.
 #[derive(Debug)]
 pub struct ActionModel {
     /// The new last layer, with the names of the classes.
     pub head: LinearHead,
-    /// The network's input.
+    /// The frames of a clip that are one input of the network.
     pub window: Window,
-    /// The network's weights.
+    /// Which weights the network had.
     pub weights: WeightsIdentity,
     /// The part of each clip in the training's folder, by its name.
     pub parts: BTreeMap<String, Part>,

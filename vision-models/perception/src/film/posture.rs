@@ -22,7 +22,7 @@ const FAR: f64 = 1.0;
 pub struct FilmSettings {
     /// How one camera places people.
     pub monocular: MonocularSettings,
-    /// How several do.
+    /// How several cameras place people.
     pub triangulation: TriangulationSettings,
     /// What is known of the person beside.
     pub posture: PostureSettings,

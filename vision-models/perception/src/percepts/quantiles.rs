@@ -17,11 +17,11 @@ use serde::Serialize;
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Quantiles {
-    /// Median.
+    /// Median \[µs\].
     pub median_us: f64,
-    /// 99th percentile.
+    /// 99th percentile \[µs\].
     pub p99_us: f64,
-    /// Maximum.
+    /// Maximum \[µs\].
     pub max_us: f64,
 }
 

@@ -46,7 +46,7 @@ pub struct OverNetwork {
     pub svm: LinearSvm,
 }
 
-/// A trained model.
+/// A recogniser of surfaces, as `surface train` writes it into a folder.
 #[derive(Debug)]
 pub struct SurfaceModel {
     /// Names of the classes.

@@ -31,7 +31,7 @@ impl PersonId {
         Self(number)
     }
 
-    /// Returns the number.
+    /// Returns the number that the source gave.
     pub fn number(self) -> u64 {
         self.0
     }

@@ -1,0 +1,96 @@
+#!/usr/bin/env python3
+"""Measures how still the robot is over many recordings, and writes the table of the book's page `moca-model.md`.
+
+    python3 docs/calmness.py                        # 20 recordings; builds the programs in release
+    python3 docs/calmness.py --recordings 2 --print # prints the table of two recordings, and writes no page
+    python3 docs/calmness.py --programs FOLDER      # takes the programs that are in FOLDER
+
+Each recording is made by `record` with a seed of its own, and played by `follow`, with separation and without.
+"""
+
+import argparse
+import datetime
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+from comparison import ROOT, machine, write_block
+
+PAGE = ROOT / "docs/src/moca-model.md"
+TICK = 1e-3  # control period [s]
+
+
+def play(programs, seed, folder):
+    """The summaries of `follow` for the recording of this seed, with separation and without."""
+    recording, truth = folder / f"{seed}.jsonl", folder / f"{seed}.truth"
+    made = ["record", "--quiet", "--seed", str(seed), "--output", recording, "--truth", truth]
+    subprocess.run([programs / made[0], *made[1:]], check=True, stdout=subprocess.DEVNULL)
+    command = [programs / "follow", "--quiet", "--json", "--no-report", "--recording", recording, "--truth", truth]
+    output = [
+        subprocess.run([*command, *more], check=True, text=True, stdout=subprocess.PIPE).stdout
+        for more in ([], ["--no-separation"])
+    ]
+    return [json.loads(text.splitlines()[-1]) for text in output]
+
+
+def motion(part, name, factor=1.0):
+    """A function that reads a number of the calmness of a summary."""
+    return lambda run: factor * run["calmness"][part][name]
+
+
+# Label, digits, unit, which of the recordings is the worst, and the number of a summary.
+ROWS = [
+    ("standing, 1 s after it began: workpiece, root mean square", 0, " mm/s", max, motion("standing", "workpiece", 1e3)),
+    ("standing: workpiece, 99 %", 0, " mm/s", max, motion("standing", "workpiece_p99", 1e3)),
+    ("2 s after it began: workpiece, root mean square", 0, " mm/s", max, motion("settled", "workpiece", 1e3)),
+    ("standing: base at rest", 0, " %", min, motion("standing", "base_at_rest", 1e2)),
+    (r"standing: joints, root mean square of $\lVert \dot q \rVert$", 2, " rad/s", max, motion("standing", "joints")),
+    ("tracking error, standing", 1, " mm", max, motion("standing", "tracking_error", 1e3)),
+    ("tracking error, walking", 1, " mm", max, motion("walking", "tracking_error", 1e3)),
+    ("$e_s$, mean", 2, "", max, lambda run: run["score_mean_on"]),
+]
+
+
+def table(runs):
+    """The table of pairs of summaries."""
+    lines = [f"| mean of {len(runs)} recordings (the worst of them) | with separation | `--no-separation` |", "|---|---|---|"]
+    for label, digits, unit, worst, number in ROWS:
+        cells = []
+        for side in range(2):
+            values = [number(run[side]) for run in runs]
+            cells.append(f"{sum(values) / len(values):.{digits}f} ({worst(values):.{digits}f}){unit}")
+        lines.append(f"| {label} | {cells[0]} | {cells[1]} |")
+    near = sum(run[0]["separation_violations"] for run in runs)
+    ticks = sum(2 * run[0]["duration_s"] / TICK for run in runs)
+    lines.append(f"| ticks too near to the true person, with ergonomics and without, of {ticks / 1e6:.1f} million | {near} | not judged |")
+    return "\n".join(lines)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--recordings", type=int, default=20, help="how many, 20 by default")
+    parser.add_argument("--programs", type=pathlib.Path, help="folder of `record` and `follow`")
+    parser.add_argument("--print", action="store_true", help="print the table instead of writing it into the page")
+    arguments = parser.parse_args()
+    programs = arguments.programs or ROOT / os.environ.get("CARGO_TARGET_DIR", "target") / "release"
+    if not arguments.programs:
+        build = ["cargo", "build", "--release", "--locked", "-p", "examples", "--bin", "record", "--bin", "follow"]
+        subprocess.run(build, cwd=ROOT, check=True)
+    runs = []
+    with tempfile.TemporaryDirectory() as folder:
+        for seed in range(1, arguments.recordings + 1):
+            print(f"recording {seed} of {arguments.recordings}", file=sys.stderr, flush=True)
+            runs.append(play(programs.resolve(), seed, pathlib.Path(folder)))
+    text = table(runs)
+    if arguments.print:
+        print(text)
+    else:
+        date = datetime.date.today().isoformat()
+        write_block(PAGE, "calmness", f"`python3 docs/calmness.py`, {date}, {machine()}:\n\n{text}\n")
+
+
+if __name__ == "__main__":
+    main()
