@@ -5,7 +5,8 @@
     python3 docs/calmness.py --recordings 2 --print # prints the table of two recordings, and writes no page
     python3 docs/calmness.py --programs FOLDER      # takes the programs that are in FOLDER
 
-Each recording is made by `record` with a seed of its own, and played by `follow`, with separation and without.
+Each recording is made by `record` with a seed of its own, and played by `follow`: with separation and without, and with
+cameras of less noise.
 """
 
 import argparse
@@ -23,17 +24,38 @@ PAGE = ROOT / "docs/src/moca-model.md"
 TICK = 1e-3  # control period [s]
 
 
+# Heading of a column, factor on the camera's noise, and options of `follow`.
+COLUMNS = [
+    ("with separation", 1.0, []),
+    ("`--no-separation`", 1.0, ["--no-separation"]),
+    ("half the noise", 0.5, []),
+    ("a quarter of the noise", 0.25, []),
+]
+
+
+def settings(programs, noise, folder):
+    """A settings file for a camera with this factor on its noise."""
+    path, line = folder / f"noise-{noise}.toml", "position_sigma = "
+    subprocess.run([programs / "follow", "--write-settings", path], check=True, stdout=subprocess.DEVNULL)
+    lines = path.read_text().splitlines()
+    (at,) = [index for index, text in enumerate(lines) if text.startswith(line)]
+    lines[at] = line + str(noise * float(lines[at].removeprefix(line)))
+    path.write_text("\n".join(lines))
+    return path
+
+
 def play(programs, seed, folder):
-    """The summaries of `follow` for the recording of this seed, with separation and without."""
-    recording, truth = folder / f"{seed}.jsonl", folder / f"{seed}.truth"
-    made = ["record", "--quiet", "--seed", str(seed), "--output", recording, "--truth", truth]
-    subprocess.run([programs / made[0], *made[1:]], check=True, stdout=subprocess.DEVNULL)
-    command = [programs / "follow", "--quiet", "--json", "--no-report", "--recording", recording, "--truth", truth]
-    output = [
-        subprocess.run([*command, *more], check=True, text=True, stdout=subprocess.PIPE).stdout
-        for more in ([], ["--no-separation"])
-    ]
-    return [json.loads(text.splitlines()[-1]) for text in output]
+    """The summaries of `follow` for the recording of this seed, one for each column."""
+    summaries = []
+    for _, noise, options in COLUMNS:
+        recording, truth = folder / f"{seed}.jsonl", folder / f"{seed}.truth"
+        made = ["--quiet", "--seed", str(seed), "--noise", str(noise), "--output", recording, "--truth", truth]
+        subprocess.run([programs / "record", *made], check=True, stdout=subprocess.DEVNULL)
+        command = ["--quiet", "--json", "--no-report", "--recording", recording, "--truth", truth, *options]
+        command += ["--settings", settings(programs, noise, folder)]
+        run = subprocess.run([programs / "follow", *command], check=True, text=True, stdout=subprocess.PIPE)
+        summaries.append(json.loads(run.stdout.splitlines()[-1]))
+    return summaries
 
 
 def motion(part, name, factor=1.0):
@@ -55,18 +77,21 @@ ROWS = [
 
 
 def table(runs):
-    """The table of pairs of summaries."""
-    lines = [f"| mean of {len(runs)} recordings (the worst of them) | with separation | `--no-separation` |", "|---|---|---|"]
+    """The table of the summaries of all recordings."""
+    heads = [f"mean of {len(runs)} recordings (the worst of them)", *(heading for heading, *_ in COLUMNS)]
+    lines = ["| " + " | ".join(heads) + " |", "|" + "---|" * len(heads)]
     for label, digits, unit, worst, number in ROWS:
-        cells = []
-        for side in range(2):
-            values = [number(run[side]) for run in runs]
+        cells = [label]
+        for column in range(len(COLUMNS)):
+            values = [number(run[column]) for run in runs]
             cells.append(f"{sum(values) / len(values):.{digits}f} ({worst(values):.{digits}f}){unit}")
-        lines.append(f"| {label} | {cells[0]} | {cells[1]} |")
-    near = sum(run[0]["separation_violations"] for run in runs)
+        lines.append("| " + " | ".join(cells) + " |")
     ticks = sum(2 * run[0]["duration_s"] / TICK for run in runs)
-    lines.append(f"| ticks too near to the true person, with ergonomics and without, of {ticks / 1e6:.1f} million | {near} | not judged |")
-    return "\n".join(lines)
+    cells = [f"ticks too near to the true person, with ergonomics and without, of {ticks / 1e6:.1f} million"]
+    for column, (_, _, options) in enumerate(COLUMNS):
+        near = sum(run[column]["separation_violations"] for run in runs)
+        cells.append("not judged" if options else str(near))
+    return "\n".join([*lines, "| " + " | ".join(cells) + " |"])
 
 
 def main():
