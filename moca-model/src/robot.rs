@@ -5,3 +5,4 @@ mod inertia;
 pub(crate) mod kinematics;
 pub(crate) mod moca;
 pub(crate) mod moca_safety;
+pub(crate) mod self_collision;

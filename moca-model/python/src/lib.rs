@@ -1,11 +1,13 @@
 //! Native half of the Python package `ahqp`: classes and functions over `ahqp-core`, `whole-body`, `ergo-map` and
-//! `moca-model`. The modules `ahqp`, `ahqp.whole_body`, `ahqp.ergo` and `ahqp.collaboration` re-export its contents.
+//! `moca-model`, and `simulated-people`. The modules `ahqp`, `ahqp.whole_body`, `ahqp.ergo`, `ahqp.collaboration` and
+//! `ahqp.simulation` re-export its contents.
 
 mod arrays;
 mod collaboration;
 mod ergo;
 mod failure;
 mod shared;
+mod simulation;
 mod solver;
 mod whole_body;
 
@@ -40,6 +42,8 @@ mod _ahqp {
     #[pymodule_export]
     use crate::failure::{Error, FrameError, InfeasibleError, UnfinishedError};
     #[pymodule_export]
+    use crate::simulation::person::SimulatedPerson;
+    #[pymodule_export]
     use crate::solver::certificate::{Certificate, Residuals};
     #[pymodule_export]
     use crate::solver::hierarchy::Hierarchy;
@@ -56,7 +60,7 @@ mod _ahqp {
     #[pymodule_export]
     use crate::whole_body::ik::{Ik, Step};
     #[pymodule_export]
-    use crate::whole_body::limits::{FrameVelocityLimit, WheelLimit};
+    use crate::whole_body::limits::{FrameVelocityLimit, SelfCollisionLimit, WheelLimit};
     #[pymodule_export]
     use crate::whole_body::model::Model;
     #[pymodule_export]
