@@ -104,8 +104,11 @@ def main() -> int:
     parser.add_argument("--duration", type=float, default=30.0, help="how long [s]; default 30")
     parser.add_argument("--rate", type=float, default=20.0, help="of the camera [Hz]; default 20")
     parser.add_argument("--limit", type=float, default=120.0, help="age of 95 in 100 [ms]; default 120")
+    parser.add_argument("--priority", type=int, help="real-time priority of all processes, on a machine that does more")
     parser.add_argument("joints", nargs="+", help="options of perceive for joints and networks, after --")
     options = parser.parse_args()
+    if options.priority:
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(options.priority))
     images = pictures(options.images, 40)
     over, sent, seen = Event(), Queue(), Queue()
     load = os.getloadavg()[0]

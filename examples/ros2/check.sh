@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Checks `drive --ros2` and `perceive --live --ros2` against Cyclone DDS on this machine, and Experiment 3 between two
-# nodes: check.sh [SECONDS [OPTIONS OF loopback.py]], 60 s without. It takes Python with venv, the Rust toolchain and PyPI,
+# nodes: check.sh [SECONDS [OPTIONS OF ALL OF THEM]], 60 s without. It takes Python with venv, the Rust toolchain and PyPI,
 # and two processors that have nothing else to do; else `check.sh 60 --priority 10` gives it what a robot's machine would,
 # if the system permits that. PROGRAMS=FOLDER takes the programs that are built there.
 set -euo pipefail
@@ -25,7 +25,7 @@ printf '== what is refused\n'
 "$python" "$here/refusals.py" --drive "$programs/drive"
 printf '== a camera at 20 Hz\n'
 "$programs/record" --quiet --frames "$folder/walk" --walk --duration 20 --drop 0
-"$python" "$here/camera.py" --perceive "$programs/perceive" --images "$folder/walk/colour" --duration 15 \
+"$python" "$here/camera.py" --perceive "$programs/perceive" --images "$folder/walk/colour" --duration 15 "${@:2}" \
     -- --skeletons "$folder/walk/skeletons"
 printf '== %s s at 1 kHz\n' "${1:-60}"
 "$python" "$here/loopback.py" --drive "$programs/drive" --duration "${1:-60}" "${@:2}"

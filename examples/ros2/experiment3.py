@@ -13,7 +13,7 @@ import subprocess
 import sys
 
 # What happens, in this order; other phases may lie between.
-EXPECTED = ["handover", "grasping", "working", "turning to the back", "working: the right surface is shown"]
+EXPECTED = ["handover", "grasping", "working", "turning to the back: drilled is shown", "working: the right surface is shown"]
 
 
 def missing(labels: list) -> list:
@@ -26,7 +26,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--drive", required=True, help="the program, built with the feature ros2")
     parser.add_argument("--recording", required=True, help="somebody who offers an object")
-    parser.add_argument("--duration", type=float, default=22.0, help="how long [s]; default 22")
+    parser.add_argument("--duration", type=float, default=24.0, help="how long [s]; default 24")
     parser.add_argument("--priority", type=int, help="real-time priority of both, on a machine that does more")
     options = parser.parse_args()
     if options.priority:

@@ -98,8 +98,8 @@ impl Ros2Server {
         })
     }
 
-    /// Runs until `stop` returns true, and plays camera frames in a loop. `see` makes of each what the cameras see
-    /// beside the robot.
+    /// Runs until `stop` returns true, and plays camera frames in a loop from the first command on. `see` makes of each
+    /// what the cameras see beside the robot.
     ///
     /// # Errors
     /// Errors of reading a topic, and commands that the simulation refuses.
@@ -112,7 +112,7 @@ impl Ros2Server {
         mut stop: impl FnMut() -> bool,
     ) -> Result<(), Ros2Error> {
         let mut due = clock.now();
-        let mut tick = 0_u64;
+        let (mut tick, mut met) = (0_u64, false);
         while !stop() {
             due = (due + period).max(clock.now() - period);
             clock.sleep_until(due);
@@ -127,7 +127,10 @@ impl Ros2Server {
             self.act()?;
             self.silent.iter_mut().for_each(|silent| *silent = silent.saturating_add(1));
             let Self { robot, people, .. } = self;
-            camera.show(due, |frame| publish(people, &see(frame, robot)));
+            met |= self.moved;
+            if met {
+                camera.show(due, |frame| publish(people, &see(frame, robot)));
+            }
         }
         Ok(())
     }

@@ -250,7 +250,7 @@ impl SimulatedPerson {
     }
 }
 
-/// The place of the object. Without one the hand works half a metre ahead, at the height of the elbow.
+/// The place of the object. If there is none, the hand works half a metre ahead, at the height of the elbow.
 fn workplace(person: &LedPerson, object: Option<[f64; 3]>) -> Workplace {
     let person = person.person();
     let object = object.map_or_else(
