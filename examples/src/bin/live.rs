@@ -53,7 +53,7 @@ struct Options {
     /// Take these settings in place of the defaults, as `follow` does.
     #[arg(long, value_name = "FILE")]
     settings: Option<PathBuf>,
-    /// Real-time priority of the loop, 1 to 99, which the system must permit. By default it is 10 where that is permitted.
+    /// Real-time priority of the loop, 1 to 99, which the system must permit; 10 by default where it permits that.
     #[arg(long)]
     priority: Option<u8>,
     /// Keep all memory from being paged out.
@@ -148,7 +148,7 @@ impl Options {
         let ending = thread::scope(|scope| {
             let looping = scope.spawn(|| {
                 if self.priority.is_none() {
-                    // Without it a browser that draws by the processor makes some ticks late, which are made up for.
+                    // A browser that draws by the processor else makes some ticks late.
                     let _ = Scheduling { priority: Some(PRIORITY), lock_memory: false }.apply();
                 }
                 let ending = scheduling.apply().map_err(|error| anyhow!(error)).and_then(|()| {
