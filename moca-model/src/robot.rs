@@ -5,4 +5,3 @@ mod inertia;
 pub(crate) mod kinematics;
 pub(crate) mod moca;
 pub(crate) mod moca_safety;
-pub(crate) mod self_collision;

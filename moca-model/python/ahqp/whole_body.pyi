@@ -21,7 +21,7 @@ _Task: TypeAlias = (
     | JointCouplingTask
     | VelocityTask
 )
-_Limit: TypeAlias = WheelLimit | FrameVelocityLimit | SelfCollisionLimit | VelocityTask
+_Limit: TypeAlias = WheelLimit | FrameVelocityLimit | VelocityTask
 
 __all__ = [
     "AxisTask",
@@ -37,7 +37,6 @@ __all__ = [
     "PositionTask",
     "PostureTask",
     "RelativeFrameTask",
-    "SelfCollisionLimit",
     "Step",
     "VelocityTask",
     "WheelLimit",
@@ -216,17 +215,6 @@ class FrameVelocityLimit:
     def __new__(
         cls, frame: str, linear: ArrayLike, angular: ArrayLike, *, local: bool = False
     ) -> FrameVelocityLimit: ...
-
-@final
-class SelfCollisionLimit:
-    def __new__(
-        cls,
-        bodies: Sequence[tuple[str, ArrayLike, ArrayLike, float]],
-        pairs: Sequence[tuple[str, str]],
-        *,
-        margin: float = 0.03,
-        deceleration: float = 2.0,
-    ) -> SelfCollisionLimit: ...
 
 @final
 class Ik:

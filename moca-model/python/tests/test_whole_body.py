@@ -21,7 +21,6 @@ from ahqp.whole_body import (
     PositionTask,
     PostureTask,
     RelativeFrameTask,
-    SelfCollisionLimit,
     VelocityTask,
     WheelLimit,
 )
@@ -102,37 +101,6 @@ def test_all_tasks_reach_their_targets_within_the_limits():
     assert ik.pose(q, TOOL)[:3, 3] == pytest.approx(goal, abs=1e-6)
     assert set(step.slack) == {"place", "turn", "posture", "damping"}
     assert step.iterations > 0 and step.acceleration.shape == (7,)
-
-
-def test_the_hand_stays_away_from_the_base():
-    model = panda()
-    base, hand = ("panda_link0", [-0.1, 0.0, 0.1], [0.05, 0.0, 0.1], 0.12), ("panda_hand", [0.0] * 3, [0.0, 0.0, 0.1], 0.06)
-
-    def least(limits):
-        """The least distance while the hand is drawn into the base, by points on both capsules."""
-        ik = Ik(model, {"tool": PositionTask("panda_hand")}, START, limits=limits)
-        ik.set_target("tool", [0.1, 0.0, 0.15])
-        shares, q, nearest = np.linspace(0.0, 1.0, 50)[:, None], START, np.inf
-        for tick in range(2000):
-            q = ik.step(q, 2e-3).q
-            if tick % 10 == 0:
-                lines = []
-                for link, start, end, _ in (base, hand):
-                    points = np.asarray(start) + shares * (np.asarray(end) - np.asarray(start))
-                    pose = ik.pose(q, link)
-                    lines.append(points @ pose[:3, :3].T + pose[:3, 3])
-                apart = np.linalg.norm(lines[0][:, None] - lines[1][None], axis=2).min()
-                nearest = min(nearest, apart - base[3] - hand[3])
-        return nearest
-
-    pairs = [("panda_link0", "panda_hand")]
-    assert least(None) < 0.0
-    assert 0.028 < least({"own": SelfCollisionLimit([base, hand], pairs)}) < 0.05
-    assert 0.098 < least({"own": SelfCollisionLimit([base, hand], pairs, margin=0.1, deceleration=1.0)}) < 0.12
-    with pytest.raises(ValueError, match="pairs names link `panda_link9`"):
-        SelfCollisionLimit([base], [("panda_link0", "panda_link9")])
-    with pytest.raises(ahqp.Error, match="deceleration"):
-        Ik(model, {"tool": PositionTask(TOOL)}, START, limits={"own": SelfCollisionLimit([base, hand], pairs, deceleration=0.0)})
 
 
 def test_every_kind_of_task_takes_a_target():

@@ -22,7 +22,6 @@ mod misplaced_head;
 mod person_speed;
 mod properties;
 mod safety;
-mod self_collision;
 mod several_people;
 mod shared;
 mod silence;

@@ -11,7 +11,7 @@ use vision_models::{People, PeopleSettings, Percept, TrackerSettings};
 
 use super::command::Command;
 use super::object::GraspedObject;
-use super::robot::Robot;
+use super::robot::{BodyOfLink, Robot};
 use super::scene::Scene;
 use super::settings::{Settings, compensation};
 use super::tables;
@@ -20,7 +20,6 @@ use crate::ergo::keywords::word;
 use crate::ergo::map::Quadratic;
 use crate::failure::{Failure, Result};
 use crate::shared::Shared;
-use crate::whole_body::bodies::BodyOfLink;
 use crate::whole_body::model::Model;
 
 /// Ergonomic collaboration with a person. The robot follows the person, and brings their hand to where work is easy. It

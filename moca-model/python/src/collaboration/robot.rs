@@ -1,17 +1,17 @@
 //! The robot of a controller, and the person beside it.
 
 use ergo_map::{ErgonomicsQuadratic, FitOptions, MapOptions, Side};
+use hrsw_safety::{Capsule, LinkCapsule};
 use moca_model::{ControllerSettings, MOCA_HOME, MecanumBase, TorqueLoopSettings, moca};
 use pyo3::prelude::*;
 use whole_body::Base;
 use whole_body::torque::Compensation;
 
 use super::settings::Settings;
-use crate::arrays::vector_of;
+use crate::arrays::{numbers, vector_of};
 use crate::ergo::map::ErgonomicsMap;
 use crate::ergo::person::Person;
 use crate::failure::{Failure, Result};
-use crate::whole_body::bodies::{BodyOfLink, body, pairs_of};
 
 /// Model, start and settings of a robot.
 #[derive(Debug)]
@@ -20,6 +20,9 @@ pub(super) struct Robot {
     pub(super) start: Vec<f64>,
     pub(super) settings: Settings,
 }
+
+/// A capsule on a link, as Python gives it: link, start, end, radius.
+pub(super) type BodyOfLink<'py> = (String, Bound<'py, PyAny>, Bound<'py, PyAny>, f64);
 
 impl Robot {
     /// Returns MOCA, at its home or at `start`.
@@ -51,7 +54,7 @@ impl Robot {
         }
         let mut controller = ControllerSettings::of_robot(model, &tool, &start);
         let bodies = bodies.into_iter().map(body).collect::<Result<Vec<_>>>()?;
-        controller.safety.own_pairs = pairs_of("own_pairs", &bodies, own_pairs)?;
+        controller.safety.own_pairs = pairs(&bodies, own_pairs)?;
         controller.safety.bodies = bodies;
         controller.base =
             mecanum.map(|[speed, lever, axis_speed]| MecanumBase { speed, lever, axis_speed });
@@ -70,6 +73,33 @@ impl Robot {
         self.settings.controller.space = space.for_person(&person, side);
         Ok(ergonomics)
     }
+}
+
+fn body((link, start, end, radius): BodyOfLink<'_>) -> Result<LinkCapsule> {
+    let ends = [numbers::<3>("bodies", &start)?, numbers::<3>("bodies", &end)?];
+    let [start, end] = ends.map(Into::into);
+    Ok(LinkCapsule { link, capsule: Capsule::new(start, end, radius)? })
+}
+
+/// Returns the pairs of capsules of two links, by index.
+fn pairs(bodies: &[LinkCapsule], links: &[(String, String)]) -> Result<Vec<(usize, usize)>> {
+    let of = |link: &String| -> Result<Vec<usize>> {
+        let on = |(index, body): (usize, &LinkCapsule)| (body.link == *link).then_some(index);
+        let found: Vec<_> = bodies.iter().enumerate().filter_map(on).collect();
+        if found.is_empty() {
+            let text = format!("own_pairs names link `{link}`, of which bodies has no capsule");
+            return Err(Failure::value(text));
+        }
+        Ok(found)
+    };
+    let mut pairs = Vec::new();
+    for (one, other) in links {
+        let others = of(other)?;
+        for one in of(one)? {
+            pairs.extend(others.iter().map(|other| (one, *other)));
+        }
+    }
+    Ok(pairs)
 }
 
 /// Returns a person's ergonomics, the person, and the working hand.

@@ -1,11 +1,9 @@
 //! Hard limits in addition to those of the joints.
 
-use hrsw_safety::LinkCapsule;
 use nalgebra::Vector3;
 use pyo3::prelude::*;
 use whole_body::ik::IkBuilder;
 
-use super::bodies::{BodyOfLink, body, pairs_of};
 use super::targets::Target;
 use super::tasks::VelocityTask;
 use crate::arrays::{numbers, vector, with_slice};
@@ -68,54 +66,11 @@ impl FrameVelocityLimit {
     }
 }
 
-/// Keeps pairs of a robot's own bodies apart: capsules on its links.
-///
-/// `SelfCollisionLimit(bodies, pairs, *, margin=0.03, deceleration=2.0)`
-///
-/// Parameters
-/// ----------
-/// bodies : sequence of (str, array_like, array_like, float)
-///     Capsules: link, start and end in the link's frame, (3,) [m], radius [m]. A link may have several.
-/// pairs : sequence of (str, str)
-///     Links that keep their distances, each capsule of one from each of the other.
-/// margin : float
-///     Distance that remains [m].
-/// deceleration : float
-///     With which two bodies brake before their margin [m/s²]. The margin holds as far as the joints can.
-///
-/// >>> from ahqp.whole_body import SelfCollisionLimit
-/// >>> hand, base = ("panda_hand", [0, 0, 0], [0, 0, 0.1], 0.08), ("panda_link0", [-0.1, 0, 0.1], [0, 0, 0.1], 0.1)
-/// >>> limit = SelfCollisionLimit([hand, base], [("panda_hand", "panda_link0")])
-#[pyclass(frozen, module = "ahqp.whole_body")]
-pub(crate) struct SelfCollisionLimit {
-    bodies: Vec<LinkCapsule>,
-    pairs: Vec<(usize, usize)>,
-    margin: f64,
-    deceleration: f64,
-}
-
-#[pymethods]
-impl SelfCollisionLimit {
-    #[new]
-    #[pyo3(signature = (bodies, pairs, *, margin=0.03, deceleration=2.0))]
-    fn new(
-        bodies: Vec<BodyOfLink<'_>>,
-        pairs: Vec<(String, String)>,
-        margin: f64,
-        deceleration: f64,
-    ) -> Result<Self> {
-        let bodies = bodies.into_iter().map(body).collect::<Result<Vec<_>>>()?;
-        let pairs = pairs_of("pairs", &bodies, &pairs)?;
-        Ok(Self { bodies, pairs, margin, deceleration })
-    }
-}
-
 /// A limit of any kind.
 #[derive(FromPyObject)]
 pub(crate) enum Limit<'py> {
     Wheels(PyRef<'py, WheelLimit>),
     Frame(PyRef<'py, FrameVelocityLimit>),
-    OwnBodies(PyRef<'py, SelfCollisionLimit>),
     Rows(PyRef<'py, VelocityTask>),
 }
 
@@ -134,11 +89,6 @@ impl Limit<'_> {
             }
             Self::Wheels(limit) => {
                 builder.limit(name, limit.0.clone());
-            }
-            Self::OwnBodies(limit) => {
-                let SelfCollisionLimit { bodies, pairs, margin, deceleration } = &**limit;
-                let limit = moca_model::SelfCollisionLimit::new(model, bodies, pairs)?;
-                builder.limit(name, limit.with_margin(*margin, *deceleration)?);
             }
             Self::Frame(limit) => {
                 let frame = model.frame_id(&limit.frame)?;
