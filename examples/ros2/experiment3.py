@@ -6,6 +6,7 @@ a protective stop. `check.sh` says how to run it.
 """
 
 import argparse
+import collections
 import json
 import os
 import signal
@@ -47,7 +48,10 @@ def main() -> int:
     topics = {topic["topic"]: topic for topic in report["ros2"]["topics"]}
     for name in ("/body_joints", "/action", "/surface"):
         print(f"{name:20} {topics[name]['taken']} taken, {topics[name]['lost']} lost, refused {topics[name]['refused']}")
-    print(f"protective stops     {report['protective_stops']}; faults {[fault['fault'] for fault in report['faults']]}")
+    faults = collections.Counter(fault["fault"] for fault in report["faults"])
+    print(f"protective stops     {report['protective_stops']}; faults {dict(faults)}")
+    print(f"ticks                {report['ticks']}, missed {report['missed']}, unmeasured {report['unmeasured']}")
+    print(f"load average         {os.getloadavg()[0]:.2f}, on {os.cpu_count()} processors")
     wrong = [f"not reached: {phase}" for phase in missing([span["label"] for span in spans])]
     if drive.returncode != 0 or report["ended"] != "requested":
         wrong.append(f"drive ended with {drive.returncode}: {report['ended']}")
