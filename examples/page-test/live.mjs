@@ -130,7 +130,26 @@ try {
   await page.waitForFunction((from) => Math.hypot(live.picture.floor[0] - from[0], live.picture.floor[1] - from[1]) > 0.2, stood);
   await page.keyboard.up(key);
   await page.waitForTimeout(600);
-  const walked = (await picture()).floor;
+
+  // And so does a gamepad's stick, which a stand-in for the hardware moves.
+  const sticks = { ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowLeft: [-1, 0], ArrowDown: [0, 1] };
+  await page.evaluate(() => {
+    window.axes = [0, 0, 0, 0];
+    navigator.getGamepads = () => [null, { axes: window.axes }];
+  });
+  await page.waitForTimeout(300);
+  const rests = (await picture()).floor;
+  await page.evaluate((stick) => (window.axes = [...stick, 0, 0]), sticks[key].map((axis) => 0.5 * axis));
+  await page.waitForFunction((from) => Math.hypot(live.picture.floor[0] - from[0], live.picture.floor[1] - from[1]) > 0.2, rests);
+  assert.ok(Math.abs((await page.evaluate(() => live.controls.leads.worker.speed)) - 0.6) < 0.01, "half a stick is half the speed");
+  await page.evaluate(() => (window.axes = [0, 0, 0, 0]));
+  await page.waitForTimeout(600);
+  const halted = (await picture()).floor;
+  await page.waitForTimeout(400);
+  const { floor: still } = await picture();
+  assert.ok(Math.hypot(still[0] - halted[0], still[1] - halted[1]) < 0.05, "a stick at rest stops");
+  await page.evaluate(() => (navigator.getGamepads = () => []));
+  const walked = still;
 
   // Who bends over it with empty hands: it keeps away.
   await click("empty hands");
@@ -149,6 +168,16 @@ try {
   await page.waitForTimeout(300);
   await click("Acknowledge, and go on").catch(() => {});
   await until(() => !live.picture.stopped);
+
+  // Without the levels that the paper does not have it begins anew, and so it does with them.
+  const levels = () => page.evaluate(() => live.controls.levels);
+  assert.equal(await levels(), "extended");
+  for (const [wanted, number] of [["paper", 2], ["extended", 3]]) {
+    await click("The paper's three levels");
+    await page.waitForFunction((number) => live.picture.head === number && live.picture.phase.label === "working", number, { timeout: 30000 });
+    assert.equal(await levels(), wanted);
+    assert.equal((await picture()).limits, 0, `limits with the ${wanted} levels`);
+  }
 
   // What says nothing moves nothing.
   const told = await page.evaluate(() => {

@@ -18,11 +18,19 @@ RELIABLE = Qos(
     Policy.History.KeepLast(100),
 )
 
+# What static_transform_publisher has: whoever comes later receives the last message.
+LATCHED = Qos(
+    Policy.Reliability.Reliable(duration(milliseconds=100)),
+    Policy.Durability.TransientLocal,
+    Policy.History.KeepLast(1),
+)
+
 TYPES = {
     "/joint_states": JointState,
     "/odom": Odometry,
     "/robot_mode": String,
     "/tf": TFMessage,
+    "/tf_static": TFMessage,
     "/body_confidences": Float64MultiArray,
     "/body_covariances": Float64MultiArray,
     "/body_joints": PoseArray,
@@ -45,8 +53,8 @@ def participant() -> DomainParticipant:
     return DomainParticipant(int(os.environ.get("ROS_DOMAIN_ID") or 0))
 
 
-def writer(participant: DomainParticipant, name: str, message: type | None = None) -> DataWriter:
-    return DataWriter(participant, Topic(participant, f"rt{name}", message or TYPES[name]), RELIABLE)
+def writer(participant: DomainParticipant, name: str, message: type | None = None, qos: Qos = RELIABLE) -> DataWriter:
+    return DataWriter(participant, Topic(participant, f"rt{name}", message or TYPES[name]), qos)
 
 
 def reader(participant: DomainParticipant, name: str) -> DataReader:

@@ -10,6 +10,8 @@ mod own_robot;
 mod percepts;
 mod records;
 mod robot_adds;
+#[cfg(feature = "ros2")]
+mod served;
 
 pub use alone::alone;
 pub use attendant::{Attendant, acknowledge_by_keys};
@@ -23,3 +25,5 @@ pub use own_robot::DrivenRobot;
 pub use percepts::watch_percepts;
 pub use records::Records;
 pub use robot_adds::RobotAdds;
+#[cfg(feature = "ros2")]
+pub use served::serve_on_ros2;

@@ -15,7 +15,7 @@ use examples::drive::{
     watch_percepts,
 };
 #[cfg(feature = "ros2")]
-use examples::drive::{FollowedBy, seen_by_others};
+use examples::drive::{FollowedBy, seen_by_others, serve_on_ros2};
 use examples::maps::{build_map, read_map};
 use examples::program::{self, Ending, Json, Program, Quiet, Session};
 use examples::settings::{RobotSettings, SettingsFile};
@@ -23,12 +23,10 @@ use examples::shipped;
 #[cfg(feature = "ros2")]
 use moca_drivers::TopicNames;
 #[cfg(feature = "ros2")]
-use moca_drivers::ros2::{Ros2Report, Ros2Server, Ros2Side, RosDomain, TopicReport};
+use moca_drivers::ros2::{Ros2Report, Ros2Side, RosDomain};
 use moca_drivers::{
     AnnouncedLaw, DriveReport, LinkReport, LockstepSide, SharedKey, UdpServer, UdpSide,
 };
-#[cfg(feature = "ros2")]
-use moca_model::MOCA_HOME;
 use moca_model::whole_body::control_loop::{
     Clock, ControlLoop, JointMeasurement, LoopSettings, ManualClock, MonotonicClock, RobotSide,
     Scheduling, StopCause,
@@ -328,17 +326,7 @@ impl Options {
         };
         if let Some(address) = &self.serve {
             ensure!(address.is_none(), "--ros2 --serve: give no address");
-            let (period, start) = (scenario.settings.period, &scenario.start);
-            let robot = DrivenRobot::from(scenario).simulated()?;
-            ensure!(*start == MOCA_HOME, "--ros2 --serve: only MOCA is simulated on ROS 2");
-            let mut server = Ros2Server::join(RosDomain::of_environment()?, &topics, robot, start)?;
-            writeln!(session.output(), "a robot on ROS 2; Ctrl-C ends it")?;
-            session.output().flush()?;
-            let interrupt = session.interrupt().clone();
-            server.serve(period, &scenario.scenes(), &mut clock, || interrupt.requested())?;
-            for topic in &server.statistics() {
-                writeln!(session.output(), "{}", TopicReport::from(topic))?;
-            }
+            serve_on_ros2(session, scenario, &topics, &mut clock)?;
             return Ok(Ending::Complete);
         }
         let (mut robot, people) = Ros2Side::join(

@@ -22,6 +22,8 @@ use moca_simulation::plant::PlantSettings;
 use moca_simulation::workcell::{Setup, Workcell};
 use serde::Serialize;
 
+/// Real-time priority of the loop that is asked for without the option: above all that has none, such as a browser.
+const PRIORITY: u8 = 10;
 /// Between nodes of the person's map (m).
 const MAP_SPACING: f64 = 0.08;
 
@@ -51,7 +53,7 @@ struct Options {
     /// Take these settings in place of the defaults, as `follow` does.
     #[arg(long, value_name = "FILE")]
     settings: Option<PathBuf>,
-    /// Real-time priority of the loop, 1 to 99.
+    /// Real-time priority of the loop, 1 to 99, which the system must permit; 10 by default where it permits that.
     #[arg(long)]
     priority: Option<u8>,
     /// Keep all memory from being paged out.
@@ -145,6 +147,10 @@ impl Options {
         let (watch, duration) = (clock, self.duration.unwrap_or(f64::INFINITY));
         let ending = thread::scope(|scope| {
             let looping = scope.spawn(|| {
+                if self.priority.is_none() {
+                    // A browser that draws by the processor else makes some ticks late.
+                    let _ = Scheduling { priority: Some(PRIORITY), lock_memory: false }.apply();
+                }
                 let ending = scheduling.apply().map_err(|error| anyhow!(error)).and_then(|()| {
                     let begun = watch.now();
                     let stop = || interrupt.requested() || watch.now() - begun > duration;

@@ -38,15 +38,21 @@ pub struct CameraPlace {
     /// Its place \[m\] and orientation, x, y, z, then the unit quaternion x, y, z, w: z along the view, x to the right.
     /// Default "none", which is that of the folder's camera.json.
     pub pose: Option<[f64; 7]>,
+    /// Whether its place is that of the frame of its images, by the transforms on /tf_static, read once. Default false.
+    pub from_tf: bool,
 }
 
 impl CameraPlace {
     /// The pose of the camera in its frame, if the settings have it.
     ///
     /// # Errors
-    /// The norm of a quaternion that is none.
+    /// The norm of a quaternion that is none, and a pose although it is read from the graph.
     pub fn isometry(&self) -> Result<Option<Isometry3<f64>>, moca_model::Error> {
         let Some([x, y, z, i, j, k, w]) = self.pose else { return Ok(None) };
+        if self.from_tf {
+            let expected = "none, since camera.from_tf is true";
+            return Err(moca_model::Error::Setting { name: "camera.pose", value: x, expected });
+        }
         let quaternion = Quaternion::new(w, i, j, k);
         let (name, value) = ("camera.pose", quaternion.norm());
         if (value - 1.0).abs() > TOLERANCE {

@@ -24,8 +24,9 @@ pub struct Ros2Source {
 }
 
 impl Ros2Source {
-    /// Joins the graph, and waits for the camera's geometry. The noise of the camera, the person's
-    /// stature, and the camera's place unless the settings have it, are those of `camera.json` in the folder. An on-board camera is listened to if `on_board`.
+    /// Joins the graph, and waits for the camera's geometry, and for its place if the settings say that it is there.
+    /// The noise of the camera, the person's stature, and the camera's place unless the settings have it, are those of
+    /// `camera.json` in the folder. An on-board camera is listened to if `on_board`.
     ///
     /// # Errors
     /// A file that cannot be used, and a camera that says nothing of itself for `wait`.
@@ -38,15 +39,22 @@ impl Ros2Source {
     ) -> Result<(Self, PeoplePublisher)> {
         let PlacedCamera { camera, stature, .. } = PlacedCamera::read(folder)?;
         let names = &settings.topics;
-        let placed = settings.camera.isometry()?.unwrap_or(*camera.world_from_camera());
+        let place = &settings.camera;
+        let placed = place.isometry()?.unwrap_or(*camera.world_from_camera());
         let (link, publisher) = Ros2Camera::join(RosDomain::of_environment()?, names, on_board)?;
-        let Some(intrinsics) = link.intrinsics(wait, stop) else {
-            let report = link.close()?;
-            let topics = report.topics.iter().map(ToString::to_string).collect::<Vec<_>>();
-            return Err(anyhow!("{}", topics.join("\n")).context(format!(
-                "no camera has said how its images are made, on {}",
-                names.camera_info
-            )));
+        let Some(intrinsics) = link.intrinsics(wait, &stop) else {
+            let missing = "no camera has said how its images are made, on";
+            return Err(silent(link, format!("{missing} {}", names.camera_info)));
+        };
+        let placed = if place.from_tf {
+            let (topic, within) = (&names.static_transforms, place.frame.name());
+            let Some(placed) = link.pose(within, wait, stop) else {
+                let missing = "nothing ties the frame of the camera's images to";
+                return Err(silent(link, format!("{missing} {within:?} on {topic}")));
+            };
+            placed
+        } else {
+            placed
         };
         let camera = Camera::new(intrinsics, placed, *camera.noise())
             .with_context(|| names.camera_info.clone())?;
@@ -89,6 +97,17 @@ impl Ros2Source {
     /// The error that ended the connection.
     pub fn close(self) -> Result<CameraReport> {
         Ok(self.link.close()?)
+    }
+}
+
+/// Ends a connection on which something is missing, and tells what came.
+fn silent(link: Ros2Camera, missing: String) -> anyhow::Error {
+    match link.close() {
+        Ok(report) => {
+            let topics = report.topics.iter().map(ToString::to_string).collect::<Vec<_>>();
+            anyhow!("{}", topics.join("\n")).context(missing)
+        }
+        Err(error) => error.into(),
     }
 }
 

@@ -88,7 +88,7 @@ impl<F: FnMut(&str)> ControlLaw for AnnouncedLaw<F> {
         }
         if self.law.takes_object() && measured.robot.holds.is_none() {
             (self.tell)(
-                "the robot does not say whether its gripper holds something: it takes no object",
+                "the robot has not said yet whether its gripper holds something: it takes no object until then",
             );
         }
         if measured.robot.mode.is_none() {

@@ -13,6 +13,8 @@ use moca_model::{
     moca,
 };
 
+use nalgebra::Isometry3;
+
 use super::command_limits::{CommandLimits, CommandRefusal};
 
 /// Largest joint speed of a robot that counts as at rest \[m/s or rad/s\].
@@ -95,6 +97,21 @@ impl SimulatedSide {
     /// Returns the status that the robot reports.
     pub fn status(&self) -> RobotStatus {
         RobotStatus { holds: Some(self.held.is_some()), ..self.robot.status() }
+    }
+
+    /// Returns the configuration \[m, rad\].
+    pub fn position(&self) -> &[f64] {
+        self.robot.simulation().position()
+    }
+
+    /// Returns the pose of the tool in the world.
+    ///
+    /// # Errors
+    /// Those of the simulation.
+    pub fn tool_pose(&mut self) -> Result<Isometry3<f64>, Error> {
+        let q = self.position().to_vec();
+        let data = self.robot.simulation_mut().data_mut();
+        Ok(data.pose(&self.model, &q)?.world_from(self.tool)?)
     }
 
     /// Returns true if all joints are at rest.

@@ -27,6 +27,8 @@ pub struct TopicNames {
     pub robot_mode: String,
     /// Transforms between frames, of which that from `map` to `odom` counts (`tf2_msgs/TFMessage`).
     pub transforms: String,
+    /// Transforms between frames that stay valid, of which a new node receives the last (`tf2_msgs/TFMessage`).
+    pub static_transforms: String,
     /// Joints of the people's bodies (`geometry_msgs/PoseArray`).
     pub body_joints: String,
     /// Confidences of the body joints (`std_msgs/Float64MultiArray`).
@@ -73,6 +75,7 @@ impl Default for TopicNames {
             odometry: name("/odom"),
             robot_mode: name("/robot_mode"),
             transforms: name("/tf"),
+            static_transforms: name("/tf_static"),
             body_joints: name("/body_joints"),
             body_confidences: name("/body_confidences"),
             body_covariances: name("/body_covariances"),

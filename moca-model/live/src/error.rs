@@ -57,3 +57,9 @@ impl From<moca_simulation::Error> for Error {
         Self::Simulation(Box::new(error))
     }
 }
+
+impl From<moca_simulation::people::Error> for Error {
+    fn from(error: moca_simulation::people::Error) -> Self {
+        moca_simulation::Error::from(error).into()
+    }
+}

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use moca_model::MOCA_URDF;
+use moca_model::{Levels, MOCA_URDF};
 use moca_replay::page::{Results, data};
 use moca_replay::recorded::Sampler;
 use moca_simulation::plant::PlantSettings;
@@ -46,6 +46,7 @@ struct Hello<'a> {
     number: u64,
     stature: f64,
     hands_over: bool,
+    levels: Levels,
     settings: &'a str,
     page: &'a RawValue,
 }
@@ -73,6 +74,7 @@ impl Head {
             number,
             stature: setup.map.stature(),
             hands_over: setup.hands_over,
+            levels: setup.robot.controller.levels,
             settings: &settings,
             page: &page,
         };
@@ -99,6 +101,9 @@ impl Head {
         };
         if let Some(text) = &restart.settings {
             setup.robot = (self.text.read)(text, &setup.robot).map_err(Error::Settings)?;
+        }
+        if let Some(levels) = restart.levels {
+            setup.robot.controller.levels = levels;
         }
         setup.hands_over = restart.hands_over.unwrap_or(setup.hands_over);
         Ok(setup)

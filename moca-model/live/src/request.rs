@@ -1,5 +1,6 @@
 //! What a page asks for, as JSON.
 
+use moca_model::Levels;
 use moca_simulation::people::{Activity, Facing, Lead, Movement, Reach, Way};
 use moca_simulation::workcell::{Faults, Who};
 use nalgebra::{Point2, Vector2, Vector3};
@@ -43,6 +44,8 @@ pub struct Restart {
     pub hands_over: Option<bool>,
     /// The text of a settings file; settings stay as they are if none.
     pub settings: Option<String>,
+    /// The levels of the stack besides those of safety; those of the settings if none.
+    pub levels: Option<Levels>,
 }
 
 #[derive(Deserialize)]
@@ -318,6 +321,9 @@ mod tests {
         assert_eq!(Request::read(text).unwrap(), Request::Lead(Who::Bystander, lead));
         let stop = Request::read(r#"{"do": "stop"}"#).unwrap();
         assert_eq!(stop, Request::Stop);
+        let restart = Restart { levels: Some(Levels::Paper), ..Restart::default() };
+        let paper = Request::read(r#"{"do": "restart", "levels": "paper"}"#).unwrap();
+        assert_eq!(paper, Request::Restart(restart));
         let faults = Request::read(r#"{"do": "faults", "measurements": true}"#).unwrap();
         assert_eq!(faults, Request::Faults(Faults { measurements: true, ..Faults::default() }));
     }
@@ -337,6 +343,7 @@ mod tests {
             (r#"{"do": "lead", "way": {"to": [1]}}"#, "invalid length 1"),
             (r#"{"do": "faults", "push_tool": [0, 0, 1e6]}"#, "push_tool = 1000000"),
             (r#"{"do": "faults", "lost": "much"}"#, "invalid type: string"),
+            (r#"{"do": "restart", "levels": "none"}"#, "unknown variant `none`"),
             (r#"{"do": "move", "movement": "dance"}"#, "movement \"dance\": give bow"),
         ] {
             let error = Request::read(text).unwrap_err().to_string();

@@ -118,6 +118,12 @@ impl From<vision_models::Error> for Failure {
     }
 }
 
+impl From<simulated_people::Error> for Failure {
+    fn from(error: simulated_people::Error) -> Self {
+        Self(Error::new_err(error.to_string()))
+    }
+}
+
 impl From<hrsw::Error> for Failure {
     fn from(error: hrsw::Error) -> Self {
         Self(Error::new_err(error.to_string()))

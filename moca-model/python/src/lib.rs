@@ -1,11 +1,13 @@
 //! Native half of the Python package `ahqp`: classes and functions over `ahqp-core`, `whole-body`, `ergo-map` and
-//! `moca-model`. The modules `ahqp`, `ahqp.whole_body`, `ahqp.ergo` and `ahqp.collaboration` re-export its contents.
+//! `moca-model`, and `simulated-people`. The modules `ahqp`, `ahqp.whole_body`, `ahqp.ergo`, `ahqp.collaboration` and
+//! `ahqp.simulation` re-export its contents.
 
 mod arrays;
 mod collaboration;
 mod ergo;
 mod failure;
 mod shared;
+mod simulation;
 mod solver;
 mod whole_body;
 
@@ -39,6 +41,8 @@ mod _ahqp {
     use crate::ergo::rula::{Rula, RulaWorksheet};
     #[pymodule_export]
     use crate::failure::{Error, FrameError, InfeasibleError, UnfinishedError};
+    #[pymodule_export]
+    use crate::simulation::person::SimulatedPerson;
     #[pymodule_export]
     use crate::solver::certificate::{Certificate, Residuals};
     #[pymodule_export]

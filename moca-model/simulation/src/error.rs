@@ -1,6 +1,6 @@
 //! Errors of simulations.
 
-use std::{io, path::PathBuf};
+use std::path::PathBuf;
 
 use moca_replay::recorded::ReplayError;
 use percept_recording::RecordingError;
@@ -18,37 +18,6 @@ pub enum Error {
         value: f64,
         /// The accepted values.
         expected: &'static str,
-    },
-    /// A path is neither a name nor a list of points.
-    #[error(
-        "path \"{text}\": give stations, straight, square, circle, figure-eight or random, a list \
-         of points on the floor in metres such as \"1.4,0 2.4,0 2.4,-1\", or a file with one point a \
-         line"
-    )]
-    Path {
-        /// The text, or its beginning.
-        text: String,
-    },
-    /// A line of a path's file is not a point.
-    #[error(
-        "{path}, line {line}: \"{text}\" is no point: give two numbers in metres, such as 1.4,0",
-        path = path.display()
-    )]
-    PathLine {
-        /// The file.
-        path: PathBuf,
-        /// The line.
-        line: usize,
-        /// The text, or its beginning.
-        text: String,
-    },
-    /// A path's file cannot be read.
-    #[error("cannot read the path from {path}: {source}", path = path.display())]
-    PathFile {
-        /// The file.
-        path: PathBuf,
-        /// What the operating system reports.
-        source: io::Error,
     },
     /// A recording lacks what is needed.
     #[error("{found}; {wanted}")]
@@ -85,6 +54,9 @@ pub enum Error {
     /// The operating system provides no threads.
     #[error("cannot start the threads that play the cases")]
     Threads(#[source] rayon::ThreadPoolBuildError),
+    /// A person cannot be simulated.
+    #[error(transparent)]
+    People(#[from] simulated_people::Error),
     /// The controller or the robot's model reported an error.
     #[error(transparent)]
     Controller(#[from] moca_model::Error),

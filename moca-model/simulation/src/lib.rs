@@ -3,7 +3,6 @@
 mod error;
 pub mod experiment;
 pub mod judges;
-pub mod people;
 pub mod plant;
 pub mod rendering;
 pub mod run;
@@ -11,5 +10,7 @@ pub mod soak;
 pub mod workcell;
 
 pub use error::Error;
+/// Simulated people and the camera that sees them.
+pub use simulated_people as people;
 // Crates of the types in the public interface.
 pub use {ergo_map, hrsw, hrsw_safety, moca_model, vision_models};

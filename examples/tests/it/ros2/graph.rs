@@ -10,19 +10,21 @@ use moca_drivers::ros2::ros2_client::{
     Context, ContextOptions, MessageTypeName, Name, NodeName, NodeOptions, QosProfile,
 };
 use moca_drivers::ros2::{JointInterface, RobotJoints, Ros2Server, Ros2Side, RosDomain, Topic};
-use moca_drivers::{SimulatedSide, TopicNames};
+use moca_drivers::{RecordedCamera, SimulatedSide, TopicNames};
 use moca_model::MOCA_HOME;
 use moca_model::whole_body::control_loop::{
-    ControlLaw, ControlLoop, JointCommand, JointMeasurement, LoopSettings, MonotonicClock,
+    ControlLaw, ControlLoop, Grip, JointCommand, JointMeasurement, LoopSettings, MonotonicClock,
     StopCause,
 };
 use moca_simulation::plant::RobotNoise;
+use vision_models::{Confidence, Percept, RecognisedSurface, Surface};
 
 use crate::robot_side::at_rest;
 use crate::support::{Runs, coarse_map_file};
 
-/// Turns the base at 0.2 rad/s, supports the arm by the measured torques, and counts its steps.
-struct Turn<'a>(&'a Cell<u32>);
+/// Turns the base at 0.2 rad/s, supports the arm by the measured torques, and closes the gripper. It counts its steps, and
+/// remembers whether the gripper holds something.
+struct Turn<'a>(&'a Cell<u32>, &'a Cell<bool>);
 
 impl ControlLaw for Turn<'_> {
     type Error = std::convert::Infallible;
@@ -34,6 +36,8 @@ impl ControlLaw for Turn<'_> {
         command: &mut JointCommand,
     ) -> Result<(), Self::Error> {
         self.0.set(self.0.get() + 1);
+        self.1.set(measured.robot.holds == Some(true));
+        command.grip = Some(Grip::Close);
         command.velocity[2] = 0.2;
         for (own, torque) in command.torque.iter_mut().zip(&measured.torque) {
             *own = torque.unwrap_or_default();
@@ -62,9 +66,15 @@ fn a_loop_moves_a_robot_on_ros2() {
     thread::scope(|scope| {
         scope.spawn(|| {
             let stop = || over.load(Ordering::Relaxed);
-            server.serve(1e-3, &[], &mut MonotonicClock::default(), stop).unwrap();
+            let surface =
+                RecognisedSurface { surface: Surface::Drilled, confidence: Confidence::ONE };
+            let percept = Percept { time: 0.0, body: None, action: None, surface: Some(surface) };
+            let camera = RecordedCamera::new(vec![percept.into()]);
+            server
+                .serve(1e-3, camera, |frame, _| frame, &mut MonotonicClock::default(), stop)
+                .unwrap();
         });
-        let (mut side, _) = Ros2Side::join(
+        let (mut side, people) = Ros2Side::join(
             domain,
             &TopicNames::default(),
             RobotJoints::moca(),
@@ -78,13 +88,20 @@ fn a_loop_moves_a_robot_on_ros2() {
             ..LoopSettings::default()
         };
         let mut control = ControlLoop::new(patient, at_rest(MOCA_HOME.len())).unwrap();
-        let (steps, mut clock) = (Cell::new(0), MonotonicClock::default());
-        let ending = control.run(&mut side, &mut Turn(&steps), &mut clock, || steps.get() > 200);
+        let (steps, holds, mut clock) = (Cell::new(0), Cell::new(false), MonotonicClock::default());
+        let mut sees = false;
+        let enough = || {
+            let is_drilled = |seen: RecognisedSurface| seen.surface == Surface::Drilled;
+            sees |= people.seen.try_iter().any(|seen| seen.surface.is_some_and(is_drilled));
+            (steps.get() > 200 && holds.get() && sees) || steps.get() > 20_000
+        };
+        let ending = control.run(&mut side, &mut Turn(&steps, &holds), &mut clock, enough);
         over.store(true, Ordering::Relaxed);
         assert_eq!(ending.unwrap().cause, StopCause::Requested);
         let measured = control.measured();
         assert_eq!(measured.torque[..3], [None; 3], "the base measures none");
         assert!(measured.torque[3..].iter().all(Option::is_some));
+        assert!(holds.get() && sees, "holds {}, sees {sees}", holds.get());
         let turned = measured.position[2];
         assert!(turned > 1e-3, "{turned} rad");
         let statistics = side.close().unwrap();

@@ -1,7 +1,8 @@
 use std::f64::consts::FRAC_PI_2;
 
 use moca_drivers::ros2::messages::{
-    Float64MultiArray, PoseArray, Quaternion, Text, TfMessage, Time, TransformStamped, Vector3,
+    Float64MultiArray, PoseArray, Quaternion, Text, TfMessage, Time, Transform, TransformStamped,
+    Vector3,
 };
 use moca_drivers::ros2::{Perceived, Refusal, SeenPeople};
 use nalgebra::{Matrix3, Point3};
@@ -25,6 +26,10 @@ fn poses_follow_the_order_of_body_25() {
     assert!(taken.as_secs_f64() < 1e-6 && seen.action.is_none(), "{taken:?}");
 }
 
+fn no_transform(frame: &str) -> Refusal {
+    Refusal::NoTransform { frame: frame.to_owned(), to: "odom", oldest: 1.0 }
+}
+
 /// Transforms of a localisation that places odometry at (1, 2) in the map, turned by a quarter.
 fn transforms() -> TfMessage {
     let mut transform = TransformStamped {
@@ -45,7 +50,7 @@ fn people_in_the_map_come_into_the_odometry() {
     let mut poses = body();
     poses.header.frame_id = "map".to_owned();
     let mut perceived = Perceived::default();
-    let unknown = Refusal::NoTransform { oldest: 1.0 };
+    let unknown = no_transform("map");
     assert_eq!(perceived.take_body(&poses, after(80)).unwrap_err(), unknown);
     perceived.take_transforms(&transforms(), after(60)).unwrap();
     let neck = |seen: SeenPeople| seen.body.unwrap().get(Body25::Neck).unwrap().position;
@@ -59,6 +64,64 @@ fn people_in_the_map_come_into_the_odometry() {
     assert_eq!(found, Point3::new(2.0, 0.0, 0.1));
     poses.header.stamp.sec += 2;
     assert_eq!(perceived.take_body(&poses, after(2080)).unwrap_err(), unknown);
+}
+
+/// Camera, its mount and the place of odometry in the map are tied by transforms that stay valid.
+#[test]
+fn people_in_a_static_frame_come_into_odometry() {
+    let mut poses = body();
+    poses.header.frame_id = "camera".to_owned();
+    let mut perceived = Perceived::default();
+    assert_eq!(perceived.take_body(&poses, after(80)).unwrap_err(), no_transform("camera"));
+    let tie = |parent: &str, child: &str, [x, y, z]: [f64; 3], rotation| {
+        let mut transform = TransformStamped::default();
+        parent.clone_into(&mut transform.header.frame_id);
+        child.clone_into(&mut transform.child_frame_id);
+        transform.transform = Transform { translation: Vector3 { x, y, z }, rotation };
+        TfMessage { transforms: vec![transform] }
+    };
+    let (straight, half) = (Quaternion { w: 1.0, ..Quaternion::default() }, FRAC_PI_2 / 2.0);
+    // The camera stands 2 m high at (3, 0) in the map, and looks along the map's y axis.
+    let quarter = Quaternion { z: half.sin(), w: half.cos(), ..Quaternion::default() };
+    perceived.take_static_transforms(&tie("mount", "camera", [0.0, 0.0, 2.0], quarter)).unwrap();
+    perceived.take_static_transforms(&tie("map", "mount", [3.0, 0.0, 0.0], straight)).unwrap();
+    assert_eq!(perceived.take_body(&poses, after(80)).unwrap_err(), no_transform("camera"));
+    perceived.take_static_transforms(&tie("map", "odom", [1.0, 1.0, 0.0], straight)).unwrap();
+    // Two metres before the camera are (3, 2) in the map. The time does not matter.
+    poses.header.stamp.sec += 3600;
+    let seen = perceived.take_body(&poses, after(3_600_080)).unwrap();
+    let neck = seen.body.unwrap().get(Body25::Neck).unwrap().position;
+    assert!((neck - Point3::new(2.0, 1.0, 2.1)).norm() < 1e-12, "{neck}");
+    // A frame that moves with the robot is tied by /tf alone, and nobody stands in it.
+    perceived.take_transforms(&tie("odom", "base_link", [0.0; 3], straight), after(80)).unwrap();
+    poses.header.frame_id = "base_link".to_owned();
+    assert_eq!(
+        perceived.take_body(&poses, after(3_600_080)).unwrap_err(),
+        no_transform("base_link")
+    );
+}
+
+#[test]
+fn rings_of_frames_end_and_frames_are_bounded() {
+    let mut poses = body();
+    poses.header.frame_id = "a".to_owned();
+    let tie = |parent: &str, child: String| TransformStamped {
+        header: super::header(parent),
+        child_frame_id: child,
+        transform: Transform {
+            rotation: Quaternion { w: 1.0, ..Quaternion::default() },
+            ..Transform::default()
+        },
+    };
+    let mut perceived = Perceived::default();
+    let ring = TfMessage { transforms: vec![tie("a", "b".to_owned()), tie("b", "a".to_owned())] };
+    perceived.take_static_transforms(&ring).unwrap();
+    assert_eq!(perceived.take_body(&poses, after(80)).unwrap_err(), no_transform("a"));
+    let many = (0..2000).map(|frame| tie("a", frame.to_string())).collect();
+    let refused = perceived.take_static_transforms(&TfMessage { transforms: many });
+    assert_eq!(refused, Err(Refusal::Frames { most: 1000 }));
+    // Frames that are known can still move.
+    perceived.take_static_transforms(&ring).unwrap();
 }
 
 #[test]
@@ -119,7 +182,7 @@ fn bodies_that_are_none_are_refused() {
     let far = refused(|poses| poses.poses[3].position.y = f64::INFINITY);
     assert_eq!(far, Refusal::NotFinite { what: "body joints" });
     let camera = refused(|poses| poses.header.frame_id = "camera".to_owned());
-    assert_eq!(camera, Refusal::Frame { found: "camera".to_owned(), expected: "odom" });
+    assert_eq!(camera, no_transform("camera"));
     let simulated = refused(|poses| poses.header.stamp = Time { sec: 3, nanosec: 0 });
     assert!(matches!(simulated, Refusal::Old { .. }), "{simulated}");
 }

@@ -5,7 +5,11 @@ use std::thread;
 use std::time::{Duration, Instant, SystemTime};
 
 use human_perception::frames::{FramesReader, truth};
-use moca_drivers::ros2::messages::{CameraInfo, Float64MultiArray, Header, Image, PoseArray, Time};
+use moca_drivers::ros2::messages::{
+    CameraInfo, Float64MultiArray, Header, Image, PoseArray, Quaternion, TfMessage, Time,
+    Transform, TransformStamped, Vector3,
+};
+use moca_drivers::ros2::ros2_client::qos::Durability;
 use moca_drivers::ros2::ros2_client::{
     Context, ContextOptions, MessageTypeName, Name, Node, NodeName, NodeOptions, Publisher,
     QosProfile, Subscription,
@@ -25,6 +29,7 @@ struct Camera {
     infos: Publisher<CameraInfo>,
     colours: Publisher<Image>,
     depths: Publisher<Image>,
+    places: Publisher<TfMessage>,
     bodies: Subscription<PoseArray>,
     confidences: Subscription<Float64MultiArray>,
     covariances: Subscription<Float64MultiArray>,
@@ -41,12 +46,29 @@ impl Camera {
         let options = NodeOptions::new().enable_rosout(false).start_parameter_services(false);
         let mut node = context.new_node(NodeName::new("/", "camera").unwrap(), options).unwrap();
         Self {
-            infos: publisher(&mut node, "/camera/camera/color/camera_info", "CameraInfo"),
-            colours: publisher(&mut node, "/camera/camera/color/image_raw", "Image"),
+            infos: publisher(
+                &mut node,
+                "/camera/camera/color/camera_info",
+                ("sensor_msgs", "CameraInfo"),
+                &QosProfile::publisher_default(),
+            ),
+            colours: publisher(
+                &mut node,
+                "/camera/camera/color/image_raw",
+                ("sensor_msgs", "Image"),
+                &QosProfile::publisher_default(),
+            ),
             depths: publisher(
                 &mut node,
                 "/camera/camera/aligned_depth_to_color/image_raw",
-                "Image",
+                ("sensor_msgs", "Image"),
+                &QosProfile::publisher_default(),
+            ),
+            places: publisher(
+                &mut node,
+                "/tf_static",
+                ("tf2_msgs", "TFMessage"),
+                &QosProfile::publisher_default().durability(Durability::TransientLocal),
             ),
             bodies: listener(&mut node, "/body_joints", ("geometry_msgs", "PoseArray")),
             confidences: numbers(&mut node, "/body_confidences"),
@@ -58,10 +80,14 @@ impl Camera {
     }
 }
 
-fn publisher<M: Serialize>(node: &mut Node, name: &str, kind: &str) -> Publisher<M> {
-    let kind = MessageTypeName::new("sensor_msgs", kind);
-    let qos = QosProfile::publisher_default();
-    let topic = node.create_topic(&Name::parse(name).unwrap(), kind, &qos).unwrap();
+fn publisher<M: Serialize>(
+    node: &mut Node,
+    name: &str,
+    kind: (&str, &str),
+    qos: &QosProfile,
+) -> Publisher<M> {
+    let kind = MessageTypeName::new(kind.0, kind.1);
+    let topic = node.create_topic(&Name::parse(name).unwrap(), kind, qos).unwrap();
     node.create_publisher(&topic, None).unwrap()
 }
 
@@ -137,7 +163,32 @@ fn info(reader: &FramesReader) -> CameraInfo {
     }
 }
 
-/// A camera shows a person who stands, and `perceive` says where their joints are, frame by frame.
+/// The place of the film's camera on its mast, as a publisher of static transforms tells it.
+fn place(camera: &vision_models::Camera) -> TfMessage {
+    let pose = camera.world_from_camera();
+    let (at, turn) = (pose.translation.vector, pose.rotation.coords);
+    let tie = |parent: &str, child: &str, transform: Transform| TransformStamped {
+        header: Header { stamp: Time::default(), frame_id: parent.to_owned() },
+        child_frame_id: child.to_owned(),
+        transform,
+    };
+    let mast = Transform {
+        translation: Vector3 { x: at.x, y: at.y, z: at.z },
+        rotation: Quaternion { w: 1.0, ..Quaternion::default() },
+    };
+    let rotation = Quaternion { x: turn.x, y: turn.y, z: turn.z, w: turn.w };
+    let lens = Transform { rotation, ..Transform::default() };
+    let still = Transform { translation: Vector3::default(), ..mast };
+    let links = [
+        tie("map", "camera_link", mast),
+        tie("camera_link", "camera_color_optical_frame", lens),
+        tie("map", "odom", still),
+    ];
+    TfMessage { transforms: links.to_vec() }
+}
+
+/// A camera shows a person who stands, and `perceive` says where their joints are, frame by frame. Its place is
+/// published once, before there is anybody to receive it.
 #[test]
 fn people_before_a_camera_are_published() {
     let folder = tempfile::tempdir().unwrap();
@@ -147,13 +198,26 @@ fn people_before_a_camera_are_published() {
     let reader = FramesReader::open(Path::new(&frames), Duration::ZERO).unwrap();
     let truths = truth::read(&Path::new(&frames).join("truth.jsonl")).unwrap();
     let camera = Camera::join(RosDomain::parse(&DOMAIN.to_string()).unwrap());
+    camera.places.publish(place(reader.camera())).unwrap();
+    // The file has another place.
+    let elsewhere = folder.path().join("elsewhere");
+    std::fs::create_dir(&elsewhere).unwrap();
+    let file = std::fs::read_to_string(Path::new(&frames).join("camera.json")).unwrap();
+    let mut file: serde_json::Value = serde_json::from_str(&file).unwrap();
+    file["position"] = serde_json::json!([7.0, 7.0, 7.0]);
+    std::fs::write(elsewhere.join("camera.json"), file.to_string()).unwrap();
+    let settings = folder.path().join("place.toml");
+    std::fs::write(&settings, "version = 1\n[camera]\nframe = \"map\"\nfrom_tf = true\n").unwrap();
+    let [elsewhere, settings] = [&elsewhere, &settings].map(|path| path.to_str().unwrap());
     let skeletons = format!("{frames}/skeletons");
     let options = ["--live", "--ros2", "--wait=60", "--json", "--skeletons", &skeletons];
-    let child = Runs::new("perceive").with(&[&frames]).with(&options).on_domain(DOMAIN).start();
+    let options = options.into_iter().chain(["--settings", settings]).collect::<Vec<_>>();
+    let child = Runs::new("perceive").with(&[elsewhere]).with(&options).on_domain(DOMAIN).start();
 
     // The camera tells of itself until somebody has heard it: images before that would be refused.
     let (mut seen, mut worst) = (0, 0.0_f64);
     let mut perceived = Perceived::default();
+    perceived.take_static_transforms(&place(reader.camera())).unwrap();
     let begun = Instant::now();
     let mut frame = 0;
     while seen < 10 && begun.elapsed() < Duration::from_secs(100) {
@@ -171,6 +235,7 @@ fn people_before_a_camera_are_published() {
         camera.colours.publish(colour).unwrap();
         camera.depths.publish(depth).unwrap();
         let Some(poses) = newest(&camera.bodies, Duration::from_millis(500)) else { continue };
+        assert_eq!(poses.header.frame_id, "map");
         let late = poses.header.stamp.seconds_since(stamp).abs();
         assert!(late < 1e-6, "the result of another frame, {late} s");
         let confidences = newest(&camera.confidences, Duration::from_secs(5)).unwrap();
@@ -226,5 +291,11 @@ fn no_camera_is_an_error() {
     let options = ["--live", "--ros2", "--wait=0.2", "--skeletons", &skeletons];
     let perceive = || Runs::new("perceive").with(&[&frames]).with(&options).on_domain(80);
     perceive().with(&["--settings", settings]).run().failed(1, "/eye/info");
+    let settings = folder.path().join("both.toml");
+    let both =
+        "version = 1\n[camera]\nfrom_tf = true\npose = [0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 1.0]\n";
+    std::fs::write(&settings, both).unwrap();
+    let settings = settings.to_str().unwrap();
+    perceive().with(&["--settings", settings]).run().failed(1, "camera.pose");
     perceive().with(&["--output=percepts"]).run().failed(2, "--output");
 }

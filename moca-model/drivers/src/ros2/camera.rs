@@ -5,8 +5,9 @@ use std::io::ErrorKind;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
+use nalgebra::Isometry3;
 use ndarray::Array3;
 use ros2_client::dds::rustdds::mio1::{Events, Interest, Poll, Token};
 use serde::Serialize;
@@ -15,8 +16,9 @@ use vision_models::Intrinsics;
 use super::domain::RosDomain;
 use super::error::Ros2Error;
 use super::frame_pairs::{CameraImages, FramePairs};
+use super::frame_tree::FrameTree;
 use super::inbox::Inbox;
-use super::messages::{CameraInfo, Image};
+use super::messages::{CameraInfo, Image, TfMessage};
 use super::node::{Peers, RosNode};
 use super::people_publisher::PeoplePublisher;
 use super::pictures::colour_of;
@@ -78,6 +80,9 @@ struct Shared {
 #[derive(Default)]
 struct Waiting {
     intrinsics: Option<Intrinsics>,
+    /// Frame of the images.
+    frame: String,
+    frames: FrameTree,
     newest: Option<ReceivedImages>,
     on_board: Option<Arc<Array3<u8>>>,
     moments: u64,
@@ -109,6 +114,18 @@ impl Ros2Camera {
     /// Waits for the camera's geometry. Returns `None` after `wait`, when `stop` returns true, or after the connection's end.
     pub fn intrinsics(&self, wait: Duration, stop: impl Fn() -> bool) -> Option<Intrinsics> {
         self.shared.wait(wait, stop, |waiting| waiting.intrinsics)
+    }
+
+    /// Waits for the place of the camera in a frame, by the transforms on the graph that stay valid. Returns `None` after
+    /// `wait`, when `stop` returns true, or after the connection's end.
+    pub fn pose(
+        &self,
+        within: &str,
+        wait: Duration,
+        stop: impl Fn() -> bool,
+    ) -> Option<Isometry3<f64>> {
+        let now = SystemTime::now();
+        self.shared.wait(wait, stop, |waiting| waiting.frames.pose(&waiting.frame, within, now))
     }
 
     /// Waits for the newest images. Returns `None` after `wait`, when `stop` returns true, or after the connection's end.
@@ -170,6 +187,7 @@ struct Reader {
     poll: Poll,
     peers: Peers,
     infos: Inbox<CameraInfo>,
+    transforms: Inbox<TfMessage>,
     colours: Inbox<Image>,
     depths: Inbox<Image>,
     on_board: Option<Inbox<Image>>,
@@ -182,11 +200,18 @@ struct Reader {
 
 impl Reader {
     fn new(mut node: RosNode, shared: Arc<Shared>, on_board: bool) -> Result<Self, Ros2Error> {
-        let topics = [Topic::CameraInfo, Topic::Colour, Topic::Depth, Topic::OnBoardColour];
+        let topics = [
+            Topic::CameraInfo,
+            Topic::StaticTransforms,
+            Topic::Colour,
+            Topic::Depth,
+            Topic::OnBoardColour,
+        ];
         let mut reader = Self {
             poll: Poll::new().map_err(|error| Ros2Error::create("a poll", &error))?,
             peers: node.peers(topics.to_vec()),
             infos: node.inbox(Topic::CameraInfo)?,
+            transforms: node.inbox(Topic::StaticTransforms)?,
             colours: node.inbox(Topic::Colour)?,
             depths: node.inbox(Topic::Depth)?,
             on_board: on_board.then(|| node.inbox(Topic::OnBoardColour)).transpose()?,
@@ -220,7 +245,8 @@ impl Reader {
         result?;
         let images = [self.colours, self.depths].into_iter().chain(self.on_board);
         let images = images.map(|inbox| inbox.statistics);
-        let statistics = std::iter::once(self.infos.statistics).chain(images);
+        let of_place = [self.infos.statistics, self.transforms.statistics];
+        let statistics = of_place.into_iter().chain(images);
         let reports = statistics.map(|mut statistics| {
             self.peers.count(&mut statistics);
             TopicReport::from(&statistics)
@@ -233,8 +259,16 @@ impl Reader {
         let Self { peers, pairs, shared, on_board_stamps, .. } = self;
         self.infos.drain(peers, |info, _| {
             pairs.take_info(info)?;
-            shared.update(|waiting| waiting.intrinsics = pairs.intrinsics());
+            shared.update(|waiting| {
+                waiting.intrinsics = pairs.intrinsics();
+                waiting.frame.clone_from(&info.header.frame_id);
+            });
             Ok(None)
+        })?;
+        self.transforms.drain(peers, |transforms, _| {
+            let mut taken = Ok(());
+            shared.update(|waiting| taken = waiting.frames.take_static(transforms));
+            taken.map(|()| None)
         })?;
         if let Some(inbox) = &mut self.on_board {
             inbox.drain(peers, |image, now| {

@@ -13,9 +13,9 @@ use super::messages::{GripperCommand, GripperFeedback, GripperResult};
 use super::node::RosNode;
 
 /// Place of each finger of an open gripper, that of Franka's hand \[m\].
-const OPEN: f64 = 0.04;
+pub(super) const OPEN: f64 = 0.04;
 /// Largest effort of a finger \[N\].
-const EFFORT: f64 = 30.0;
+pub(super) const EFFORT: f64 = 30.0;
 
 /// Time after which a goal without an answer is sent again.
 const ANSWERS: Duration = Duration::from_secs(1);

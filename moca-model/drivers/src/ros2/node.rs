@@ -2,10 +2,12 @@
 
 use std::collections::HashMap;
 
-use ros2_client::action::{ActionClient, ActionClientQosPolicies};
+use ros2_client::action::{
+    ActionClient, ActionClientQosPolicies, ActionServer, ActionServerQosPolicies,
+};
 use ros2_client::dds::rustdds::DomainParticipantStatusListener;
 use ros2_client::dds::rustdds::dds::statusevents::{DomainParticipantStatusEvent, StatusEvented};
-use ros2_client::qos::{History, WhenFull};
+use ros2_client::qos::{Durability, History, WhenFull};
 use ros2_client::{
     ActionTypeName, Context, ContextOptions, Gid, MessageTypeName, Name, Node, NodeName,
     NodeOptions, Publisher, QosProfile, ServiceMapping,
@@ -66,13 +68,18 @@ impl RosNode {
     }
 
     /// Creates a subscription that suits every publisher. It uses best effort, because a newer message is better than a
-    /// repeated old one.
+    /// repeated old one. A topic of latched messages is reliable, and its subscription also receives the messages that
+    /// came before it.
     pub(super) fn inbox<M: DeserializeOwned>(
         &mut self,
         topic: Topic,
     ) -> Result<Inbox<M>, Ros2Error> {
-        let newest = QosProfile::subscription_default().history(History::KeepLast { depth: DEPTH });
-        let handle = self.topic(topic, &newest)?;
+        let mut qos =
+            QosProfile::subscription_default().history(History::KeepLast { depth: DEPTH });
+        if topic == Topic::StaticTransforms {
+            qos = qos.reliability_reliable(WhenFull::Fail).durability(Durability::TransientLocal);
+        }
+        let handle = self.topic(topic, &qos)?;
         let subscription = self
             .node
             .create_subscription(&handle, None)
@@ -84,14 +91,7 @@ impl RosNode {
     pub(super) fn gripper(
         &mut self,
     ) -> Result<ActionClient<GripperCommand, GripperResult, GripperFeedback>, Ros2Error> {
-        let name = &self.names.gripper;
-        let failed = |reason: String| Ros2Error::create(name, &reason);
-        let action = Name::parse(name).map_err(|error| failed(error.to_string()))?;
-        let kind = ActionTypeName::new("control_msgs", "GripperCommand");
-        // Services of ROS are reliable.
-        let reliable = QosProfile::publisher_default()
-            .reliability_reliable(WhenFull::Fail)
-            .history(History::KeepLast { depth: 10 });
+        let (action, kind, reliable) = self.gripper_action()?;
         let qos = ActionClientQosPolicies {
             goal_service: reliable.clone(),
             result_service: reliable.clone(),
@@ -100,7 +100,34 @@ impl RosNode {
             status_subscription: reliable,
         };
         let made = self.node.create_action_client(ServiceMapping::Enhanced, &action, &kind, qos);
-        made.map_err(|error| failed(error.to_string()))
+        made.map_err(|error| Ros2Error::create(&self.names.gripper, &error))
+    }
+
+    /// Creates the server of the gripper's action.
+    pub(super) fn gripper_server(
+        &mut self,
+    ) -> Result<ActionServer<GripperCommand, GripperResult, GripperFeedback>, Ros2Error> {
+        let (action, kind, reliable) = self.gripper_action()?;
+        let qos = ActionServerQosPolicies {
+            goal_service: reliable.clone(),
+            result_service: reliable.clone(),
+            cancel_service: reliable.clone(),
+            feedback_publisher: reliable.clone(),
+            status_publisher: reliable,
+        };
+        let made = self.node.create_action_server(ServiceMapping::Enhanced, &action, &kind, qos);
+        made.map_err(|error| Ros2Error::create(&self.names.gripper, &error))
+    }
+
+    /// Returns name and type of the gripper's action, and the quality of its services, which are reliable in ROS.
+    fn gripper_action(&self) -> Result<(Name, ActionTypeName, QosProfile), Ros2Error> {
+        let name = &self.names.gripper;
+        let action = Name::parse(name).map_err(|error| Ros2Error::create(name, &error))?;
+        let kind = ActionTypeName::new("control_msgs", "GripperCommand");
+        let reliable = QosProfile::publisher_default()
+            .reliability_reliable(WhenFull::Fail)
+            .history(History::KeepLast { depth: 10 });
+        Ok((action, kind, reliable))
     }
 
     /// Returns the other users of these topics.

@@ -8,7 +8,7 @@ use vision_models::{
     Surface,
 };
 
-use super::map_frame::MapFrame;
+use super::frame_tree::FrameTree;
 use super::messages::{Float64MultiArray, Pose, PoseArray, Text, TfMessage, Time};
 use super::people_messages::COVARIANCE;
 use super::refusal::Refusal;
@@ -42,7 +42,7 @@ pub struct Perceived {
     covariances: Option<(Time, Vec<[f64; COVARIANCE]>)>,
     action: Option<(RecognisedAction, SystemTime)>,
     surface: Option<(RecognisedSurface, SystemTime)>,
-    map: MapFrame,
+    frames: FrameTree,
 }
 
 impl Default for Perceived {
@@ -53,14 +53,14 @@ impl Default for Perceived {
             covariances: None,
             action: None,
             surface: None,
-            map: MapFrame::default(),
+            frames: FrameTree::default(),
         }
     }
 }
 
 impl Perceived {
     /// Takes body joints that came at time `now`: a pose for each of [`Body25::ALL`], in this order, in the frame of
-    /// the odometry or in the map. A joint that was not seen has three NaN. Orientations have no meaning. Further groups of the same
+    /// the odometry or in one that transforms tie to it. A joint that was not seen has three NaN. Orientations have no meaning. Further groups of the same
     /// length belong to other people.
     ///
     /// The confidences and covariances of the joints are those that came before with the same stamp. If confidences are
@@ -70,7 +70,7 @@ impl Perceived {
     /// # Errors
     /// Why the joints are refused.
     pub fn take_body(&mut self, poses: &PoseArray, now: SystemTime) -> Result<SeenPeople, Refusal> {
-        let odom_from_map = self.map.odom_from(&poses.header.frame_id, now)?;
+        let odom_from_map = self.frames.odom_from(&poses.header.frame_id, now)?;
         let (found, expected) = (poses.poses.len(), Body25::COUNT);
         if found == 0 || found % expected != 0 {
             return Err(Refusal::Size { what: "body joints", found, expected });
@@ -118,9 +118,17 @@ impl Perceived {
     /// Takes transforms between frames that came at time `now`, for people in the map.
     ///
     /// # Errors
-    /// Those of [`MapFrame::take`].
+    /// Those of [`FrameTree::take`].
     pub fn take_transforms(&mut self, message: &TfMessage, now: SystemTime) -> Result<(), Refusal> {
-        self.map.take(message, now)
+        self.frames.take(message, now)
+    }
+
+    /// Takes transforms between frames that stay valid, for people in frames that stand in the room.
+    ///
+    /// # Errors
+    /// Those of [`FrameTree::take_static`].
+    pub fn take_static_transforms(&mut self, message: &TfMessage) -> Result<(), Refusal> {
+        self.frames.take_static(message)
     }
 
     /// Takes the confidences of body joints: their stamp \[s, ns\], then a number from 0 to 1 for each pose. A source that

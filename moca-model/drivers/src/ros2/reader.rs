@@ -26,6 +26,7 @@ pub(super) struct Reader {
     odometry: Inbox<Odometry>,
     modes: Inbox<Text>,
     transforms: Inbox<TfMessage>,
+    static_transforms: Inbox<TfMessage>,
     confidences: Inbox<Float64MultiArray>,
     covariances: Inbox<Float64MultiArray>,
     bodies: Inbox<PoseArray>,
@@ -58,6 +59,7 @@ impl Reader {
             Topic::Odometry,
             Topic::RobotMode,
             Topic::Transforms,
+            Topic::StaticTransforms,
             Topic::BodyConfidences,
             Topic::BodyCovariances,
             Topic::BodyJoints,
@@ -75,6 +77,7 @@ impl Reader {
             odometry: node.inbox(Topic::Odometry)?,
             modes: node.inbox(Topic::RobotMode)?,
             transforms: node.inbox(Topic::Transforms)?,
+            static_transforms: node.inbox(Topic::StaticTransforms)?,
             confidences: node.inbox(Topic::BodyConfidences)?,
             covariances: node.inbox(Topic::BodyCovariances)?,
             bodies: node.inbox(Topic::BodyJoints)?,
@@ -114,6 +117,7 @@ impl Reader {
             self.odometry.statistics,
             self.modes.statistics,
             self.transforms.statistics,
+            self.static_transforms.statistics,
             self.confidences.statistics,
             self.covariances.statistics,
             self.bodies.statistics,
@@ -157,6 +161,9 @@ impl Reader {
         })?;
         self.transforms.drain(peers, |transforms, now| {
             perceived.take_transforms(transforms, now).map(|()| None)
+        })?;
+        self.static_transforms.drain(peers, |transforms, _| {
+            perceived.take_static_transforms(transforms).map(|()| None)
         })?;
         self.confidences.drain(peers, |confidences, _| {
             perceived.take_confidences(confidences).map(|()| None)

@@ -102,13 +102,23 @@ pub enum Refusal {
         /// Largest allowed age of odometry \[s\].
         oldest: f64,
     },
-    /// The place of the odometry's frame in the map is not known.
+    /// No valid transforms tie a frame to another.
     #[error(
-        "people in the frame \"map\", but no transform from it to \"odom\" on /tf in the last {oldest} s"
+        "in the frame {frame:?}, which nothing ties to {to:?}, neither on /tf_static nor on /tf in the last {oldest} s"
     )]
     NoTransform {
-        /// Largest allowed age of the transform \[s\].
+        /// Frame of the message.
+        frame: String,
+        /// Frame that is needed.
+        to: &'static str,
+        /// Largest allowed age of a transform on `/tf` \[s\].
         oldest: f64,
+    },
+    /// Others name too many frames.
+    #[error("more than {most} frames")]
+    Frames {
+        /// Largest number of frames.
+        most: usize,
     },
     /// The name of the mode is unknown.
     #[error("the mode {found:?}, expected one of running, stopped, reflex, user_stop")]

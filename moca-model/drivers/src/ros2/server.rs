@@ -12,18 +12,19 @@ use ros2_client::Publisher;
 use super::commands::{Commands, base_velocity};
 use super::domain::RosDomain;
 use super::error::Ros2Error;
+use super::gripper_server::GripperServer;
 use super::inbox::Inbox;
 use super::measurements::{RobotJoints, mode_name};
 use super::messages::{
-    Float64MultiArray, Header, JointState, Odometry, Pose, PoseArray, PoseWithCovariance,
-    Quaternion, Text, TwistStamped, TwistWithCovariance, Vector3,
+    Float64MultiArray, Header, JointState, Odometry, Pose, PoseWithCovariance, Quaternion, Text,
+    TwistStamped, TwistWithCovariance, Vector3,
 };
 use super::node::{Peers, RosNode};
-use super::people_messages::{BodyMessages, body_messages};
+use super::people_publisher::{PeoplePublisher, PublishedPeople};
 use super::statistics::TopicStatistics;
 use super::topic::{JointInterface, Topic};
 use super::{BASE_FRAME, WORLD_FRAME};
-use crate::{SimulatedSide, TopicNames};
+use crate::{RecordedCamera, SimulatedSide, TopicNames};
 
 /// Number of periods for which the newest commands are used. Afterwards each period counts as one with a lost command.
 const SILENCE: u64 = 20;
@@ -33,7 +34,8 @@ const ENDS: u64 = 1000;
 const SAYS: u64 = 50;
 
 /// A robot on the ROS graph. It measures and publishes once a period and follows the newest commands of base and arm.
-/// It stands still until both have come. Its camera sees a recorded person.
+/// It stands still until both have come. Its camera sees a recorded person. Its gripper serves the action
+/// `control_msgs/GripperCommand`.
 pub struct Ros2Server {
     _node: RosNode,
     peers: Peers,
@@ -42,10 +44,8 @@ pub struct Ros2Server {
     joint_states: Publisher<JointState>,
     odometry: Publisher<Odometry>,
     modes: Publisher<Text>,
-    bodies: Publisher<PoseArray>,
-    confidences: Publisher<Float64MultiArray>,
-    covariances: Publisher<Float64MultiArray>,
-    actions: Publisher<Text>,
+    people: PeoplePublisher,
+    gripper: GripperServer,
     joints: RobotJoints,
     robot: SimulatedSide,
     measured: JointMeasurement,
@@ -85,10 +85,8 @@ impl Ros2Server {
             joint_states: node.publisher(Topic::JointStates)?,
             odometry: node.publisher(Topic::Odometry)?,
             modes: node.publisher(Topic::RobotMode)?,
-            bodies: node.publisher(Topic::BodyJoints)?,
-            confidences: node.publisher(Topic::BodyConfidences)?,
-            covariances: node.publisher(Topic::BodyCovariances)?,
-            actions: node.publisher(Topic::Action)?,
+            people: PeoplePublisher::new(&mut node)?,
+            gripper: GripperServer::new(&mut node)?,
             commands: Commands::new(joints.arm().len()),
             command: JointCommand::at_rest(&measured),
             silent: [SILENCE; 2],
@@ -100,21 +98,21 @@ impl Ros2Server {
         })
     }
 
-    /// Runs until `stop` returns true, and plays these camera frames in a loop.
+    /// Runs until `stop` returns true, and plays camera frames in a loop from the first command on. `see` makes of each
+    /// what the cameras see beside the robot.
     ///
     /// # Errors
     /// Errors of reading a topic, and commands that the simulation refuses.
     pub fn serve(
         &mut self,
         period: f64,
-        frames: &[Scene],
+        mut camera: RecordedCamera,
+        mut see: impl FnMut(Scene, &mut SimulatedSide) -> Scene,
         clock: &mut impl Clock,
         mut stop: impl FnMut() -> bool,
     ) -> Result<(), Ros2Error> {
         let mut due = clock.now();
-        let first = frames.first().map_or(0.0, |frame| frame.percept.time);
-        let (mut begun, mut coming) = (due, frames.iter().peekable());
-        let mut tick = 0_u64;
+        let (mut tick, mut met) = (0_u64, false);
         while !stop() {
             due = (due + period).max(clock.now() - period);
             clock.sleep_until(due);
@@ -128,12 +126,10 @@ impl Ros2Server {
             self.publish_measured();
             self.act()?;
             self.silent.iter_mut().for_each(|silent| *silent = silent.saturating_add(1));
-            let is_due = |frame: &&Scene| begun + frame.percept.time - first <= due;
-            if let Some(frame) = coming.next_if(is_due) {
-                self.publish_seen(frame);
-            }
-            if coming.peek().is_none() {
-                (begun, coming) = (due, frames.iter().peekable());
+            let Self { robot, people, .. } = self;
+            met |= self.moved;
+            if met {
+                camera.show(due, |frame| publish(people, &see(frame, robot)));
             }
         }
         Ok(())
@@ -141,6 +137,7 @@ impl Ros2Server {
 
     /// Moves for one period.
     fn act(&mut self) -> Result<(), Ros2Error> {
+        self.command.grip = self.gripper.update(self.robot.status().holds);
         let obeys = self.silent.iter().all(|silent| *silent < SILENCE);
         self.commands.write(self.yaw(), &mut self.command);
         let refusal = if obeys { self.robot.check(&self.command).err() } else { None };
@@ -216,20 +213,20 @@ impl Ros2Server {
             twist: TwistWithCovariance { twist, ..TwistWithCovariance::default() },
         });
     }
+}
 
-    /// Publishes a camera frame.
-    fn publish_seen(&self, frame: &Scene) {
-        let (percept, others) = (&frame.percept, frame.others());
-        if let Some(seen) = &percept.action {
-            let _ = self.actions.publish(Text { data: seen.action.name().to_owned() });
-        }
-        if percept.body.is_none() && others.is_empty() {
-            return;
-        }
-        let BodyMessages { confidences, covariances, joints } =
-            body_messages(SystemTime::now().into(), WORLD_FRAME, percept.body.as_ref(), others);
-        let _ = self.confidences.publish(confidences);
-        let _ = self.covariances.publish(covariances);
-        let _ = self.bodies.publish(joints);
-    }
+/// Publishes a camera frame.
+fn publish(people: &PeoplePublisher, frame: &Scene) {
+    let percept = &frame.percept;
+    // What nobody can be told, the next frame says.
+    let _ = people.publish(&PublishedPeople {
+        stamp: SystemTime::now().into(),
+        frame: WORLD_FRAME,
+        person: percept.body.as_ref(),
+        others: frame.others(),
+        places: &[],
+        action: percept.action,
+        surface: percept.surface,
+        delays: [f64::NAN; 6],
+    });
 }

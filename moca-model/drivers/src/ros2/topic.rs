@@ -26,6 +26,8 @@ pub enum Topic {
     RobotMode,
     /// Transforms between frames.
     Transforms,
+    /// Transforms between frames that stay valid.
+    StaticTransforms,
     /// Joints of the people's bodies.
     BodyJoints,
     /// Confidences of the body joints.
@@ -66,6 +68,7 @@ impl Topic {
             Self::Odometry => &names.odometry,
             Self::RobotMode => &names.robot_mode,
             Self::Transforms => &names.transforms,
+            Self::StaticTransforms => &names.static_transforms,
             Self::BodyJoints => &names.body_joints,
             Self::BodyConfidences => &names.body_confidences,
             Self::BodyCovariances => &names.body_covariances,
@@ -91,7 +94,7 @@ impl Topic {
         match self {
             Self::JointStates => ("sensor_msgs", "JointState"),
             Self::Odometry => ("nav_msgs", "Odometry"),
-            Self::Transforms => ("tf2_msgs", "TFMessage"),
+            Self::Transforms | Self::StaticTransforms => ("tf2_msgs", "TFMessage"),
             Self::BodyJoints => ("geometry_msgs", "PoseArray"),
             Self::Action | Self::Surface | Self::RobotMode | Self::ControlState => {
                 ("std_msgs", "String")

@@ -140,6 +140,8 @@ class Controls {
     const row = this.row(parent);
     this.button(row, "Begin anew", () => this.again({ stature, hands_over: false }));
     this.button(row, "Begin with a hand-over", () => this.again({ stature, hands_over: true }));
+    const paper = () => this.levels === "paper";
+    this.button(row, "The paper's three levels", () => this.again({ levels: paper() ? "extended" : "paper" }), paper);
     const saves = this.row(parent);
     saves.append("Save: ");
     for (const [text, href] of [["recording", "/recording.jsonl"], ["truth", "/truth.jsonl"], ["settings", "/settings.toml"]]) {
@@ -155,7 +157,9 @@ class Controls {
   /** A new workcell. */
   greet(hello) {
     this.settings.value = hello.settings;
+    this.levels = hello.levels;
     this.sliders.stature(hello.stature);
+    this.mark();
   }
 
   see(picture) {

@@ -189,7 +189,7 @@ impl Workcell {
     /// # Errors
     /// What nobody can do; nothing changes then. Nobody is led who is not there.
     pub fn lead(&mut self, who: Who, lead: Lead) -> Result<(), Error> {
-        self.guided(who)?.person.lead(lead)
+        Ok(self.guided(who)?.person.lead(lead)?)
     }
 
     /// Somebody begins a movement on the spot as soon as they stand.

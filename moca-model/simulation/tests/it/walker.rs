@@ -2,8 +2,7 @@
 
 use std::{collections::HashSet, f64::consts::TAU};
 
-use moca_simulation::Error;
-use moca_simulation::people::{CameraSettings, Truth, Walker, WalkerSettings, WalkingPath};
+use moca_simulation::people::{CameraSettings, Error, Truth, Walker, WalkerSettings, WalkingPath};
 use vision_models::{Action, BodyTracker, Percept, Tool, TrackerSettings, WalkingDirection};
 
 use crate::support::recorded;

@@ -56,7 +56,7 @@ pub enum Reach {
 /// Orders to a led person.
 ///
 /// ```
-/// use moca_simulation::people::{Lead, LedPerson};
+/// use simulated_people::{Lead, LedPerson};
 ///
 /// let lead = Lead { speed: 3.0, ..Lead::default() };
 /// assert_eq!(lead.validate().unwrap_err().to_string(), "speed = 3: give 0.1 to 1.2 m/s");
@@ -148,7 +148,7 @@ pub struct Workplace {
 /// Somebody who does as [`Lead`] says, within what people can do.
 ///
 /// ```
-/// use moca_simulation::people::{Lead, LedPerson, Way, Workplace};
+/// use simulated_people::{Lead, LedPerson, Way, Workplace};
 /// use nalgebra::{Point2, Point3};
 ///
 /// let mut person = LedPerson::new(1.75, Point2::new(3.0, 0.0), 0.0)?;
@@ -157,7 +157,7 @@ pub struct Workplace {
 /// let workplace = Workplace { object, between: object };
 /// (0..5000).for_each(|_| person.advance(1e-3, &workplace));
 /// assert!((person.person().floor() - Point2::new(2.0, 0.0)).norm() < 0.05);
-/// # Ok::<(), moca_simulation::Error>(())
+/// # Ok::<(), simulated_people::Error>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct LedPerson {
@@ -271,12 +271,12 @@ impl LedPerson {
     }
 
     /// Something stands in the way, in the direction against `away`: they are moved so far from it (m).
-    pub(crate) fn slide(&mut self, away: Vector2<f64>, distance: f64) {
+    pub fn slide(&mut self, away: Vector2<f64>, distance: f64) {
         self.person.slide(away, distance);
     }
 
     /// Something stands in the way: they stop where they are.
-    pub(crate) fn bump(&mut self) {
+    pub fn bump(&mut self) {
         self.person.halt();
         self.stop = self.person.floor();
     }

@@ -28,7 +28,7 @@ const JUMP: f64 = 2.0;
 /// Quality of the camera.
 ///
 /// ```
-/// use moca_simulation::people::CameraSettings;
+/// use simulated_people::CameraSettings;
 ///
 /// let sharp = CameraSettings { noise: 0.5, ..CameraSettings::default() };
 /// assert_ne!(sharp, CameraSettings::PERFECT);

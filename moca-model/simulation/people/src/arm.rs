@@ -13,7 +13,7 @@ pub(super) const STRETCHED: f64 = 0.99;
 /// An arm from the shoulder to the centre of the grip, with a straight wrist.
 ///
 /// ```
-/// use moca_simulation::people::Arm;
+/// use simulated_people::Arm;
 /// use nalgebra::Vector3;
 ///
 /// let arm = Arm::of_stature(1.75);

@@ -1,6 +1,5 @@
 //! A person who acts out the paper's Experiments 3 and 4, as the camera reports them.
 
-use human_perception::random;
 use nalgebra::{Point2, Vector2};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
@@ -223,5 +222,5 @@ enum Stream {
 }
 
 fn generator(seed: u64, stream: Stream) -> ChaCha8Rng {
-    random::generator(seed, stream as u64)
+    crate::generator(seed, stream as u64)
 }

@@ -70,7 +70,7 @@ impl Wanderer {
     }
 
     /// Creates a person who never works with the robot, stays in view and does not jump.
-    pub(crate) fn passing_by(draw: ChaCha8Rng, robot: Vector2<f64>) -> Self {
+    pub fn passing_by(draw: ChaCha8Rng, robot: Vector2<f64>) -> Self {
         Self {
             together: (false, f64::INFINITY),
             in_view: (true, f64::INFINITY),
@@ -81,7 +81,7 @@ impl Wanderer {
 
     /// Creates a person near the object that the robot holds, in this direction from the robot \[m\], who repeats a
     /// movement there. They may work with the robot.
-    pub(crate) fn repeating(
+    pub fn repeating(
         draw: ChaCha8Rng,
         movement: Movement,
         (tool, outwards): (Point2<f64>, Vector2<f64>),

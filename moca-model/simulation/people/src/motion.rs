@@ -16,7 +16,7 @@ const HAND_TIME: f64 = 0.25;
 /// Limits and style of a person's motion.
 ///
 /// ```
-/// use moca_simulation::people::Gait;
+/// use simulated_people::Gait;
 ///
 /// assert!(Gait::CAREFUL.turning_rate < Gait::NATURAL.turning_rate);
 /// ```

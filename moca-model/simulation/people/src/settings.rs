@@ -17,7 +17,7 @@ pub enum Occupation {
 /// Settings of a walk: the person, the path and the camera. The defaults make the recording that the repository ships.
 ///
 /// ```
-/// use moca_simulation::people::{Walker, WalkerSettings};
+/// use simulated_people::{Walker, WalkerSettings};
 ///
 /// let settings = WalkerSettings { stature: -1.75, ..WalkerSettings::default() };
 /// let error = Walker::new(settings).unwrap_err();

@@ -1,3 +1,5 @@
+#![doc = include_str!("../README.md")]
+//!
 //! A simulated person, and the reports of a simulated camera and recogniser. `record` writes them, `follow` plays them,
 //! and `soak` moves them into the robot's way.
 //!
@@ -13,17 +15,18 @@
 //! wrong.
 //!
 //! ```
-//! use moca_simulation::people::{Walker, WalkerSettings};
+//! use simulated_people::{Walker, WalkerSettings};
 //!
 //! let settings = WalkerSettings { duration: 10.0, ..WalkerSettings::default() };
 //! let percepts: Vec<_> = Walker::new(settings)?.collect();
 //! assert!(percepts.iter().any(|percept| percept.action.is_some_and(|seen| seen.action.is_collaborative())));
-//! # Ok::<(), moca_simulation::Error>(())
+//! # Ok::<(), simulated_people::Error>(())
 //! ```
 
 mod activity;
 mod arm;
 mod camera;
+mod error;
 mod led;
 mod motion;
 mod movement;
@@ -41,6 +44,7 @@ mod wanderer;
 pub use activity::Activity;
 pub use arm::Arm;
 pub use camera::CameraSettings;
+pub use error::Error;
 pub use led::{Facing, Lead, LedPerson, Reach, Way, Workplace};
 pub use motion::Gait;
 pub use movement::Movement;
@@ -51,3 +55,20 @@ pub use settings::{Occupation, WalkerSettings};
 pub use transport::Transport;
 pub use walker::{Truth, Walker};
 pub use wanderer::Wanderer;
+// Crates of the types in the public interface.
+pub use {rand_chacha, vision_models};
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+
+/// Returns one of a seed's independent streams of random numbers.
+///
+/// ```
+/// assert_eq!(simulated_people::generator(1, 0), simulated_people::generator(1, 0));
+/// assert_ne!(simulated_people::generator(1, 0), simulated_people::generator(1, 1));
+/// ```
+pub fn generator(seed: u64, stream: u64) -> ChaCha8Rng {
+    let mut generator = ChaCha8Rng::seed_from_u64(seed);
+    generator.set_stream(stream);
+    generator
+}

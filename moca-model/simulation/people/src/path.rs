@@ -30,13 +30,13 @@ const FARTHEST: f64 = 50.0;
 /// A path along which the person leads the robot while working.
 ///
 /// ```
-/// use moca_simulation::people::WalkingPath;
+/// use simulated_people::WalkingPath;
 /// use nalgebra::Point2;
 ///
 /// assert_eq!("figure-eight".parse::<WalkingPath>()?, WalkingPath::FigureEight);
 /// let list: WalkingPath = "1.4,0 2.4,-1".parse()?;
 /// assert_eq!(list, WalkingPath::Points(vec![Point2::new(1.4, 0.0), Point2::new(2.4, -1.0)]));
-/// # Ok::<(), moca_simulation::Error>(())
+/// # Ok::<(), simulated_people::Error>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub enum WalkingPath {

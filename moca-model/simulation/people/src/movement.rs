@@ -15,7 +15,7 @@ const BEND_TIME: f64 = 0.2;
 /// A movement that ends where it began.
 ///
 /// ```
-/// use moca_simulation::people::Movement;
+/// use simulated_people::Movement;
 ///
 /// assert_eq!(Movement::from_name("bow"), Some(Movement::Bow));
 /// assert_eq!(Movement::Bow.name(), "bow");

@@ -172,7 +172,7 @@ mod tests {
     use nalgebra::{Point2, vector};
 
     use super::*;
-    use crate::people::motion::{Gait, Goal, Hands};
+    use crate::motion::{Gait, Goal, Hands};
 
     fn natural(floor: Point2<f64>, heading: f64) -> Motion {
         Motion::starting_at(floor, heading, Gait::NATURAL, Hands::Carrying)

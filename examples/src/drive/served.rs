@@ -1,0 +1,60 @@
+//! The simulated robot on the ROS 2 graph.
+
+use std::io::Write;
+
+use anyhow::{Result, ensure};
+use moca_drivers::ros2::{Ros2Server, RosDomain, TopicReport};
+use moca_drivers::{RecordedCamera, SimulatedSide, TopicNames};
+use moca_model::whole_body::control_loop::MonotonicClock;
+use moca_model::{MOCA_HOME, Scene};
+use moca_simulation::run::{Encounter, RobotView, Scenario};
+
+use super::own_robot::DrivenRobot;
+use crate::program::Session;
+
+/// Is the simulated robot until Ctrl-C, with the person of the scenario before its camera. Its on-board camera sees the
+/// object that it was handed.
+///
+/// # Errors
+/// Another robot than MOCA, a graph that cannot be joined, and a topic that cannot be read.
+pub fn serve_on_ros2(
+    session: &mut Session,
+    scenario: &Scenario,
+    topics: &TopicNames,
+    clock: &mut MonotonicClock,
+) -> Result<()> {
+    let (settings, start) = (&scenario.settings, &scenario.start);
+    ensure!(*start == MOCA_HOME, "--ros2 --serve: only MOCA is simulated on ROS 2");
+    let robot = DrivenRobot::from(scenario).simulated()?;
+    let mut server = Ros2Server::join(RosDomain::of_environment()?, topics, robot, start)?;
+    writeln!(session.output(), "a robot on ROS 2; Ctrl-C ends it")?;
+    session.output().flush()?;
+    let mut encounter = Encounter::new(scenario);
+    let see =
+        |frame: Scene, robot: &mut SimulatedSide| seen(&mut encounter, scenario, frame, robot);
+    let (camera, interrupt) = (RecordedCamera::new(scenario.scenes()), session.interrupt().clone());
+    server.serve(settings.period, camera, see, clock, || interrupt.requested())?;
+    for topic in &server.statistics() {
+        writeln!(session.output(), "{}", TopicReport::from(topic))?;
+    }
+    Ok(())
+}
+
+/// What the cameras see of a frame beside the robot.
+fn seen(
+    encounter: &mut Encounter,
+    scenario: &Scenario,
+    mut frame: Scene,
+    robot: &mut SimulatedSide,
+) -> Scene {
+    let mut base = [0.0; 3];
+    base.iter_mut().zip(robot.position()).for_each(|(own, value)| *own = *value);
+    // The configuration of a simulated robot is always valid.
+    let Ok(tool) = robot.tool_pose() else { return frame };
+    let holds = robot.status().holds == Some(true);
+    let view = RobotView { camera: scenario.settings.on_board_camera, base, tool, holds };
+    if let Ok(percept) = encounter.show(&frame.percept, &view) {
+        frame.percept = percept;
+    }
+    frame
+}

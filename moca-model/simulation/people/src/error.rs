@@ -1,0 +1,50 @@
+//! Errors of simulated people.
+
+use std::{io, path::PathBuf};
+
+/// Why a person cannot be simulated: what is wrong, where, and what would be right.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A setting is outside its range.
+    #[error("{name} = {value}: give {expected}")]
+    Setting {
+        /// The setting.
+        name: &'static str,
+        /// The value that was given.
+        value: f64,
+        /// The accepted values.
+        expected: &'static str,
+    },
+    /// A path is neither a name nor a list of points.
+    #[error(
+        "path \"{text}\": give stations, straight, square, circle, figure-eight or random, a list \
+         of points on the floor in metres such as \"1.4,0 2.4,0 2.4,-1\", or a file with one point a \
+         line"
+    )]
+    Path {
+        /// The text, or its beginning.
+        text: String,
+    },
+    /// A line of a path's file is not a point.
+    #[error(
+        "{path}, line {line}: \"{text}\" is no point: give two numbers in metres, such as 1.4,0",
+        path = path.display()
+    )]
+    PathLine {
+        /// The file.
+        path: PathBuf,
+        /// The line.
+        line: usize,
+        /// The text, or its beginning.
+        text: String,
+    },
+    /// A path's file cannot be read.
+    #[error("cannot read the path from {path}: {source}", path = path.display())]
+    PathFile {
+        /// The file.
+        path: PathBuf,
+        /// What the operating system reports.
+        source: io::Error,
+    },
+}
