@@ -71,11 +71,11 @@ def test_the_camera_errs_by_its_noise_alone():
             seen.append(person.look().body.joints - person.body.joints)
         return np.linalg.norm(seen, axis=2)
 
-    # Across the ray 1.5 pixels of 615 at about 2.2 m, thrice; along it 4 mm at a metre, with the square of the distance.
-    distance = 2.2
-    expected = np.sqrt(3 * (1.5 / 615 * distance) ** 2 + (0.08 / (385 * 0.05) * distance**2) ** 2)
+    # The camera is at (0.3, 1.8, 2.3). Across the ray it errs by 1.5 of 615 pixels, and along it by 4.2 mm at a metre.
+    distances = np.linalg.norm(SimulatedPerson(1.75).body.joints - [0.3, 1.8, 2.3], axis=1)
+    expected = np.sqrt(np.mean(3 * (1.5 / 615 * distances) ** 2 + (0.08 / (385 * 0.05) * distances**2) ** 2))
     root = np.sqrt(np.mean(errors(1.0) ** 2))
-    assert 0.7 * expected < root < 1.4 * expected
+    assert root == pytest.approx(expected, rel=0.05)
     assert np.sqrt(np.mean(errors(2.0) ** 2)) == pytest.approx(2.0 * root, rel=1e-6)
     assert errors(0.0).max() < 1e-12
 
