@@ -98,12 +98,10 @@ impl FollowingErrorLimit {
         period: f64,
     ) -> Result<Self, Error> {
         let FollowingErrorSettings { prismatic, revolute } = settings;
-        let lengths =
-            whole_body::ik::FollowingErrorLimit { prismatic, revolute, ..Default::default() };
         let limits = model.limits().iter();
         let step = GIVE_WAY_SPEED * period;
         let steps = limits.map(|limits| limits.velocity * step).collect();
-        let joints = Resynchronisation::of_model(model, &lengths)?;
+        let joints = Resynchronisation::of_model(model, revolute, prismatic)?;
         Ok(Self { joints, steps, gives_way: false, was_reached: false, begin: None })
     }
 

@@ -2,6 +2,7 @@
 
 use ahqp_core::{AcceleratedState, AugmentedState, JerkLimits, Limits, Rows, VelocityInterval};
 use whole_body::Model;
+use whole_body::limits::nearest_to_rest;
 
 use crate::error::Error;
 use crate::robot::moca::{MOCA_AXIS_SPEED, MOCA_WHEEL_LEVER, MOCA_WHEEL_SPEED};
@@ -100,11 +101,6 @@ impl MecanumBase {
         }
         Ok(())
     }
-}
-
-/// The velocity of the interval with the least magnitude.
-pub(crate) fn nearest_to_rest(interval: &VelocityInterval) -> f64 {
-    0.0_f64.max(interval.lower).min(interval.upper)
 }
 
 /// Positions of coordinates, the last commanded velocities, and their rates.

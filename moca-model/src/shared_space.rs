@@ -301,11 +301,6 @@ impl SharedSpace {
         &mut self.moving
     }
 
-    /// The person as tracked at the time `now` \[s\], if anybody was seen.
-    pub fn person_at(&self, now: f64) -> Option<TrackedPerson> {
-        self.tracker.predict(now)
-    }
-
     /// The tracked person's stature, once it was measured often enough.
     pub fn stature(&self) -> Option<StatureEstimate> {
         self.tracker.stature()

@@ -11,6 +11,7 @@ mod own_pairs;
 mod part_speeds;
 mod person_pairs;
 mod places;
+mod ranking;
 mod reach;
 mod separation_violations;
 
@@ -31,6 +32,7 @@ pub use nearest::Nearest;
 use part_speeds::PartSpeeds;
 use person_pairs::Pair;
 use places::Places;
+use ranking::Ranking;
 use reach::Reach;
 use separation_violations::SeparationViolations;
 
@@ -91,7 +93,7 @@ pub struct ApproachRows {
     state: AugmentedState,
     settings: SeparationSettings,
     capacity: usize,
-    candidates: Vec<Candidate>,
+    candidates: Ranking,
     places: Places,
     /// Speeds of the person's parts whose distances are remembered.
     speeds: Vec<PartSpeeds>,
@@ -131,7 +133,7 @@ impl ApproachRows {
         capacity: usize,
     ) -> Result<Self, Error> {
         settings.validate()?;
-        let candidates = Vec::with_capacity(capacity + 1);
+        let candidates = Ranking::new(capacity);
         let mobility = Mobility::new(state.joints);
         Ok(Self {
             state,
@@ -223,15 +225,15 @@ impl ApproachRows {
             let known = before.as_ref();
             let mut moves = BodyMotion::new(motion, body, base_joints, &self.changes, known);
             let (mut next, mut reach) = (0, self.reach(moves.fastest, moves.change));
-            while let Some((j, part, farthest)) =
-                self.find_in_sight(i, (&moves, reach), person, next)
+            while let Some((j, part, speeds)) = self.find_in_sight(i, (&moves, reach), person, next)
             {
                 next = j + 1;
+                let sight = speeds.sight(&moves, reach);
                 let near = proximity(&body.capsule, &part.capsule);
                 self.bounds.set(i, j, near.distance);
                 self.keep_closest((i, j), near.distance);
-                if near.distance <= farthest {
-                    let pair = Pair { robot: (i, body), other: (j, part), near, farthest };
+                if near.distance <= sight + speeds.watched_room {
+                    let pair = Pair { robot: (i, body), other: (j, part), near, sight };
                     self.evaluate(motion, &mut moves, &pair);
                     reach = self.reach(moves.fastest, moves.change);
                 }
@@ -273,27 +275,26 @@ impl ApproachRows {
     }
 
     /// Finds the next part of the person, from index `from` on, that may be near enough to a body
-    /// of the robot. Returns its index, the part, and the distance up to which it matters \[m\].
+    /// of the robot. Returns its index, the part, and its speeds.
     fn find_in_sight<'a>(
         &self,
         robot: usize,
         (moves, reach): (&BodyMotion, Reach),
         person: &'a [PersonBody],
         from: usize,
-    ) -> Option<(usize, &'a PersonBody, f64)> {
+    ) -> Option<(usize, &'a PersonBody, PartSpeeds)> {
         let bounds = self.bounds.of(robot);
-        let remembered = bounds.iter().zip(&self.speeds).enumerate().skip(from);
-        let mut farthest = remembered.map(|(other, (&bound, speeds))| {
-            let farthest = speeds.farthest(moves, reach);
-            (other, farthest, bound <= farthest.max(self.least_distance))
+        let mut remembered = bounds.iter().zip(&self.speeds).enumerate().skip(from);
+        let in_sight = remembered.find(|(_, (bound, speeds))| {
+            let farthest = speeds.sight(moves, reach) + speeds.watched_room;
+            **bound <= farthest.max(self.least_distance)
         });
-        if let Some((other, farthest, _)) = farthest.find(|&(_, _, in_sight)| in_sight) {
-            return Some((other, person.get(other)?, farthest));
+        if let Some((other, (_, speeds))) = in_sight {
+            return Some((other, person.get(other)?, *speeds));
         }
         let other = from.max(bounds.len());
         let part = person.get(other)?;
-        let speeds = PartSpeeds::of(part, self.watched_room);
-        Some((other, part, speeds.farthest(moves, reach)))
+        Some((other, part, PartSpeeds::of(part, self.watched_room)))
     }
 
     /// Keeps the pair with the least room.
@@ -405,10 +406,10 @@ impl ApproachRows {
     /// Returns how far to search for pairs, for a body that approaches at `speed` or less. Within
     /// this tick it gets faster by `change` at most.
     fn reach(&self, speed: f64, change: f64) -> Reach {
-        let headroom = match self.candidates.last() {
+        let headroom = match self.candidates.worst() {
             _ if self.capacity == 0 => 0.0,
-            Some(worst) if self.candidates.len() == self.capacity => change.min(worst.headroom),
-            _ => change,
+            Some(worst) => change.min(worst),
+            None => change,
         };
         if headroom == f64::INFINITY {
             return Reach { standing: f64::INFINITY, time: 0.0 };
@@ -418,29 +419,15 @@ impl ApproachRows {
         Reach { standing, time: settings.reaction_time + speed / settings.deceleration }
     }
 
-    /// Keeps the pairs with the least headroom, by insertion.
+    /// Keeps the pairs with the least headroom.
     fn consider(&mut self, candidate: Candidate, change: f64) {
         if candidate.headroom > change {
             return;
         }
-        let key = |candidate: &Candidate| (candidate.headroom, candidate.room);
-        let own = key(&candidate);
-        let place = self.candidates.partition_point(|other| key(other) <= own);
-        if place < self.capacity {
-            self.candidates.insert(place, candidate);
-        } else {
-            self.leave_out(&candidate);
+        if let Some(left_out) = self.candidates.insert(candidate) {
+            // Within this tick the pair could reach its limit.
+            self.crowded |= !left_out.contact || left_out.headroom < 0.0;
         }
-        if self.candidates.len() > self.capacity
-            && let Some(dropped) = self.candidates.pop()
-        {
-            self.leave_out(&dropped);
-        }
-    }
-
-    fn leave_out(&mut self, candidate: &Candidate) {
-        // Within this tick the pair could reach its limit.
-        self.crowded |= !candidate.contact || candidate.headroom < 0.0;
     }
 }
 

@@ -2,11 +2,11 @@
 
 use ahqp_core::{Limits, MotionState, VelocityInterval};
 use nalgebra::{Matrix6, Matrix6xX, Rotation2, Vector2};
+use whole_body::limits::nearest_to_rest;
 use whole_body::robot::JointLimits;
 
 use crate::command::{BaseMotion, DriveReason};
 use crate::error::Error;
-use crate::motion_limits::nearest_to_rest;
 use crate::robot::kinematics::Kinematics;
 
 /// Share of its acceleration limits that the base uses unless safety needs more. The rest is reserved for braking.

@@ -2,6 +2,7 @@
 
 use ahqp_core::{JerkLimits, VelocityInterval};
 use nalgebra::Vector6;
+use whole_body::limits::nearest_to_rest;
 use whole_body::torque::Following;
 
 use super::base_drive::BaseDrive;
@@ -10,7 +11,7 @@ use crate::error::Error;
 use crate::following_error::FollowingErrorLimit;
 use crate::motion_limits::{
     HELD, HELD_IN_STOP, Motion, TickTimes, admit_braking, bound_held_acceleration, brake,
-    braking_limits, clamp, desired_limits, joint_limits, nearest_to_rest, write_intervals,
+    braking_limits, clamp, desired_limits, joint_limits, write_intervals,
 };
 use crate::robot::kinematics::Kinematics;
 use crate::robot::moca::MOCA_BASE_JOINTS;

@@ -308,13 +308,6 @@ pub enum Error {
     #[error("the id of a task is of another stack; take the one that `push` returned")]
     UnknownTask,
 
-    /// The measured state cannot be used; the robot brakes.
-    #[error("the robot brakes: {source}")]
-    Braking {
-        /// What is wrong.
-        source: Box<Error>,
-    },
-
     /// The solver refused the problem.
     #[error(transparent)]
     Hierarchy(#[from] ahqp_core::Error),

@@ -13,7 +13,7 @@
 //! | [`tasks`] | the built-in tasks, and the traits for tasks of your own |
 //! | [`stack`] | levels of tasks over q̇ and further variables within bounds of your own |
 //! | [`limits`] | limits of joints, wheels and speeds of frames |
-//! | [`ik`] | settings and results of an [`Ik`], and commands with a limited following error |
+//! | [`ik`] | settings and results of an [`Ik`] |
 //! | [`torque`] | torques that follow velocities, impedance control, and an observer of external torques |
 //! | [`control_loop`] | the periodic loop with a real robot |
 //! | [`simulation`] | rigid bodies, contacts and sensors for testing controllers |

@@ -8,5 +8,5 @@ pub(crate) mod wheels;
 
 pub use ahqp_core::VelocityInterval;
 pub use frame_velocity::FrameVelocityLimit;
-pub use joint_intervals::{End, LimitKind};
+pub use joint_intervals::{End, LimitKind, nearest_to_rest};
 pub use wheels::WheelLimit;

@@ -13,7 +13,7 @@ pub(super) struct PartSpeeds {
     /// infinity for a part that must not be touched.
     permitted: f64,
     /// Room that is watched beyond the distance at which a row may be needed \[m\].
-    watched_room: f64,
+    pub(super) watched_room: f64,
 }
 
 impl PartSpeeds {
@@ -35,12 +35,10 @@ impl PartSpeeds {
         Self { human, permitted, watched_room }
     }
 
-    /// Returns the distance beyond which the part does not matter to a body of the robot \[m\]. It
-    /// is negative infinity if a contact allows every speed that the two can reach within this
-    /// tick.
-    pub(super) fn farthest(&self, moves: &BodyMotion, reach: Reach) -> f64 {
+    /// Returns the distance beyond which the part needs no row for a body of the robot \[m\]. It is
+    /// negative infinity if a contact allows every speed that the two can reach within this tick.
+    pub(super) fn sight(&self, moves: &BodyMotion, reach: Reach) -> f64 {
         let is_free = self.permitted - moves.fastest > moves.change;
-        let sight = reach.sight(self.human) + self.watched_room;
-        if is_free { f64::NEG_INFINITY } else { sight }
+        if is_free { f64::NEG_INFINITY } else { reach.sight(self.human) }
     }
 }

@@ -21,8 +21,8 @@ pub(super) struct Pair<'a> {
     pub(super) robot: (usize, &'a RobotBody),
     pub(super) other: (usize, &'a PersonBody),
     pub(super) near: Proximity,
-    /// Distance beyond which points of the robot do not matter \[m\].
-    pub(super) farthest: f64,
+    /// Distance beyond which points of the robot need no row \[m\].
+    pub(super) sight: f64,
 }
 
 impl ApproachRows {
@@ -34,7 +34,7 @@ impl ApproachRows {
         moves: &mut BodyMotion,
         pair: &Pair<'_>,
     ) {
-        let Pair { robot: (robot, body), other: (other, part), near, farthest } = *pair;
+        let Pair { robot: (robot, body), other: (other, part), near, sight } = *pair;
         if part.contact.is_none() {
             let wrench = near.gradient_first(&motion.origin);
             let approach = -moves.along(&wrench);
@@ -48,13 +48,17 @@ impl ApproachRows {
                 self.violations.take((robot, body), part, &self.settings);
             }
         }
+        // Pairs farther away are only watched.
+        if near.distance > sight {
+            return;
+        }
         let id = PointId { robot, other, end: None };
         self.evaluate_point(motion, moves, (id, body, part), (&body.capsule, near));
         for (end, point) in body.capsule.ends().into_iter().enumerate() {
             let along = point - near.on_first;
             // The whole part lies beyond the plane through its nearest point that is normal to the
             // normal.
-            let in_sight = near.distance + near.normal.dot(&along) <= farthest;
+            let in_sight = near.distance + near.normal.dot(&along) <= sight;
             if in_sight && along.norm_squared() > SAME_POINT * SAME_POINT {
                 let at_end = body.capsule.at(point);
                 let near = proximity(&at_end, &part.capsule);
@@ -93,7 +97,7 @@ impl ApproachRows {
     }
 
     /// Returns the candidate row of a point so near to the part. None if the point is too far away
-    /// to matter.
+    /// or too slow to matter.
     fn candidate(
         &mut self,
         motion: &JointMotion<'_>,
@@ -128,13 +132,18 @@ impl ApproachRows {
                 limit = limit.max(contact.approach_limit(mass, measured, worst));
             }
         }
+        let room = near.distance - self.settings.protective_distance(assumed, 0.0);
+        // Within this tick the pair cannot reach its limit, and is not too near.
+        if limit - approach > moves.change && room >= 0.0 {
+            return None;
+        }
         Some(Candidate {
             id,
             normal: near.normal,
             point: near.on_first,
             joints: body.joints,
             opposite: None,
-            room: near.distance - self.settings.protective_distance(assumed, 0.0),
+            room,
             limit,
             headroom: limit - approach,
             contact: part.contact.is_some(),

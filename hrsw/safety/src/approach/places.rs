@@ -1,6 +1,7 @@
 //! Assignment of points to rows.
 
-use super::candidate::{Candidate, PointId};
+use super::candidate::PointId;
+use super::ranking::Ranking;
 
 /// Assignment of points to the rows of a block. A point keeps its row as long as it has one. A
 /// solver that starts from the last active set then starts with the same points.
@@ -8,7 +9,7 @@ use super::candidate::{Candidate, PointId};
 pub(super) struct Places {
     /// Point of each row, now or in the tick before.
     points: Vec<Option<PointId>>,
-    /// Index of each row's candidate.
+    /// Slot of each row's candidate.
     candidates: Vec<Option<usize>>,
 }
 
@@ -19,13 +20,13 @@ impl Places {
     }
 
     /// Assigns a row to each candidate. There are no more candidates than rows.
-    pub(super) fn assign(&mut self, candidates: &[Candidate]) {
+    pub(super) fn assign(&mut self, candidates: &Ranking) {
         self.candidates.fill(None);
         let mut new = 0;
-        for (index, candidate) in candidates.iter().enumerate() {
+        for (slot, candidate) in candidates.iter() {
             let row = self.points.iter().position(|point| *point == Some(candidate.id));
             match row.and_then(|row| self.candidates.get_mut(row)) {
-                Some(place) => *place = Some(index),
+                Some(place) => *place = Some(slot),
                 None => new += 1,
             }
         }
@@ -38,7 +39,7 @@ impl Places {
             return;
         }
         let mut row = 0;
-        for (index, candidate) in candidates.iter().enumerate() {
+        for (slot, candidate) in candidates.iter() {
             if self.points.contains(&Some(candidate.id)) {
                 continue;
             }
@@ -48,12 +49,12 @@ impl Places {
             if let (Some(point), Some(place)) =
                 (self.points.get_mut(row), self.candidates.get_mut(row))
             {
-                (*point, *place) = (Some(candidate.id), Some(index));
+                (*point, *place) = (Some(candidate.id), Some(slot));
             }
         }
     }
 
-    /// Iterates over the rows, with the index of each row's candidate.
+    /// Iterates over the rows, with the slot of each row's candidate.
     pub(super) fn candidates(&self) -> impl Iterator<Item = Option<usize>> {
         self.candidates.iter().copied()
     }

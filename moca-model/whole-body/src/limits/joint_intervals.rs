@@ -260,6 +260,6 @@ fn opened(interval: VelocityInterval) -> VelocityInterval {
 }
 
 /// The velocity of the interval with the least magnitude.
-pub(crate) fn nearest_to_rest(interval: &VelocityInterval) -> f64 {
+pub fn nearest_to_rest(interval: &VelocityInterval) -> f64 {
     0.0_f64.max(interval.lower).min(interval.upper)
 }

@@ -5,9 +5,11 @@ use super::law::{TorqueLaw, TorqueSettings};
 use super::measurement_watch::MeasurementFault;
 use super::resynchronisation::{Following, Resynchronisation};
 use crate::error::{Error, check_finite};
-use crate::ik::following_error::FollowingErrorLimit;
 use crate::robot::joint::JointKind;
 use crate::robot::model::Model;
+
+/// Largest following error of a joint \[rad or m\].
+const FARTHEST: f64 = 0.1;
 
 /// Turns velocities into torques by a [`TorqueLaw`]. The desired state stays near the measured one even if the robot is
 /// held ([`Resynchronisation`]).
@@ -72,22 +74,23 @@ impl TorqueControl {
     /// Those of [`TorqueLaw::new`].
     pub fn new(model: &Model, settings: TorqueSettings, measured: &[f64]) -> Result<Self, Error> {
         let law = TorqueLaw::new(model, settings, measured)?;
-        let limit = FollowingErrorLimit::default();
         Ok(Self {
             law,
-            resynchronisation: Resynchronisation::of_model(model, &limit)?,
+            resynchronisation: Resynchronisation::of_model(model, FARTHEST, FARTHEST)?,
             following: Following::Follows,
             desired: measured.to_vec(),
             commanded: vec![0.0; model.velocity_count()],
         })
     }
 
-    /// Sets the largest following errors. Beyond them the desired state restarts from the measured one.
+    /// Sets the largest following errors of joints that turn \[rad\] and slide \[m\]. Beyond them the desired state
+    /// restarts from the measured one.
     ///
     /// # Errors
-    /// [`Error::Value`] for a following-error limit out of range.
-    pub fn limit_following_error(&mut self, limit: &FollowingErrorLimit) -> Result<(), Error> {
-        self.resynchronisation = Resynchronisation::of_model(self.law.model(), limit)?;
+    /// Those of [`Resynchronisation::of_model`].
+    pub fn limit_following_error(&mut self, revolute: f64, prismatic: f64) -> Result<(), Error> {
+        self.resynchronisation =
+            Resynchronisation::of_model(self.law.model(), revolute, prismatic)?;
         Ok(())
     }
 

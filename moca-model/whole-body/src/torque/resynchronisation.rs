@@ -1,7 +1,6 @@
 //! Resynchronisation of a desired position with the measured one.
 
 use crate::error::{Error, check_size};
-use crate::ik::following_error::FollowingErrorLimit;
 use crate::robot::joint::JointKind;
 use crate::robot::model::Model;
 
@@ -68,18 +67,21 @@ impl Resynchronisation {
         Ok(Self { lengths, state: State::Unknown })
     }
 
-    /// Creates a resynchronisation for all joints of a robot. A floating base has no limit, since it is estimated.
+    /// Creates a resynchronisation for all joints of a robot: those that turn have the largest following error
+    /// `revolute` \[rad\], those that slide `prismatic` \[m\]. A floating base has no limit, since it is estimated.
+    ///
+    /// A robot that follows with a delay T is behind by T times its speed. A robot under impedance control yields by the
+    /// torque over its stiffness. The limits must leave room for both.
     ///
     /// # Errors
-    /// [`Error::Value`] for a following-error limit out of range.
-    pub fn of_model(model: &Model, following_error: &FollowingErrorLimit) -> Result<Self, Error> {
-        following_error.validate()?;
+    /// [`Error::Value`] for a length that is not positive.
+    pub fn of_model(model: &Model, revolute: f64, prismatic: f64) -> Result<Self, Error> {
         let mut lengths = vec![f64::INFINITY; model.position_count()];
         for joint in model.joints() {
             let length = match joint.kind {
                 JointKind::Floating => continue,
-                JointKind::Prismatic => following_error.prismatic,
-                JointKind::Revolute | JointKind::Continuous => following_error.revolute,
+                JointKind::Prismatic => prismatic,
+                JointKind::Revolute | JointKind::Continuous => revolute,
             };
             if let Some(own) = lengths.get_mut(joint.position_index) {
                 *own = length;

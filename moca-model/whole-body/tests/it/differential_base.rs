@@ -2,7 +2,6 @@
 
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
-use whole_body::ik::{Commanded, FollowingErrorLimit};
 use whole_body::limits::{FrameVelocityLimit, WheelLimit};
 use whole_body::robot::LimitOverride;
 use whole_body::stack::TaskId;
@@ -120,27 +119,4 @@ proptest! {
         let worst = soak(seed, linear, angular, half, is_slow);
         prop_assert!(worst < 1e-9, "{} m/s sideways", worst);
     }
-}
-
-/// The robot is held, so that the command waits along its heading.
-#[test]
-fn command_waits_for_held_base_without_sliding() {
-    let model = model(LimitOverride::of_speed(1.0, 0.5), LimitOverride::of_speed(1.5, 1.0));
-    let Drive { mut ik, tip } = drive(&model, WheelLimit::differential(2.0, 0.5));
-    ik.task_mut(tip).unwrap().set_target(Point3::new(2.0, 1.0, 0.0)).unwrap();
-    let mut measured = model.neutral();
-    let mut robot = Commanded::new(ik, &measured, FollowingErrorLimit::default()).unwrap();
-    let mut worst = 0.0_f64;
-    for tick in 0..6000 {
-        let yaw = robot.position()[2];
-        let command = robot.step(&measured, PERIOD);
-        assert!(command.fault.is_none());
-        worst = worst.max(sideways(yaw, command.velocity));
-        if tick < 1500 {
-            measured.copy_from_slice(command.position);
-        }
-    }
-    assert!(worst < 1e-9, "{worst} m/s sideways");
-    let apart = (robot.position()[0] - measured[0]).hypot(robot.position()[1] - measured[1]);
-    assert!(apart < 0.15 && apart > 0.01, "{apart} m");
 }

@@ -119,6 +119,32 @@ fn joints_outside_come_back_and_rest_there() {
     assert!(ik.velocity().iter().all(|v| v.abs() < 1e-6));
 }
 
+/// The measurement of a moving arm is lost.
+#[test]
+fn braking_after_bad_step_keeps_limits() {
+    let model = panda();
+    let mut builder = Ik::builder(&model);
+    let tasks = tasks(&mut builder, &model);
+    let mut ik = builder.build().unwrap();
+    let mut q = vec![0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785];
+    let (mut random, mut monitor) = (Random(6), Monitor::new(&model, &q));
+    for _ in 0..3 {
+        random_targets(&mut ik, &tasks, &model, &mut random);
+        for _ in 0..150 {
+            ik.step(&q, PERIOD).unwrap().integrate(&mut q).unwrap();
+            monitor.check(&q);
+        }
+        assert!(ik.velocity().iter().any(|v| v.abs() > 0.1));
+        for _ in 0..1000 {
+            assert!(ik.step(&[f64::NAN; 7], PERIOD).is_err());
+            let velocity = ik.brake(PERIOD).unwrap();
+            q.iter_mut().zip(velocity).for_each(|(q, v)| *q += v * PERIOD);
+            monitor.check(&q);
+        }
+        assert!(ik.velocity().iter().all(|v| v.abs() < 1e-9));
+    }
+}
+
 /// The stretched arm is singular, and the remaining error cannot be reduced.
 #[test]
 fn arm_rests_at_an_unreachable_target() {

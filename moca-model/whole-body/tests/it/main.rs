@@ -6,7 +6,6 @@ mod allocation;
 mod bad_input;
 mod bad_tasks;
 mod bad_urdf;
-mod commanded;
 mod control_loop;
 mod corner;
 mod description;

@@ -1,7 +1,6 @@
 //! A Panda under torque control follows, supports itself, is held and released.
 
 use nalgebra::{Point3, Vector3};
-use whole_body::ik::FollowingErrorLimit;
 use whole_body::simulation::{
     Contact, JointDrive, RandomSource, RigidBodySimulation, SensorSettings, Sensors, Transmission,
 };
@@ -139,8 +138,7 @@ fn torque_control_follows_a_circle() {
 #[test]
 fn arm_released_from_wall_does_not_jump() {
     let mut panda = Loop::new(TorqueSettings::new(Compensation::BARE));
-    let limit = FollowingErrorLimit { revolute: 0.05, ..FollowingErrorLimit::default() };
-    panda.control.limit_following_error(&limit).unwrap();
+    panda.control.limit_following_error(0.05, 0.1).unwrap();
     let start = panda.point(&HOME);
     let tool = panda.model.frame_id("panda_tcp").unwrap();
     let wall = Contact::wall(tool, -Vector3::x_axis(), -(start.x + 0.1));
@@ -205,8 +203,10 @@ fn what_torque_control_cannot_use() {
     assert!(matches!(error, Error::WrongSize { what: "stiffness", expected: 1, got: 7 }));
     assert!(TorqueControl::new(&model, default(), &[0.0; 6]).is_err());
     let mut control = new(default()).unwrap();
-    let limit = FollowingErrorLimit { revolute: 0.0, ..FollowingErrorLimit::default() };
-    assert!(matches!(control.limit_following_error(&limit), Err(Error::Value { .. })));
+    for [revolute, prismatic] in [[0.0, 0.1], [f64::NAN, 0.1]] {
+        let refused = control.limit_following_error(revolute, prismatic);
+        assert!(matches!(refused, Err(Error::Value { .. })));
+    }
     let rest = JointState { position: &HOME, velocity: &[0.0; 7] };
     let nan = JointState { position: &[f64::NAN; 7], velocity: &[0.0; 7] };
     assert!(control.step(&[0.0; 7], nan, 0.0, PERIOD).is_err());
