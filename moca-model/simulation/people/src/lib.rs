@@ -61,7 +61,7 @@ pub use {rand_chacha, vision_models};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
-/// Returns one of a seed's independent streams of random numbers.
+/// Returns one of a seed's independent streams of random numbers, for a camera, a recogniser or a mind.
 ///
 /// ```
 /// assert_eq!(simulated_people::generator(1, 0), simulated_people::generator(1, 0));
