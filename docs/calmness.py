@@ -36,6 +36,8 @@ COLUMNS = [
 def settings(programs, noise, folder):
     """A settings file for a camera with this factor on its noise."""
     path, line = folder / f"noise-{noise}.toml", "position_sigma = "
+    if path.exists():
+        return path
     subprocess.run([programs / "follow", "--write-settings", path], check=True, stdout=subprocess.DEVNULL)
     lines = path.read_text().splitlines()
     (at,) = [index for index, text in enumerate(lines) if text.startswith(line)]
@@ -48,9 +50,10 @@ def play(programs, seed, folder):
     """The summaries of `follow` for the recording of this seed, one for each column."""
     summaries = []
     for _, noise, options in COLUMNS:
-        recording, truth = folder / f"{seed}.jsonl", folder / f"{seed}.truth"
-        made = ["--quiet", "--seed", str(seed), "--noise", str(noise), "--output", recording, "--truth", truth]
-        subprocess.run([programs / "record", *made], check=True, stdout=subprocess.DEVNULL)
+        recording, truth = (folder / f"{seed}-{noise}.{kind}" for kind in ("jsonl", "truth"))
+        if not truth.exists():
+            made = ["--quiet", "--seed", str(seed), "--noise", str(noise), "--output", recording, "--truth", truth]
+            subprocess.run([programs / "record", *made], check=True, stdout=subprocess.DEVNULL)
         command = ["--quiet", "--json", "--no-report", "--recording", recording, "--truth", truth, *options]
         command += ["--settings", settings(programs, noise, folder)]
         run = subprocess.run([programs / "follow", *command], check=True, text=True, stdout=subprocess.PIPE)

@@ -293,7 +293,7 @@ mod tests {
         /// The last part of a stop, from the acceleration α to rest, satisfies α² = 2 j v. From v at a constant
         /// speed, α Δt + α²/(2 j) = v leads to it. Held for 20 ms, no acceleration leads beyond 1.2 v + 0.1 rad/s.
         #[test]
-        fn emergency_stops_use_all_acceleration_and_jerk(
+        fn emergency_stops_use_what_limits_allow(
             velocity in prop::collection::vec(-0.5..0.5_f64, 7), share in 0.0..1.0_f64,
         ) {
             let settings = ControllerSettings::default();

@@ -73,8 +73,8 @@ impl ActiveSet {
                 self.attain();
             }
             if let Some((id, bound)) = blocking {
-                let settled = SETTLED * (1.0 + norm(&self.x));
-                if is_long && path - self.path_at_drop[id] <= settled {
+                let moved = path - self.path_at_drop[id];
+                if is_long && moved <= SETTLED * (1.0 + norm(&self.x)) {
                     self.tabu.push(id);
                 }
                 self.activate(goal, id, bound);
