@@ -19,6 +19,12 @@ const ROUNDING: f64 = 1e-9;
 /// Time in which a joint outside its range must return while nothing hinders it \[s\].
 const RETURN_TIME: f64 = 5.0;
 
+/// Difference between where a command begins and where the last one led, from which on it starts anew \[m, rad\].
+const JUMP: f64 = 1e-6;
+
+/// Difference up to which a command begins where the robot is, for noise of encoders and motion since then \[m, rad\].
+const NOISE: f64 = 1e-3;
+
 /// The limits that a command violates.
 #[expect(clippy::struct_excessive_bools, reason = "several kinds of limits can be broken at once")]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -49,6 +55,15 @@ pub enum Return {
     Free,
     /// A person or the supervisor may keep the robot where it is.
     Hindered,
+}
+
+/// A joint outside its range.
+#[derive(Clone, Copy, Debug, Default)]
+struct Outside {
+    /// Time for which nothing has hindered it from returning \[s\].
+    time: f64,
+    /// Whether it was found outside while it moved, and has not come to rest since.
+    brakes: bool,
 }
 
 /// The smallest margin of each kind of limit, as a fraction of the limit.
@@ -96,8 +111,10 @@ pub struct LimitMonitor {
     twist: Vector6<f64>,
     /// Time since the last command \[s\].
     elapsed: f64,
-    /// Time for which each joint has been outside since the start \[s\]; `None` for joints within their range.
-    outside: Vec<Option<f64>>,
+    /// Where each joint is led by the commands so far; `None` before the first.
+    led: Vec<Option<f64>>,
+    /// Joints outside their range; `None` for those within.
+    outside: Vec<Option<Outside>>,
     margins: Margins,
 }
 
@@ -110,10 +127,11 @@ impl LimitMonitor {
         let outside = joints
             .iter()
             .zip(configuration)
-            .map(|(limits, q)| (!(limits.lower..=limits.upper).contains(q)).then_some(0.0))
+            .map(|(limits, q)| is_outside(limits, *q).then(Outside::default))
             .collect();
         let (velocity, acceleration) = (vec![0.0; joints.len()], vec![[0.0; 2]; joints.len()]);
         let (twist, margins) = (Vector6::zeros(), Margins::FULL);
+        let led = vec![None; joints.len()];
         Self {
             joints,
             desired,
@@ -123,6 +141,7 @@ impl LimitMonitor {
             acceleration,
             twist,
             elapsed: period,
+            led,
             outside,
             margins,
         }
@@ -136,6 +155,9 @@ impl LimitMonitor {
     /// Takes a period in which no command came. Velocities of the next one may change for that time, too.
     pub fn miss(&mut self) {
         self.elapsed += self.period;
+        for (led, velocity) in self.led.iter_mut().flatten().zip(&self.velocity) {
+            *led += velocity * self.period;
+        }
     }
 
     /// Takes a command and the configuration before it, n \[rad or m\]. A number that is not finite violates its limit.
@@ -159,7 +181,8 @@ impl LimitMonitor {
             let change = v - std::mem::replace(&mut self.velocity[index], v);
             breaches.acceleration |= self.change(change.abs(), acceleration);
             breaches.jerk |= self.jerk(index, change, limits);
-            breaches.range |= self.position(index, q, v, returning);
+            breaches.range |= self.position(index, [q, v, v - change], returning);
+            self.led[index] = Some(q + v * self.period);
         }
         if let Some(MecanumBase { speed, lever, axis_speed }) = self.base {
             let [x, y, turn] = command.base_twist.map(f64::abs);
@@ -186,8 +209,22 @@ impl LimitMonitor {
     /// Accepts that joints outside their range were moved there by external causes.
     pub(crate) fn move_outside(&mut self, configuration: &[f64]) {
         for ((outside, limits), q) in self.outside.iter_mut().zip(&self.joints).zip(configuration) {
-            let is_outside = !(limits.lower..=limits.upper).contains(q);
-            *outside = is_outside.then_some(0.0);
+            *outside = is_outside(limits, *q).then(Outside::default);
+        }
+    }
+
+    /// Accepts joints outside their range if the next command does not begin where the last one led, but where the
+    /// robot is, as `measured` shows it. Then the robot is outside, and no command took it there. A joint that was moving
+    /// out must brake.
+    pub fn restart(&mut self, configuration: &[f64], measured: &[f64]) {
+        let joints = self.outside.iter_mut().zip(&self.joints).zip(&self.led);
+        for (((outside, limits), led), (q, measured)) in
+            joints.zip(configuration.iter().zip(measured))
+        {
+            let jumps = led.is_none_or(|led| (q - led).abs() > JUMP);
+            if jumps && (q - measured).abs() <= NOISE && is_outside(limits, *q) {
+                *outside = Some(Outside { time: 0.0, brakes: true });
+            }
         }
     }
 
@@ -235,20 +272,22 @@ impl LimitMonitor {
         !kept
     }
 
-    /// Returns true if the velocity `v` moves a joint out of its range, or leaves it outside for too long.
-    fn position(&mut self, index: usize, q: f64, v: f64, returning: Return) -> bool {
+    /// Returns true if the velocity `v`, after `before`, moves a joint out of its range, or leaves it outside for too long.
+    fn position(&mut self, index: usize, [q, v, before]: [f64; 3], returning: Return) -> bool {
         let JointLimits { lower, upper, .. } = self.joints[index];
         let next = q + v * self.period;
         let beyond = (next - upper).max(lower - next);
         let outside = &mut self.outside[index];
         let within = beyond <= 0.0;
-        if let Some(time) = outside
+        if let Some(Outside { time, brakes }) = outside
             && !within
         {
             // A joint that starts from rest must not go farther out or stay for long.
-            let outwards = if next > upper { v } else { -v };
+            let [outwards, before] = if next > upper { [v, before] } else { [-v, -before] };
             *time += if returning == Return::Free { self.period } else { 0.0 };
-            let kept = outwards <= ROUNDING && *time <= RETURN_TIME;
+            *brakes &= outwards > ROUNDING;
+            let stays = outwards <= ROUNDING || *brakes && outwards < before;
+            let kept = stays && *time <= RETURN_TIME;
             return !kept;
         }
         *outside = None;
@@ -259,6 +298,10 @@ impl LimitMonitor {
         let kept = beyond <= ROUNDING;
         !kept
     }
+}
+
+fn is_outside(limits: &JointLimits, q: f64) -> bool {
+    !(limits.lower..=limits.upper).contains(&q)
 }
 
 /// Checks the torques of a run tick by tick: sizes within the joints' efforts, and changes within the torque rate.

@@ -201,7 +201,7 @@ impl Monitor {
 
         let velocity = &command.joint_velocity;
         let verdict = self.separation.check(velocity, tick.configuration, tick.people)?;
-        let collides = self.collides(is_settling);
+        let collides = self.collides(is_settling, tick.reference)?;
         let counts = &mut self.counts;
         counts.separation_violations += u64::from(verdict.violation.is_some());
         counts.person_caused += u64::from(verdict.person_caused);
@@ -220,17 +220,20 @@ impl Monitor {
     }
 
     /// Returns true if the robot has moved its own bodies into each other. Those that a push has brought
-    /// together may stay where it left them, as long as the robot does not press them together.
-    fn collides(&mut self, is_settling: bool) -> bool {
+    /// together may stay where it left them, as long as the robot does not press them together: they come no nearer than
+    /// they were, or were commanded to be.
+    fn collides(&mut self, is_settling: bool, commanded: &[f64]) -> Result<bool, Error> {
         let overlap = self.separation.overlap();
         if is_settling {
             self.pushed_overlap = overlap;
         } else if self.pushed_overlap > 0.0 && overlap <= self.pushed_overlap + SAGGING {
-            self.pushed_overlap = self.pushed_overlap.min(overlap);
+            // An arm that has overshot comes back to its command.
+            let commanded = self.separation.overlap_at(commanded)?;
+            self.pushed_overlap = self.pushed_overlap.min(overlap.max(commanded));
         } else {
-            return overlap > 0.0;
+            return Ok(overlap > 0.0);
         }
-        false
+        Ok(false)
     }
 
     /// Checks whether a joint may leave its range: somebody pushes it, or the robot brakes by itself or unseen. Returns
@@ -244,13 +247,11 @@ impl Monitor {
         }
         let is_settling = self.settling > 0;
         self.settling = self.settling.saturating_sub(1);
-        // If the robot does not follow, the command starts anew from the measurement, with its noise. A command that
-        // takes a joint farther out still counts.
-        let starts_anew =
-            matches!(tick.command.fault, Some(Fault::RobotStopped | Fault::FollowingError))
-                || is_unseen(tick.command);
-        if is_settling || starts_anew {
+        // A command that takes a joint farther out still counts.
+        if is_settling || is_unseen(tick.command) {
             self.limits.move_outside(tick.reference);
+        } else {
+            self.limits.restart(tick.reference, tick.configuration);
         }
         is_settling
     }

@@ -72,8 +72,10 @@ impl Judge {
     ) -> Result<(), Error> {
         let command = plant.command();
         self.settling = if disturbed { SETTLING } else { self.settling.saturating_sub(1) };
-        if self.settling > 0 || starts_anew(command) {
+        if self.settling > 0 || is_unseen(command) {
             self.limits.move_outside(plant.reference());
+        } else {
+            self.limits.restart(plant.reference(), plant.configuration());
         }
         let nobody = people.iter().all(|moment| moment.known.is_none());
         let free = command.safety == SafetyState::Normal && nobody;
@@ -95,14 +97,8 @@ impl Judge {
     }
 }
 
-/// A robot that does not follow, or is not seen, begins anew from what is measured.
-fn starts_anew(command: &Command) -> bool {
-    let faults = [
-        Fault::RobotStopped,
-        Fault::FollowingError,
-        Fault::MissingMeasurement,
-        Fault::FrozenMeasurement,
-        Fault::LostCommand,
-    ];
+/// Returns true if the robot's position is only predicted.
+fn is_unseen(command: &Command) -> bool {
+    let faults = [Fault::MissingMeasurement, Fault::FrozenMeasurement, Fault::LostCommand];
     command.fault.is_some_and(|fault| faults.contains(&fault))
 }

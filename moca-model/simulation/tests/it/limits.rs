@@ -201,6 +201,61 @@ proptest! {
         prop_assert_eq!(next(share + change), expected);
     }
 
+    /// A command that starts anew outside must brake, and must find the robot there.
+    #[test]
+    fn restart_outside_needs_robot_there(
+        joint in 3..10_usize, upwards in any::<bool>(), beyond in 1e-4..0.1_f64,
+        apart in -2e-3..2e-3_f64, ticks in 1..10_usize,
+    ) {
+        let sign = if upwards { 1.0 } else { -1.0 };
+        let start = |joints: &[JointLimits]| {
+            let (lower, upper) = (joints[joint].lower, joints[joint].upper);
+            if upwards { upper - 1e-3 } else { lower + 1e-3 }
+        };
+        let mut q = MOCA_HOME.to_vec();
+        q[joint] = start(&Hand::home().joints);
+        let mut hand = Hand::at(&q);
+        let step = hand.joints[joint].acceleration * PERIOD;
+        // It moves out slowly enough to stay within its range up to here.
+        for _ in 0..ticks {
+            hand.command.joint_velocity[joint] += 0.01 * sign * step;
+            prop_assert_eq!(hand.check(Return::Free), NOTHING);
+        }
+        // The robot is found outside, and the command starts there.
+        hand.q[joint] = start(&hand.joints) + sign * (1e-3 + beyond);
+        let mut measured = hand.q.clone();
+        measured[joint] += apart;
+        hand.monitor.restart(&hand.q, &measured);
+        let accepted = apart.abs() <= 1e-3;
+        hand.command.joint_velocity[joint] -= 0.005 * sign * step;
+        prop_assert_eq!(hand.check(Return::Hindered).range, !accepted);
+        prop_assume!(accepted);
+        // No later tick may lead farther out than its predecessor, and none after rest.
+        hand.command.joint_velocity[joint] += 0.001 * sign * step;
+        prop_assert!(hand.check(Return::Hindered).range);
+        hand.command.joint_velocity[joint] = 0.0;
+        prop_assert_eq!(hand.check(Return::Hindered), NOTHING);
+        hand.command.joint_velocity[joint] = 1e-3 * sign * step;
+        prop_assert!(hand.check(Return::Hindered).range);
+    }
+
+    /// Noise of a measurement excuses no command that leads out of the range.
+    #[test]
+    fn steady_command_cannot_restart(joint in 3..10_usize, noise in -1e-3..1e-3_f64) {
+        let mut q = MOCA_HOME.to_vec();
+        q[joint] = Hand::home().joints[joint].upper - 1e-6;
+        let mut hand = Hand::at(&q);
+        hand.command.joint_velocity[joint] = 0.5e-3;
+        prop_assert_eq!(hand.check(Return::Free), NOTHING);
+        for _ in 0..10 {
+            let mut measured = hand.q.clone();
+            measured[joint] += noise;
+            let out = hand.q[joint] + 0.5e-6 > hand.joints[joint].upper + 1e-9;
+            hand.monitor.restart(&hand.q, &measured);
+            prop_assert_eq!(hand.check(Return::Free).range, out);
+        }
+    }
+
     /// The norm counts, even if no axis alone exceeds the limit.
     #[test]
     fn excessive_desired_acceleration_is_found(

@@ -127,8 +127,21 @@ impl SeparationMonitor {
 
     /// Returns the largest overlap of two bodies of the robot that must keep apart \[m\].
     pub fn overlap(&self) -> f64 {
-        let now = &self.robot.now;
-        let overlaps = self.own_pairs.iter().map(|&(i, j)| -now[i].distance(&now[j]));
+        self.overlap_of(&self.robot.now)
+    }
+
+    /// Returns the same with the robot at another configuration, n \[m, rad\].
+    ///
+    /// # Errors
+    /// A configuration that does not belong to the robot.
+    pub fn overlap_at(&mut self, configuration: &[f64]) -> Result<f64, Error> {
+        let mut rods = Vec::with_capacity(self.shapes.len());
+        place(&mut self.data, &self.model, &self.shapes, configuration, &mut rods)?;
+        Ok(self.overlap_of(&rods))
+    }
+
+    fn overlap_of(&self, rods: &[Rod]) -> f64 {
+        let overlaps = self.own_pairs.iter().map(|&(i, j)| -rods[i].distance(&rods[j]));
         overlaps.fold(0.0, f64::max)
     }
 
@@ -149,16 +162,28 @@ impl SeparationMonitor {
         ] {
             let moved = configuration.iter().zip(velocity).map(|(q, v)| q + v * time);
             let q: Vec<f64> = moved.collect();
-            let posed = self.data.pose(&self.model, &q)?;
-            rods.clear();
-            for (link, rod) in &self.shapes {
-                let pose = posed.world_from(*link)?;
-                let ends = rod.ends.map(|end| (pose * Point3::from(end)).coords);
-                rods.push(Rod { ends, ..*rod });
-            }
+            place(&mut self.data, &self.model, &self.shapes, &q, rods)?;
         }
         Ok(())
     }
+}
+
+/// Places the shapes for a configuration.
+fn place(
+    data: &mut Data,
+    model: &Model,
+    shapes: &[(FrameId, Rod)],
+    configuration: &[f64],
+    rods: &mut Vec<Rod>,
+) -> Result<(), Error> {
+    let posed = data.pose(model, configuration)?;
+    rods.clear();
+    for (link, rod) in shapes {
+        let pose = posed.world_from(*link)?;
+        let ends = rod.ends.map(|end| (pose * Point3::from(end)).coords);
+        rods.push(Rod { ends, ..*rod });
+    }
+    Ok(())
 }
 
 fn rod(capsule: &Capsule) -> Rod {
