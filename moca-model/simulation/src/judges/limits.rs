@@ -213,9 +213,8 @@ impl LimitMonitor {
         }
     }
 
-    /// Accepts joints outside their range if the next command does not begin where the last one led, but where the
-    /// robot is, as `measured` shows it. Then the robot is outside, and no command took it there. A joint that was moving
-    /// out must brake.
+    /// Accepts joints outside their range if the next command begins at the `measured` robot instead of where the last
+    /// one led. No command took them there. A joint that was moving out must brake.
     pub fn restart(&mut self, configuration: &[f64], measured: &[f64]) {
         let joints = self.outside.iter_mut().zip(&self.joints).zip(&self.led);
         for (((outside, limits), led), (q, measured)) in
