@@ -257,7 +257,8 @@ impl Solver {
     }
 
     /// Searches all levels from the prediction, and ensures that the result satisfies the data.
-    /// Searches again from zero if the rank tolerance decided the active set.
+    /// Searches again from zero if the rank tolerance decided the active set, or if rounding of
+    /// the way from the prediction left a hard row violated.
     fn search(&mut self, levels: usize) -> Result<Status, Error> {
         let from_nothing = self.set.predicted.iter().all(|state| !state.is_active())
             && self.solution.x.iter().all(|&x| x == 0.0);
@@ -275,8 +276,12 @@ impl Solver {
         }
         self.polish();
         match self.set.move_onto_broken_rows() {
-            Some(id) => Err(self.inaccurate(id)),
             None => Ok(status),
+            Some(id) if from_nothing => Err(self.inaccurate(id)),
+            Some(_) => {
+                self.start_from_nothing();
+                self.search(levels)
+            }
         }
     }
 

@@ -127,6 +127,15 @@ fn rows_that_come_back_together_stay() {
     expect_proofs(&problems, &mut solver);
 }
 
+/// A robot near rest: forty rows and the bounds of its joints nearly meet, and rounding grows on the way from the tick
+/// before. It is a tick of a controller, after the tick before it.
+#[test]
+fn rows_that_meet_at_rest_hold() {
+    let problems = read(include_str!("written/rows_that_meet_at_rest.txt"));
+    let mut solver = Solver::new(&problems[0], Settings::default()).unwrap();
+    expect_proofs(&problems, &mut solver);
+}
+
 /// Two of these rows differ by a millionth. Their violation is only known from x.
 #[test]
 fn rows_that_nearly_agree_hold_together() {
