@@ -33,7 +33,7 @@ use settings::Stacking;
 use settings::{Settings, WarmStart};
 use solution::Solution;
 use status::Status;
-use tolerances::ROUNDS;
+use tolerances::{NEAR_THRESHOLD, ROUNDS};
 
 /// Solves hierarchies of one shape, without allocation after construction.
 ///
@@ -257,8 +257,7 @@ impl Solver {
     }
 
     /// Searches all levels from the prediction, and ensures that the result satisfies the data.
-    /// Searches again from zero if the rank tolerance decided the active set, or if rounding of
-    /// the way from the prediction left a hard row violated.
+    /// Searches again from zero if the rank tolerance decided the active set.
     fn search(&mut self, levels: usize) -> Result<Status, Error> {
         let from_nothing = self.set.predicted.iter().all(|state| !state.is_active())
             && self.solution.x.iter().all(|&x| x == 0.0);
@@ -277,11 +276,28 @@ impl Solver {
         self.polish();
         match self.set.move_onto_broken_rows() {
             None => Ok(status),
-            Some(id) if from_nothing => Err(self.inaccurate(id)),
-            Some(_) => {
-                self.start_from_nothing();
-                self.search(levels)
-            }
+            Some(_) => self.search_beyond_doubt(levels),
+        }
+    }
+
+    /// Searches again from zero, with independent rows beyond the doubt about ranks. Rounding has
+    /// grown through rows that nearly depend on others, and left a hard row violated.
+    fn search_beyond_doubt(&mut self, levels: usize) -> Result<Status, Error> {
+        self.start_from_nothing();
+        self.set.change_settings(Settings {
+            rank_tolerance: NEAR_THRESHOLD * self.settings.rank_tolerance,
+            ..self.settings
+        });
+        let status = self.search_levels(levels);
+        self.set.change_settings(self.settings);
+        let status = status?;
+        if status != Status::Solved {
+            return Ok(status);
+        }
+        self.polish();
+        match self.set.move_onto_broken_rows() {
+            None => Ok(status),
+            Some(id) => Err(self.inaccurate(id)),
         }
     }
 
