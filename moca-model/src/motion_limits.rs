@@ -220,15 +220,16 @@ impl TickTimes {
         Self { elapsed, step }
     }
 
-    /// The acceleration after a velocity changed by `change`, with the acceleration `before`. It may have changed for the
-    /// whole elapsed time, or for less. The smallest acceleration that the jerk limit reaches counts: a larger one would
-    /// take longer to fade, and lead beyond the velocity limit.
-    pub(crate) fn acceleration(self, limits: &JerkLimits, change: f64, before: f64) -> f64 {
+    /// The accelerations after a velocity changed by `change`, with the acceleration `before`. It may have changed for
+    /// the whole elapsed time, or for less. The first is the smallest that the jerk limit reaches. It counts for motion,
+    /// since a larger one would take longer to fade, and lead beyond the velocity limit. The second is that of a change
+    /// within the step, from which a robot may brake.
+    pub(crate) fn accelerations(self, limits: &JerkLimits, change: f64, before: f64) -> [f64; 2] {
         let (most, jerk) = (limits.limits().acceleration(), limits.jerk() * self.elapsed);
         let over = |time: f64| (change / time).clamp(-most, most);
         let (slow, fast) = (over(self.elapsed), over(self.step));
         let reached = slow.max(before - jerk).min(before + jerk);
-        reached.max(slow.min(fast)).min(slow.max(fast))
+        [reached.max(slow.min(fast)).min(slow.max(fast)), fast]
     }
 }
 
@@ -284,14 +285,23 @@ pub(crate) fn bound_held_acceleration(
     }
 }
 
-/// Brakes each coordinate for `step` seconds, whatever its position.
-pub(crate) fn brake(braking: &[JerkLimits], acceleration: &[f64], step: f64, velocity: &mut [f64]) {
+/// Brakes each coordinate for `step` seconds, whatever its position, from that of its accelerations that leads nearer to
+/// rest.
+pub(crate) fn brake<'a>(
+    braking: &[JerkLimits],
+    accelerations: impl IntoIterator<Item = &'a [f64; 2]>,
+    step: f64,
+    velocity: &mut [f64],
+) {
     if step <= 0.0 {
         return;
     }
-    for ((velocity, limits), &acceleration) in velocity.iter_mut().zip(braking).zip(acceleration) {
-        let state = AcceleratedState { position: 0.0, velocity: *velocity, acceleration };
-        *velocity = nearest_to_rest(&limits.velocity_interval(state, step));
+    for ((velocity, limits), accelerations) in velocity.iter_mut().zip(braking).zip(accelerations) {
+        let [first, second] = accelerations.map(|acceleration| {
+            let state = AcceleratedState { position: 0.0, velocity: *velocity, acceleration };
+            nearest_to_rest(&limits.velocity_interval(state, step))
+        });
+        *velocity = if second.abs() < first.abs() { second } else { first };
     }
 }
 
@@ -353,7 +363,7 @@ mod tests {
                 let VelocityInterval { lower, upper } = own[0];
                 let share = if up { 1.0 - 0.3 * share * share } else { 0.3 * share * share };
                 let next = lower + share * (upper - lower);
-                acceleration = times.acceleration(&limits[0], next - velocity, acceleration);
+                [acceleration, _] = times.accelerations(&limits[0], next - velocity, acceleration);
                 velocity = next;
                 prop_assert!(velocity.abs() <= 2.61 * (1.0 + 1e-9), "{velocity} rad/s");
                 prop_assert!(position.abs() <= 2.8 + 1e-9, "{position} rad");

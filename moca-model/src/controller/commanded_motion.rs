@@ -47,6 +47,8 @@ pub(super) struct CommandedMotion {
     /// q̇* before the last tick, and its rate of change in it.
     last_velocity: Vec<f64>,
     acceleration: Vec<f64>,
+    /// Rates of change of q̇* from which a joint may brake ([`TickTimes::accelerations`]).
+    brakes_from: Vec<[f64; 2]>,
     /// Velocity intervals of the joints, then of ẋ_d.
     pub(super) intervals: Vec<VelocityInterval>,
     /// Velocity intervals of the joints that must return within their limits.
@@ -106,6 +108,7 @@ impl CommandedMotion {
             elapsed_before: settings.period,
             last_velocity: rest.clone(),
             acceleration: rest.clone(),
+            brakes_from: vec![[0.0; 2]; n],
             intervals: vec![VelocityInterval { lower: 0.0, upper: 0.0 }; n + 6],
             returns: vec![VelocityInterval { lower: 0.0, upper: 0.0 }; n],
             gentle: vec![free; base],
@@ -132,9 +135,12 @@ impl CommandedMotion {
     /// Updates the acceleration from the change of q̇* in a tick.
     pub(super) fn remember_acceleration(&mut self, command: &Command, times: TickTimes) {
         let change = command.joint_velocity.iter().zip(&self.last_velocity);
-        let all = self.acceleration.iter_mut().zip(change).zip(&self.joint_limits);
-        for ((acceleration, (velocity, last)), limits) in all {
-            *acceleration = times.acceleration(limits, velocity - last, *acceleration);
+        let accelerations = self.acceleration.iter_mut().zip(&mut self.brakes_from);
+        for (((acceleration, from), (velocity, last)), limits) in
+            accelerations.zip(change).zip(&self.joint_limits)
+        {
+            *from = times.accelerations(limits, velocity - last, *acceleration);
+            [*acceleration, _] = *from;
         }
     }
 
@@ -142,6 +148,7 @@ impl CommandedMotion {
     pub(super) fn resynchronise(&mut self) {
         self.following_error.resynchronise();
         self.acceleration.fill(0.0);
+        self.brakes_from.fill([0.0; 2]);
     }
 
     /// Takes the velocities of the joints, as measured or predicted.
@@ -228,7 +235,14 @@ impl CommandedMotion {
         admit_braking(limits, motion, times.step, joints, &mut self.returns);
         // Comes to rest without passing it: near it, the acceleration fades at the limit of jerk.
         self.stopping.copy_from_slice(&command.joint_velocity);
-        brake(&self.joint_braking, &self.acceleration, times.step, &mut self.stopping);
+        brake(&self.joint_braking, &self.brakes_from, times.step, &mut self.stopping);
+        // A stop goes on as it began in a late tick.
+        for (interval, stop) in joints.iter_mut().zip(&self.stopping) {
+            if stop.abs() < nearest_to_rest(interval).abs() {
+                interval.lower = interval.lower.min(*stop);
+                interval.upper = interval.upper.max(*stop);
+            }
+        }
         let measured = self.measured_velocity.get(self.base..);
         let measured = measured.filter(|own| !own.is_empty()).unwrap_or(arm.velocity);
         let bound = |joints: &mut [VelocityInterval], held| {
@@ -268,8 +282,8 @@ impl CommandedMotion {
 
     /// Brakes at the limits of acceleration and jerk, whatever the tasks ask, for `step` seconds.
     pub(super) fn halt(&self, command: &mut Command, step: f64) {
-        brake(&self.joint_braking, &self.acceleration, step, &mut command.joint_velocity);
-        brake(&self.desired_braking, &[0.0; 6], step, command.desired_twist.as_mut_slice());
+        brake(&self.joint_braking, &self.brakes_from, step, &mut command.joint_velocity);
+        brake(&self.desired_braking, &[[0.0; 2]; 6], step, command.desired_twist.as_mut_slice());
         command.slack = Vector6::zeros();
         command.outcome = Outcome::Braking;
     }
@@ -314,6 +328,34 @@ mod tests {
                 let held = (2.2 * before.abs() + 0.1) / 0.02;
                 let change = fading.min(limits.acceleration).min(jerk * step).min(held) * step;
                 prop_assert!((now.abs() - (before.abs() - change)).abs() < 1e-12, "{before} {now}");
+            }
+        }
+
+        /// A stop that began in a late tick brakes no less in the next one, as long as joints are far from rest.
+        #[test]
+        fn late_ticks_interrupt_no_stop(
+            shares in prop::collection::vec(prop_oneof![-1.0..-0.3_f64, 0.3..1.0_f64], 10), late in 1e-3..0.02_f64,
+        ) {
+            let settings = ControllerSettings::default();
+            let model = moca().unwrap();
+            let mut robot = Kinematics::new(model.clone(), &settings.tool, &[], &MOCA_HOME).unwrap();
+            let mut motion = CommandedMotion::new(&mut robot, &settings, &MOCA_HOME).unwrap();
+            let mut command = Command::at_rest(&MOCA_HOME, *robot.world_from_tool());
+            let joints = command.joint_velocity.iter_mut().zip(model.limits());
+            joints.zip(&shares).for_each(|((own, limits), share)| *own = share * limits.velocity);
+            let mut changes = Vec::new();
+            for elapsed in [late, settings.period] {
+                let times = motion.begin(elapsed, &settings);
+                motion.remember_velocity(&command);
+                let before = command.joint_velocity.clone();
+                motion.write_intervals(&command, times, 1.0);
+                motion.brake(&mut command);
+                motion.remember_acceleration(&command, times);
+                let joints = before.iter().zip(&command.joint_velocity);
+                changes.push(joints.map(|(before, now)| before.abs() - now.abs()).collect::<Vec<_>>());
+            }
+            for (late, next) in changes[0].iter().zip(&changes[1]) {
+                prop_assert!(*next >= late - 1e-12, "{changes:?}");
             }
         }
     }
