@@ -20,7 +20,7 @@ import tempfile
 
 from comparison import ROOT, machine, write_block
 
-PAGE = ROOT / "docs/src/moca-model.md"
+PAGE = ROOT / "docs/src/moca-model-stillness.md"
 TICK = 1e-3  # control period [s]
 
 

@@ -89,7 +89,7 @@ impl Limits {
         Ok(Self { lower, upper, velocity, acceleration, hold: 0.0 })
     }
 
-    /// Adds a jerk limit, positive, or infinite for none.
+    /// Adds a jerk limit \[rad/s³ or m/s³\], positive, or infinite for none.
     ///
     /// # Errors
     /// [`Error::Value`] if the jerk limit is not positive.
@@ -143,8 +143,8 @@ impl Limits {
         self
     }
 
-    /// Multiplies the velocity limit by `scale`, clamped to [0, 1] with NaN as 0. The interval then
-    /// shrinks as fast as the acceleration limit allows.
+    /// Multiplies the velocity limit by the factor `scale`, clamped to [0, 1] with NaN as 0. The
+    /// interval then shrinks as fast as the acceleration limit allows.
     #[must_use]
     pub fn slowed(mut self, scale: f64) -> Self {
         self.velocity *= if scale > 0.0 { scale.min(1.0) } else { 0.0 };
@@ -206,6 +206,7 @@ impl Limits {
 
     /// Returns the velocities from which the position limits leave room to brake, whatever the
     /// current velocity is. These are the velocities that the limits allow in the long run.
+    /// `position` \[rad or m\], `period` \[s\].
     ///
     /// The interval is never empty. Both ends are NaN if the position is NaN or the period is not
     /// positive.

@@ -90,7 +90,7 @@ impl JointPositions {
     /// Number of joints.
     pub const LEN: usize = 17;
 
-    /// Returns the positions in the order of the fields.
+    /// Returns the positions \[m\] in the order of the fields.
     pub fn to_array(&self) -> [Option<Vector3<f64>>; Self::LEN] {
         let Self { neck, pelvis, nose, ears, shoulders, elbows, wrists, hips, knees, ankles } =
             *self;
@@ -99,7 +99,8 @@ impl JointPositions {
         [neck, pelvis, nose, a, b, c, d, e, f, g, h, i, j, k, l, m, n]
     }
 
-    /// Creates the positions from an array. This is the inverse of [`JointPositions::to_array`].
+    /// Creates the positions \[m\] from an array. This is the inverse of
+    /// [`JointPositions::to_array`].
     pub fn from_array(positions: [Option<Vector3<f64>>; Self::LEN]) -> Self {
         let [neck, pelvis, nose, a, b, c, d, e, f, g, h, i, j, k, l, m, n] = positions;
         let [ears, shoulders, elbows, wrists, hips, knees, ankles] =

@@ -35,7 +35,7 @@ pub struct HandTarget {
 }
 
 impl HandTarget {
-    /// Creates a target position with an arbitrary orientation.
+    /// Creates a target position \[m\] with an arbitrary orientation.
     pub fn point(position: Vector3<f64>) -> Self {
         Self { position, orientation: None }
     }

@@ -76,7 +76,7 @@ pub struct FrameFollower {
 }
 
 impl FrameFollower {
-    /// Creates a frame at rest at `pose`.
+    /// Creates a frame at rest at `pose` \[m\].
     ///
     /// # Errors
     /// [`Error::Value`] if the pose or a setting is invalid.
@@ -95,19 +95,20 @@ impl FrameFollower {
         })
     }
 
-    /// Returns the pose of the frame.
+    /// Returns the pose of the frame \[m\].
     pub fn pose(&self) -> &Isometry3<f64> {
         &self.pose
     }
 
-    /// Returns the velocity of the frame: linear at its origin, then angular, in world axes.
+    /// Returns the velocity of the frame \[m/s, rad/s\]: linear at its origin, then angular, in world
+    /// axes.
     pub fn twist(&self) -> Vector6<f64> {
         let (v, w) = (self.linear, self.angular);
         Vector6::new(v.x, v.y, v.z, w.x, w.y, w.z)
     }
 
-    /// Sets the target's current pose and its velocity (linear at its origin, then angular, world
-    /// axes). The target is assumed to move on at that velocity.
+    /// Sets the target's current pose \[m\] and its velocity \[m/s, rad/s\]: linear at its origin,
+    /// then angular, in world axes. The target is assumed to move on at that velocity.
     ///
     /// # Errors
     /// [`Error::Value`] if a number is invalid. The target is then unchanged.
@@ -138,7 +139,7 @@ impl FrameFollower {
         self.target_angular = Vector3::zeros();
     }
 
-    /// Returns the pose at which the frame stops if it brakes now.
+    /// Returns the pose at which the frame stops if it brakes now \[m\].
     pub fn stopping_pose(&self) -> Isometry3<f64> {
         let brake = |v: Vector3<f64>, limit: f64| v * (0.5 * v.norm() / limit);
         moved(
@@ -148,7 +149,7 @@ impl FrameFollower {
         )
     }
 
-    /// Jumps to `pose`, at rest. This is for the first sight of a target, not for a moving one.
+    /// Jumps to `pose` \[m\], at rest. This is for the first sight of a target, not for a moving one.
     ///
     /// # Errors
     /// [`Error::Value`] if the pose is invalid. The frame is then unchanged.

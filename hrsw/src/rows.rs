@@ -10,7 +10,7 @@ use crate::shape::{HalfSpace, OrientationRow, OrientationShape, PositionShape, R
 /// d excess/dt = gradient · ẋ + drift for a pose that moves with the twist ẋ.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PoseRow {
-    /// Gradient with respect to the twist of the pose, linear then angular, in world axes.
+    /// Gradient with respect to the twist of the pose \[1 or m\], linear then angular, in world axes.
     pub gradient: Vector6<f64>,
     /// Direction of the bound in the coordinates of the workspace: linear in its axes, then angular
     /// in those of its reference. The shared slack acts along it.

@@ -57,7 +57,7 @@ pub struct Command {
     pub base_twist: [f64; 3],
     /// Whether the base stands, or why it drives.
     pub base_motion: BaseMotion,
-    /// x_d.
+    /// x_d, the desired pose of the tool in the world \[m\].
     pub desired: Isometry3<f64>,
     /// ẋ_d, linear, then angular, in world axes \[m/s, rad/s\].
     pub desired_twist: Vector6<f64>,

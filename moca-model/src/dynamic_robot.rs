@@ -23,7 +23,7 @@ pub struct DynamicRobotSettings {
     pub rotor_inertia: f64,
     /// Noise of measured positions of the base \[m, rad\] and of the arm \[rad\]. Default 2e-5, 2e-5.
     pub position_noise: [f64; 2],
-    /// Noise of measured velocities of base and arm. Default 1e-3, 2e-3.
+    /// Noise of measured velocities of base \[m/s, rad/s\] and arm \[rad/s\]. Default 1e-3, 2e-3.
     pub velocity_noise: [f64; 2],
     /// Noise of measured torques \[Nm\]. Default 0.05.
     pub torque_noise: f64,

@@ -92,7 +92,7 @@ pub enum Error {
 
     /// The robot does not respond to torques.
     #[error(
-        "joint `{joint}` does not move when {torque} Nm push it; release its brakes, and check that the interface takes \
+        "joint `{joint}` does not move when {torque:.3} Nm push it; release its brakes, and check that the interface takes \
          torques"
     )]
     NoAnswer {

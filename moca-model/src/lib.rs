@@ -47,6 +47,12 @@
 //! # }
 //! ```
 //!
+//! - **Your robot** is any [`Model`](whole_body::Model) without a floating base, with
+//!   [`ControllerSettings::of_robot`]. Its capsules keep distances from people; without them it keeps none.
+//! - **Your task** is a level of [`CollaborationStack`]. The book in the repository, `docs/src/contributing.md`, has
+//!   the steps.
+//! - **What holds:** `docs/src/guarantees.md` lists what is guaranteed and what is not.
+//!
 //! This is not safety-rated software.
 
 mod command;

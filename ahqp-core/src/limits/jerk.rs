@@ -48,7 +48,7 @@ pub struct AcceleratedState {
 }
 
 impl AcceleratedState {
-    /// Creates a state at rest.
+    /// Creates a state at rest at `position` \[rad or m\].
     pub fn at_rest(position: f64) -> Self {
         Self { position, velocity: 0.0, acceleration: 0.0 }
     }
@@ -85,14 +85,15 @@ impl JerkLimits {
         self.jerk
     }
 
-    /// Sets the longest time that a velocity may last, see [`Limits::holding`].
+    /// Sets the longest time that a velocity may last \[s\], see [`Limits::holding`].
     #[must_use]
     pub fn holding(self, time: f64) -> Self {
         Self { limits: self.limits.holding(time), ..self }
     }
 
-    /// Multiplies the velocity limit by `scale`, clamped to [0, 1] with NaN as 0. The interval then
-    /// shrinks as fast as acceleration and jerk allow. A `scale` of zero means braking.
+    /// Multiplies the velocity limit by the factor `scale`, clamped to [0, 1] with NaN as 0. The
+    /// interval then shrinks as fast as acceleration and jerk allow. A `scale` of zero means
+    /// braking.
     #[must_use]
     pub fn slowed(self, scale: f64) -> Self {
         Self { limits: self.limits.slowed(scale), ..self }

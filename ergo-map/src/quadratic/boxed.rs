@@ -6,7 +6,7 @@ use super::ErgonomicsQuadratic;
 use crate::region::Region;
 
 impl ErgonomicsQuadratic {
-    /// Returns the point in a box at which e is smallest. Allocates nothing.
+    /// Returns the point in a box at which e is smallest \[m\]. Allocates nothing.
     ///
     /// Every axis is free, at its lower face, or at its upper face. The best of these 27 cases that
     /// lies in the box is the minimum, because e is convex.

@@ -65,10 +65,11 @@ impl DrivenRobot {
     }
 
     fn of_file(base: RobotSettings, path: &Path, file: &SettingsFile) -> Result<Self> {
-        let settings = file.over(&base)?;
+        let settings = file.unchecked_over(&base)?;
         let folder = path.parent().unwrap_or(Path::new("."));
         let tool = &settings.controller.tool;
         let Some(model) = settings.robot.read(folder, tool)? else {
+            let settings = file.over(&base)?;
             return Ok(Self { model: moca()?, start: MOCA_HOME.to_vec(), settings });
         };
         let posture = file.has("controller.posture.configuration");

@@ -77,12 +77,7 @@ impl SettingsFile {
     /// # Errors
     /// [`SettingsError::Range`] for a value outside its range, and for values that do not fit together.
     pub fn over(&self, base: &RobotSettings) -> Result<RobotSettings, SettingsError> {
-        let mut table = as_table(base)?;
-        for entry in &self.entries {
-            entry.put(&mut table);
-        }
-        let settings = RobotSettings::deserialize(Value::Table(table))
-            .map_err(|error| SettingsError::Range { line: None, reason: error.to_string() })?;
+        let settings = self.unchecked_over(base)?;
         let table = as_table(&settings)?;
         let range = |error: moca_model::Error| {
             let reason = error.to_string();
@@ -101,6 +96,19 @@ impl SettingsFile {
             reason,
         })?;
         Ok(settings)
+    }
+
+    /// The settings `base` with the values of the file, not checked: lists may be those of a robot with other joints.
+    ///
+    /// # Errors
+    /// [`SettingsError::Range`] for values that do not fit together.
+    pub fn unchecked_over(&self, base: &RobotSettings) -> Result<RobotSettings, SettingsError> {
+        let mut table = as_table(base)?;
+        for entry in &self.entries {
+            entry.put(&mut table);
+        }
+        RobotSettings::deserialize(Value::Table(table))
+            .map_err(|error| SettingsError::Range { line: None, reason: error.to_string() })
     }
 
     /// Whether the file has this setting, or one of this table.

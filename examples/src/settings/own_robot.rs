@@ -15,7 +15,7 @@ pub struct OwnRobot {
     pub urdf: Option<PathBuf>,
     /// Link to start from. Default "none", which is the URDF's root.
     pub root: Option<String>,
-    /// Joints of q in their order; others stay at zero. Default empty, for all joints that move the tool.
+    /// All joints of the URDF that move, in the order of q, as a check. Default empty, for the joints that move the tool.
     pub joints: Vec<String>,
 }
 

@@ -1,7 +1,9 @@
 //! Settings in files: no setting is lost or unknown, and errors have their line.
 
 use std::fs;
+use std::path::Path;
 
+use examples::drive::DrivenRobot;
 use examples::settings::{CameraFrame, RobotSettings, SettingsError, SettingsFile};
 use hrsw_safety::{Capsule, ContactKind};
 use moca_model::Goal;
@@ -173,4 +175,28 @@ fn only_drive_takes_another_robot() {
     follow.run().failed(1, "drive moves others");
     let drive = Runs::new("drive").with(&["--settings", path, "--duration=1"]);
     drive.run().failed(1, "arm.urdf");
+}
+
+#[test]
+fn an_arm_of_six_joints_takes_its_gains() {
+    let urdf =
+        concat!(env!("CARGO_MANIFEST_DIR"), "/../moca-model/whole-body/examples/urdf/panda.urdf");
+    let joints: Vec<_> = (1..=6).map(|joint| format!("panda_joint{joint}")).collect();
+    let text = |gains: &str| {
+        let posture = "[0, -0.785, 0, -2.356, 0, 1.571]";
+        let controller =
+            format!("[controller]\ntool = \"panda_link6\"\nposture.configuration = {posture}");
+        let torque = format!("[torque.impedance]\nstiffness = {gains}\ndamping = {gains}");
+        format!("version = 1\n[robot]\nurdf = {urdf:?}\n{controller}\n{torque}\n")
+    };
+    let read = |gains: &str| {
+        let file = SettingsFile::parse(&text(gains)).unwrap();
+        DrivenRobot::read(RobotSettings::default(), Some((Path::new("arm.toml"), &file)))
+    };
+    let robot = read("[60, 50, 40, 30, 20, 10]").unwrap();
+    assert_eq!(robot.model.joints().len(), 6);
+    assert_eq!(robot.settings.torque.impedance.stiffness, [60.0, 50.0, 40.0, 30.0, 20.0, 10.0]);
+    assert_eq!(robot.settings.torque.joints, joints);
+    let error = format!("{:#}", read("[60, 50, 40, 30, 20, 10, 5]").unwrap_err());
+    assert!(error.contains("stiffness has 7 elements; the robot needs 6"), "{error}");
 }

@@ -11,9 +11,9 @@ pub struct Proximity {
     pub distance: f64,
     /// Unit vector from the second capsule to the first.
     pub normal: Vector3<f64>,
-    /// Nearest point on the segment of the first capsule.
+    /// Nearest point on the segment of the first capsule \[m\].
     pub on_first: Vector3<f64>,
-    /// Nearest point on the segment of the second capsule.
+    /// Nearest point on the segment of the second capsule \[m\].
     pub on_second: Vector3<f64>,
 }
 

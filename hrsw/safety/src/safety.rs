@@ -289,6 +289,7 @@ impl Safety {
     }
 
     /// Updates the supervisor for a tick without measured distances. Those of the last tick count.
+    /// `elapsed` is the time since that tick \[s\].
     pub fn wait(&mut self, age: Age, elapsed: f64) {
         self.supervisor.update(&Observation { nearest: self.nearest, age }, elapsed);
     }

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use super::half_space::HalfSpace;
 use crate::error::{Error, check_all};
 
-/// Bounds along three axes, `min ≤ v ≤ max`.
+/// Bounds along three axes, `min ≤ v ≤ max`, of a position \[m\] or a rotation vector \[rad\].
 ///
 /// ```
 /// use hrsw::Bounds;

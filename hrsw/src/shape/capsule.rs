@@ -94,7 +94,7 @@ impl Capsule {
         Self { start: self.start + by, end: self.end + by, ..*self }
     }
 
-    /// Returns the nearest point of the segment.
+    /// Returns the nearest point of the segment \[m\].
     pub fn nearest_on_segment(&self, point: &Vector3<f64>) -> Vector3<f64> {
         let along = self.end - self.start;
         let length_squared = along.norm_squared();
@@ -105,7 +105,7 @@ impl Capsule {
         self.start + along * share.clamp(0.0, 1.0)
     }
 
-    /// Returns the nearest point of the capsule. A point inside is its own nearest point.
+    /// Returns the nearest point of the capsule \[m\]. A point inside is its own nearest point.
     pub fn nearest(&self, point: &Vector3<f64>) -> Vector3<f64> {
         let axis = self.nearest_on_segment(point);
         let away = point - axis;

@@ -33,7 +33,7 @@ impl OrientedBox {
         Ok(Self { pose, bounds })
     }
 
-    /// The axes of the box.
+    /// The axes of the box and its origin \[m\].
     pub fn pose(&self) -> &Isometry3<f64> {
         &self.pose
     }
@@ -43,7 +43,7 @@ impl OrientedBox {
         &self.bounds
     }
 
-    /// Returns the nearest point of the box.
+    /// Returns the nearest point of the box \[m\].
     pub fn nearest(&self, point: &Vector3<f64>) -> Vector3<f64> {
         let inner = self.inner(point);
         // A point inside is its own nearest point, to the last bit.

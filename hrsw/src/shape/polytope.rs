@@ -83,7 +83,7 @@ impl Polytope {
         Ok(Self { data: Arc::new(Data { faces, vertices, triangles }) })
     }
 
-    /// Creates the smallest convex set around `points`.
+    /// Creates the smallest convex set around `points` \[m\].
     ///
     /// # Errors
     /// [`Error::Value`] if a number is not finite. [`Error::NoVolume`] if the points are in a
@@ -121,7 +121,7 @@ impl Polytope {
         &self.data.vertices
     }
 
-    /// Returns the nearest point of the polytope. A point inside is its own nearest point.
+    /// Returns the nearest point of the polytope \[m\]. A point inside is its own nearest point.
     pub fn nearest(&self, point: &Vector3<f64>) -> Vector3<f64> {
         if self.depth(point) <= 0.0 {
             return *point;

@@ -13,7 +13,7 @@ const REST: f64 = 0.02;
 #[non_exhaustive]
 pub enum CommandRefusal {
     /// A number exceeds the limit of its joint by more than 5 %.
-    #[error("a command with {what} {value} of joint {} of q, which takes at most {limit}", joint + 1)]
+    #[error("a command with {what} {value:.3} of joint {} of q, which takes at most {limit:.3}", joint + 1)]
     Limit {
         /// `velocity` \[m/s or rad/s\] or `torque` \[N or Nm\].
         what: &'static str,
@@ -29,7 +29,7 @@ pub enum CommandRefusal {
     Braking,
     /// The robot stopped by itself, and the command does not begin at rest.
     #[error(
-        "a command that asks for {speed} m/s or rad/s of a robot that stopped by itself; begin at rest, \
+        "a command that asks for {speed:.3} m/s or rad/s of a robot that stopped by itself; begin at rest, \
          at most {REST}"
     )]
     NotAtRest {

@@ -36,7 +36,7 @@ pub enum Error {
         source: Box<Error>,
     },
     /// A simulated person moves faster than the robot assumes, so that a judgement has no meaning.
-    #[error("part {part} of a simulated person moves at {speed} m/s, above {limit} m/s")]
+    #[error("part {part} of a simulated person moves at {speed:.3} m/s, above {limit} m/s")]
     TooFast {
         /// The index of the body part.
         part: usize,

@@ -171,7 +171,7 @@ impl Kinematics {
         &self.model
     }
 
-    /// Pose of the tool in the world.
+    /// Pose of the tool in the world \[m\].
     pub fn world_from_tool(&self) -> &Isometry3<f64> {
         &self.world_from_tool
     }

@@ -157,7 +157,7 @@ pub enum Error {
     },
 
     /// A measured number is far beyond what the robot can reach, probably in wrong units.
-    #[error("the {what} of {joint} is {value}, far beyond its {limit}; give {unit}")]
+    #[error("the {what} of {joint} is {value:.3}, far beyond its {limit:.3}; give {unit}")]
     Units {
         /// `position` or `velocity`.
         what: &'static str,

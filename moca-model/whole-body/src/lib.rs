@@ -22,6 +22,12 @@
 //! refer to a frame's origin, in axes parallel to the world's unless [`Axes::Local`] is given. The size of q is
 //! [`Model::position_count`], that of q̇ [`Model::velocity_count`]. They differ only for a floating base.
 //!
+//! - **Your robot** is read by [`Model::from_urdf_file`]. A [`Description`] adds what a URDF cannot hold.
+//! - **Your task** implements [`Task`], whose page has an example, and is pushed like the others.
+//! - **What holds:** position, velocity, acceleration and jerk limits of all joints, in every step and for any target.
+//!   A lower task never costs a higher one anything. The book in the repository, `docs/src/guarantees.md`, has the
+//!   tests and what is not guaranteed.
+//!
 //! This program moves a Panda's tool on a circle. The tool's position has priority over its orientation, and that over
 //! the posture of the arm:
 //!

@@ -77,7 +77,8 @@ impl JointMeasurement {
         Self::resting(model.neutral(), model.velocity_count())
     }
 
-    /// Creates a measurement at rest at `position`, with `joints` entries of q̇, without torques and without a status.
+    /// Creates a measurement at rest at `position` \[rad or m\], with `joints` entries of q̇, without
+    /// torques and without a status.
     pub fn resting(position: Vec<f64>, joints: usize) -> Self {
         Self {
             position,

@@ -8,7 +8,7 @@ use crate::spatial::Pose;
 use crate::state::posed::Posed;
 
 impl Posed<'_> {
-    /// The pose of a frame in the world.
+    /// The pose of a frame in the world \[m\].
     ///
     /// # Errors
     /// [`Error::ForeignId`].
@@ -24,7 +24,7 @@ impl Posed<'_> {
         Ok(self.pose_of(self.model.frame(frame)?).to_isometry_matrix())
     }
 
-    /// Writes the poses of all frames in the world, in the order of [`Model::frames`](crate::Model::frames).
+    /// Writes the poses of all frames in the world \[m\], in the order of [`Model::frames`](crate::Model::frames).
     ///
     /// # Errors
     /// [`Error::WrongSize`] unless `out` has one element for each frame.

@@ -8,7 +8,7 @@ use crate::robot::frame::FrameId;
 use crate::state::posed::Posed;
 
 impl Posed<'_> {
-    /// The pose of `frame` in `reference`.
+    /// The pose of `frame` in `reference` \[m\].
     ///
     /// # Errors
     /// [`Error::ForeignId`].

@@ -259,7 +259,7 @@ fn opened(interval: VelocityInterval) -> VelocityInterval {
     }
 }
 
-/// The velocity of the interval with the least magnitude.
+/// The velocity of the interval with the least magnitude \[rad/s or m/s\].
 pub fn nearest_to_rest(interval: &VelocityInterval) -> f64 {
     0.0_f64.max(interval.lower).min(interval.upper)
 }

@@ -11,7 +11,7 @@ use crate::error::{Error, check_size, is_sensible};
 const UNIT: f64 = 1e-6;
 
 impl Model {
-    /// q with all joints at zero and a floating base at the world's origin.
+    /// q \[rad or m\] with all joints at zero and a floating base at the world's origin.
     pub fn neutral(&self) -> Vec<f64> {
         let mut q = vec![0.0; self.positions];
         if let (Base::Floating, Some(scalar)) = (self.base, q.get_mut(6)) {
@@ -61,8 +61,8 @@ impl Model {
         Ok(())
     }
 
-    /// The displacement with which [`integrate`](Self::integrate) goes from `start` to `end`, of the size of q̇. The
-    /// base turns by at most half a turn.
+    /// The displacement with which [`integrate`](Self::integrate) goes from `start` to `end` \[rad or m\], of the size of
+    /// q̇. The base turns by at most half a turn.
     ///
     /// # Errors
     /// [`Error::WrongSize`], [`Error::Value`]; `out` is then unchanged.

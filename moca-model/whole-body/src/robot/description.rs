@@ -38,8 +38,8 @@ pub struct Description {
     pub joints: Vec<String>,
     /// Joints that stay at a position \[rad or m\], such as fingers or a lift.
     pub locked: Vec<(String, f64)>,
-    /// Joint origins (parent link to joint) that replace the URDF's, such as the mount of an arm or the length of a
-    /// tool.
+    /// Joint origins (parent link to joint, \[m\]) that replace the URDF's, such as the mount of an arm or the length
+    /// of a tool.
     pub origins: Vec<(String, Isometry3<f64>)>,
     /// Limits that replace or complete the URDF's. A planar base has `base_x`, `base_y` and `base_yaw`.
     pub limits: Vec<(String, LimitOverride)>,
@@ -117,6 +117,6 @@ pub struct AddedFrame {
     pub name: String,
     /// The link, or an earlier added frame, that carries it.
     pub on: String,
-    /// Its pose on that link or frame.
+    /// Its pose on that link or frame \[m\].
     pub pose: Isometry3<f64>,
 }

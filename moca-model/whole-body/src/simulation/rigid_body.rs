@@ -125,7 +125,8 @@ struct Room {
 }
 
 impl RigidBodySimulation {
-    /// Creates a robot at rest at the configuration `position` with a drive for each entry of q̇ and one substep.
+    /// Creates a robot at rest at the configuration `position` \[rad or m\] with a drive for each entry of q̇ and
+    /// one substep.
     ///
     /// # Errors
     /// [`Error::WrongSize`]; [`Error::Value`] for a drive; [`Error::UnknownEffort`] of a joint with a torque drive;

@@ -17,7 +17,7 @@ pub struct Moving<'a> {
 }
 
 impl<'a> Posed<'a> {
-    /// Sets the velocity `v` = q̇ and returns a view with twists, J̇q̇ and dynamics.
+    /// Sets the velocity `v` = q̇ \[rad/s or m/s\] and returns a view with twists, J̇q̇ and dynamics.
     ///
     /// # Errors
     /// [`Error::WrongSize`] and [`Error::Value`] on v.
@@ -67,7 +67,7 @@ impl<'a> Moving<'a> {
         &mut self.posed
     }
 
-    /// The given q̇.
+    /// The given q̇ \[rad/s or m/s\].
     pub fn velocity(&self) -> &[f64] {
         &self.posed.data.v
     }

@@ -64,7 +64,7 @@ impl<'a, 'd> TaskInput<'a, 'd> {
         self.posed
     }
 
-    /// q̇ of the last step.
+    /// q̇ of the last step \[rad/s or m/s\].
     pub fn velocity(&self) -> &[f64] {
         self.velocity
     }

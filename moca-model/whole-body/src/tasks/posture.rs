@@ -72,7 +72,8 @@ impl PostureTask {
         self
     }
 
-    /// Sets the desired configuration, a whole q. Entries of other joints do not count. Allocates only the first time.
+    /// Sets the desired configuration, a whole q \[rad or m\]. Entries of other joints do not count. Allocates
+    /// only the first time.
     ///
     /// # Errors
     /// [`Error::Value`]; the target is then unchanged.

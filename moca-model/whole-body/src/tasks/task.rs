@@ -15,8 +15,8 @@ use crate::robot::model::Model;
 /// not allocate, lock or wait.
 ///
 /// ```
-/// use whole_body::tasks::{TaskInput, TaskRows};
-/// use whole_body::{Axes, Error, FrameId, Model, Task};
+/// use whole_body::tasks::{PostureTask, TaskInput, TaskRows};
+/// use whole_body::{Axes, Description, Error, FrameId, Ik, Model, Task};
 ///
 /// /// Keeps a frame above the height z = 0.
 /// #[derive(Debug, Clone)]
@@ -34,6 +34,13 @@ use crate::robot::model::Model;
 ///         Ok(())
 ///     }
 /// }
+///
+/// let model = Model::from_urdf_file("examples/urdf/panda.urdf", &Description::default())?;
+/// let mut builder = Ik::builder(&model);
+/// builder.push("above the floor", AboveTheFloor(model.frame_id("panda_hand_tcp")?));
+/// builder.push("posture", PostureTask::new());
+/// let ik = builder.build_at(&model.neutral())?;
+/// # Ok::<(), Error>(())
 /// ```
 pub trait Task: Any + CloneTask + Debug + Send + Sync {
     /// The number of rows that it writes for this robot, which must not change.

@@ -110,7 +110,8 @@ struct Springs {
 }
 
 impl TorqueLaw {
-    /// Creates the law for a robot at rest at the `measured` configuration. Its first torques support the robot.
+    /// Creates the law for a robot at rest at the `measured` configuration \[rad or m\]. Its first torques support
+    /// the robot.
     ///
     /// # Errors
     /// [`Error::UnknownName`], [`Error::Unsuitable`] for a joint that torque cannot drive; [`Error::UnknownEffort`];

@@ -95,8 +95,8 @@ impl Resynchronisation {
         &self.lengths
     }
 
-    /// Keeps `desired` near `measured`. `may_go_on` ends the resynchronisation, unless the following-error limit is
-    /// reached. Allocates nothing.
+    /// Keeps `desired` near `measured`, both q \[rad or m\]. `may_go_on` ends the resynchronisation, unless the
+    /// following-error limit is reached. Allocates nothing.
     ///
     /// # Errors
     /// [`Error::WrongSize`]; nothing is then changed.

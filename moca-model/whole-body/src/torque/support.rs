@@ -59,13 +59,13 @@ impl Compensation {
 /// The motion of a robot, one element for each entry of q or q̇.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SupportedMotion<'a> {
-    /// q.
+    /// q \[rad or m\].
     pub position: &'a [f64],
-    /// q̇.
+    /// q̇ \[rad/s or m/s\].
     pub velocity: &'a [f64],
-    /// q̈ that the model is to provide.
+    /// q̈ that the model is to provide \[rad/s² or m/s²\].
     pub acceleration: &'a [f64],
-    /// q̇*.
+    /// q̇* \[rad/s or m/s\].
     pub commanded: &'a [f64],
     /// Share of C(q, q̇) q̇ that the model is to provide if no side compensates it, 0 to 1.
     pub share: f64,

@@ -65,7 +65,7 @@ impl<'a> Step<'a> {
         self.ik.acceleration()
     }
 
-    /// Moves q along the velocity for the period of the step.
+    /// Moves q \[rad or m\] along the velocity for the period of the step.
     ///
     /// # Errors
     /// Those of [`Model::integrate`](crate::Model::integrate).
