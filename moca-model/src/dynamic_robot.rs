@@ -8,7 +8,7 @@ use whole_body::state::{ExternalWrench, PayloadId};
 use whole_body::{FrameId, Model};
 
 use crate::command::Command;
-use crate::error::{Error, check_plain};
+use crate::error::{Error, check_plain, check_settings};
 use crate::grasped_object::GraspedObject;
 use crate::robot::moca::MOCA_BASE_JOINTS;
 
@@ -256,9 +256,7 @@ impl DynamicRobot {
     /// # Errors
     /// [`Error::Setting`] for a share that is not from 0 to 1.
     pub fn lose(&mut self, share: f64) -> Result<(), Error> {
-        if !(0.0..=1.0).contains(&share) {
-            return Err(Error::Setting { name: "loss", value: share, expected: "from 0 to 1" });
-        }
+        check_settings([("loss", share)], "from 0 to 1", |share| (0.0..=1.0).contains(&share))?;
         self.loss = share;
         Ok(())
     }

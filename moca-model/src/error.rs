@@ -167,6 +167,31 @@ pub(crate) fn check_size(what: &'static str, slice: &[f64], expected: usize) -> 
     }
 }
 
+/// Returns an error for the first setting whose value does not fit what is `expected`.
+pub(crate) fn check_settings(
+    settings: impl IntoIterator<Item = (&'static str, f64)>,
+    expected: &'static str,
+    fits: impl Fn(f64) -> bool,
+) -> Result<(), Error> {
+    let wrong = settings.into_iter().find(|(_, value)| !fits(*value));
+    wrong.map_or(Ok(()), |(name, value)| Err(Error::Setting { name, value, expected }))
+}
+
+/// Returns an error for the first setting that is not positive and finite.
+pub(crate) fn check_positive(
+    settings: impl IntoIterator<Item = (&'static str, f64)>,
+) -> Result<(), Error> {
+    check_settings(settings, "positive and finite", |value| value > 0.0 && value.is_finite())
+}
+
+/// Returns an error for the first setting that is negative or not finite.
+pub(crate) fn check_not_negative(
+    settings: impl IntoIterator<Item = (&'static str, f64)>,
+) -> Result<(), Error> {
+    let expected = "finite and not negative";
+    check_settings(settings, expected, |value| value >= 0.0 && value.is_finite())
+}
+
 /// Returns n, the size of q and q̇, or an error if they differ.
 pub(crate) fn check_plain(model: &Model) -> Result<usize, Error> {
     if model.base() == Base::Floating {

@@ -7,7 +7,7 @@ use whole_body::Model;
 use whole_body::torque::{Following, Resynchronisation};
 
 use crate::command::Command;
-use crate::error::Error;
+use crate::error::{Error, check_positive};
 
 /// The largest following errors: how far commanded and measured state may be apart.
 ///
@@ -42,15 +42,10 @@ impl FollowingErrorSettings {
     /// # Errors
     /// [`Error::Setting`] names the first that is out of its range.
     pub fn validate(&self) -> Result<(), Error> {
-        for (name, value) in [
+        check_positive([
             ("following_error.prismatic", self.prismatic),
             ("following_error.revolute", self.revolute),
-        ] {
-            if !(value > 0.0 && value.is_finite()) {
-                return Err(Error::Setting { name, value, expected: "positive and finite" });
-            }
-        }
-        Ok(())
+        ])
     }
 }
 

@@ -6,7 +6,7 @@ use vision_models::{Surface, Tool};
 use whole_body::FrameId;
 use whole_body::state::Payload;
 
-use crate::error::Error;
+use crate::error::{Error, check_not_negative, check_positive, check_settings};
 
 /// A side of a box, by the axis of the object that points out of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -120,12 +120,7 @@ impl HandSettings {
     /// # Errors
     /// [`Error::Setting`] names the first that is negative or not finite.
     pub fn validate(&self) -> Result<(), Error> {
-        for (name, value) in [("hand.drill", self.drill), ("hand.polisher", self.polisher)] {
-            if !(value >= 0.0 && value.is_finite()) {
-                return Err(Error::Setting { name, value, expected: "finite and not negative" });
-            }
-        }
-        Ok(())
+        check_not_negative([("hand.drill", self.drill), ("hand.polisher", self.polisher)])
     }
 }
 
@@ -137,17 +132,11 @@ impl GraspedObject {
     /// [`Error::NoFace`] for an object that nobody can work on; [`Error::TwoFacesOnOneSide`].
     pub fn validate(&self) -> Result<(), Error> {
         let edges = self.size.iter().map(|&edge| ("object.size", edge));
-        for (name, value) in edges.chain([("object.mass", self.mass)]) {
-            if !(value > 0.0 && value.is_finite()) {
-                return Err(Error::Setting { name, value, expected: "positive and finite" });
-            }
-        }
+        check_positive(edges.chain([("object.mass", self.mass)]))?;
         let pose = &self.tool_from_object;
         let numbers = pose.translation.vector.iter().chain(pose.rotation.coords.iter());
-        if let Some(&value) = numbers.into_iter().find(|value| !value.is_finite()) {
-            let (name, expected) = ("object.tool_from_object", "finite");
-            return Err(Error::Setting { name, value, expected });
-        }
+        let numbers = numbers.map(|&value| ("object.tool_from_object", value));
+        check_settings(numbers, "finite", f64::is_finite)?;
         if self.faces.is_empty() {
             return Err(Error::NoFace);
         }

@@ -2,7 +2,7 @@
 
 use vision_models::{Intention, RecognisedAction};
 
-use crate::error::Error;
+use crate::error::{Error, check_not_negative, check_settings};
 
 /// Confidence with which an action confirms the present intention, if it is less than what begins one \[-\]. A recogniser
 /// that hesitates does not end it.
@@ -33,17 +33,9 @@ impl IntentionSettings {
     /// # Errors
     /// [`Error::Setting`] names the first that is out of its range.
     pub fn validate(&self) -> Result<(), Error> {
-        if !(0.0..=1.0).contains(&self.enter) {
-            let (name, value) = ("intention.enter", self.enter);
-            return Err(Error::Setting { name, value, expected: "between 0 and 1" });
-        }
-        for (name, value) in [("intention.dwell", self.dwell), ("intention.release", self.release)]
-        {
-            if !(value >= 0.0 && value.is_finite()) {
-                return Err(Error::Setting { name, value, expected: "finite and not negative" });
-            }
-        }
-        Ok(())
+        let enter = [("intention.enter", self.enter)];
+        check_settings(enter, "between 0 and 1", |value| (0.0..=1.0).contains(&value))?;
+        check_not_negative([("intention.dwell", self.dwell), ("intention.release", self.release)])
     }
 }
 

@@ -4,7 +4,7 @@ use ahqp_core::{AcceleratedState, AugmentedState, JerkLimits, Limits, Rows, Velo
 use whole_body::Model;
 use whole_body::limits::nearest_to_rest;
 
-use crate::error::Error;
+use crate::error::{Error, check_positive, check_settings};
 use crate::robot::moca::{MOCA_AXIS_SPEED, MOCA_WHEEL_LEVER, MOCA_WHEEL_SPEED};
 use crate::settings::{ControllerSettings, DesiredMotion};
 
@@ -51,16 +51,9 @@ impl MecanumBase {
     /// # Errors
     /// [`Error::Setting`] names the first that is out of its range.
     pub fn validate(&self) -> Result<(), Error> {
-        for (name, value) in [("base.speed", self.speed), ("base.axis_speed", self.axis_speed)] {
-            if !(value > 0.0 && value.is_finite()) {
-                return Err(Error::Setting { name, value, expected: "positive and finite" });
-            }
-        }
-        let (name, value) = ("base.lever", self.lever);
-        if !(0.0..=1e3).contains(&value) {
-            return Err(Error::Setting { name, value, expected: "from 0 to 1000 m" });
-        }
-        Ok(())
+        check_positive([("base.speed", self.speed), ("base.axis_speed", self.axis_speed)])?;
+        let lever = [("base.lever", self.lever)];
+        check_settings(lever, "from 0 to 1000 m", |value| (0.0..=1e3).contains(&value))
     }
 
     /// Creates rows for [`write`](Self::write).

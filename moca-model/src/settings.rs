@@ -8,7 +8,7 @@ use hrsw::Bounds;
 use hrsw_safety::{ClockSettings, SafetySettings};
 use nalgebra::{UnitQuaternion, Vector3, Vector6};
 
-use crate::error::Error;
+use crate::error::{Error, check_not_negative, check_positive, check_settings};
 use crate::following_error::FollowingErrorSettings;
 use crate::grasped_object::HandSettings;
 use crate::intention::IntentionSettings;
@@ -255,29 +255,19 @@ impl ControllerSettings {
     /// clock's.
     pub fn validate(&self) -> Result<(), Error> {
         let desired = &self.desired;
-        for (name, value) in [
+        check_positive([
             ("period", self.period),
             ("horizon", self.horizon),
             ("desired.velocity", desired.velocity),
             ("desired.acceleration", desired.acceleration),
             ("desired.angular_velocity", desired.angular_velocity),
             ("desired.angular_acceleration", desired.angular_acceleration),
-        ] {
-            if !(value > 0.0 && value.is_finite()) {
-                return Err(Error::Setting { name, value, expected: "positive and finite" });
-            }
-        }
-        let (name, value) = ("space.lead", self.space.lead);
-        if !(value >= 0.0 && value.is_finite()) {
-            return Err(Error::Setting { name, value, expected: "finite and not negative" });
-        }
-        if let Some(&value) = self.gain.iter().find(|gain| !(0.0..=HIGHEST_GAIN).contains(*gain)) {
-            return Err(Error::Setting { name: "gain", value, expected: "from 0 to 1000 1/s" });
-        }
-        if self.horizon > LONGEST_HORIZON {
-            let (name, value) = ("horizon", self.horizon);
-            return Err(Error::Setting { name, value, expected: "at most 100 s" });
-        }
+        ])?;
+        check_not_negative([("space.lead", self.space.lead)])?;
+        let gains = self.gain.iter().map(|&gain| ("gain", gain));
+        check_settings(gains, "from 0 to 1000 1/s", |gain| (0.0..=HIGHEST_GAIN).contains(&gain))?;
+        let horizon = self.horizon;
+        check_settings([("horizon", horizon)], "at most 100 s", |time| time <= LONGEST_HORIZON)?;
         if let Some(base) = &self.base {
             base.validate()?;
         }
@@ -285,28 +275,23 @@ impl ControllerSettings {
         Bounds::new(space.min, space.max)?;
         Bounds::symmetric(space.turn)?;
         let narrowest = (0.5 * (space.max - space.min)).min().min(space.turn.min());
-        if !(0.0..=narrowest).contains(&space.margin) {
-            let expected =
-                "from 0 to half of the narrowest range of space.min to space.max and space.turn";
-            return Err(Error::Setting { name: "space.margin", value: space.margin, expected });
-        }
+        check_settings(
+            [("space.margin", space.margin)],
+            "from 0 to half of the narrowest range of space.min to space.max and space.turn",
+            |margin| (0.0..=narrowest).contains(&margin),
+        )?;
         self.hand.validate()?;
-        let camera = self.on_board_camera.unwrap_or_default();
-        if let Some(&value) = camera.iter().find(|value| !value.is_finite()) {
-            return Err(Error::Setting { name: "on_board_camera", value, expected: "finite" });
-        }
+        let camera = self.on_board_camera.unwrap_or_default().map(|at| ("on_board_camera", at));
+        check_settings(camera, "finite", f64::is_finite)?;
         self.clock().validate(self.period)?;
         self.following_error.validate()?;
         let [linear, angular] = desired.axis_accelerations();
         let brake = (desired.velocity / linear).max(desired.angular_velocity / angular);
-        if self.horizon != self.period && (self.horizon < self.period || self.horizon < brake) {
-            return Err(Error::Setting {
-                name: "horizon",
-                value: self.horizon,
-                expected: "the period (the paper's form), or at least velocity over acceleration \
-                           of the desired pose, to leave room to brake",
-            });
-        }
-        Ok(())
+        check_settings(
+            [("horizon", horizon)],
+            "the period (the paper's form), or at least velocity over acceleration of the desired pose, to leave room \
+             to brake",
+            |horizon| horizon == self.period || horizon >= self.period.max(brake),
+        )
     }
 }

@@ -220,12 +220,14 @@ impl ApproachRows {
         let watched = self.watched_room;
         let speeds_of = |part: &PersonBody| PartSpeeds::of(part, watched);
         self.speeds.extend(person.iter().take(PARTS).map(speeds_of));
+        let most = PartSpeeds::most(&self.speeds);
         let mut before: Option<BodyMotion> = None;
         for (i, body) in robot.iter().enumerate() {
             let known = before.as_ref();
             let mut moves = BodyMotion::new(motion, body, base_joints, &self.changes, known);
             let (mut next, mut reach) = (0, self.reach(moves.fastest, moves.change));
-            while let Some((j, part, speeds)) = self.find_in_sight(i, (&moves, reach), person, next)
+            while let Some((j, part, speeds)) =
+                self.find_in_sight((i, &moves), (reach, &most), person, next)
             {
                 next = j + 1;
                 let sight = speeds.sight(&moves, reach);
@@ -275,20 +277,24 @@ impl ApproachRows {
     }
 
     /// Finds the next part of the person, from index `from` on, that may be near enough to a body
-    /// of the robot. Returns its index, the part, and its speeds.
+    /// of the robot. Returns its index, the part, and its speeds. `most` bounds the speeds of all
+    /// parts.
     fn find_in_sight<'a>(
         &self,
-        robot: usize,
-        (moves, reach): (&BodyMotion, Reach),
+        (robot, moves): (usize, &BodyMotion),
+        (reach, most): (Reach, &PartSpeeds),
         person: &'a [PersonBody],
         from: usize,
     ) -> Option<(usize, &'a PersonBody, PartSpeeds)> {
         let bounds = self.bounds.of(robot);
         let mut remembered = bounds.iter().zip(&self.speeds).enumerate().skip(from);
-        let in_sight = remembered.find(|(_, (bound, speeds))| {
-            let farthest = speeds.sight(moves, reach) + speeds.watched_room;
-            **bound <= farthest.max(self.least_distance)
-        });
+        let farthest = |speeds: &PartSpeeds| {
+            (speeds.sight(moves, reach) + speeds.watched_room).max(self.least_distance)
+        };
+        // Most parts are farther away than any part may matter.
+        let farthest_of_all = farthest(most);
+        let in_sight = remembered
+            .find(|(_, (bound, speeds))| **bound <= farthest_of_all && **bound <= farthest(speeds));
         if let Some((other, (_, speeds))) = in_sight {
             return Some((other, person.get(other)?, *speeds));
         }

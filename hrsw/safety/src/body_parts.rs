@@ -72,23 +72,28 @@ impl Reach {
         }
     }
 
-    /// Returns a capsule that contains the part, for joints at `places` in the world \[m\].
-    /// `radius` is that of the part.
-    pub(super) fn capsule(self, places: &[Vector3<f64>; 2], radius: f64) -> Option<Capsule> {
-        let [place, other] = places;
+    /// Returns how much wider than the part the bounding capsule is \[m\].
+    pub(super) fn wider(self) -> f64 {
         // A sphere through a circle that is centred below it also contains what is below the circle
         // and inside its sphere.
-        let through = |circle: f64| radius + circle.hypot(LOWER);
         match self {
-            Self::About(_, reach) => Capsule::sphere(*place, radius + reach).ok(),
-            Self::Between(_, _, aside) => Capsule::new(*place, *other, radius + aside).ok(),
-            Self::Under(_, reach) => {
-                Capsule::sphere(place - Vector3::z() * LOWER, through(reach)).ok()
-            }
-            Self::Below(_, aside) => {
+            Self::About(_, reach) | Self::Between(_, _, reach) => reach,
+            Self::Under(_, circle) | Self::Below(_, circle) => circle.hypot(LOWER),
+        }
+    }
+
+    /// Returns a capsule of this radius that contains the part, for joints at `places` in the world
+    /// \[m\]. The radius is that of the part and what it is [wider](Self::wider).
+    pub(super) fn capsule(self, places: &[Vector3<f64>; 2], radius: f64) -> Option<Capsule> {
+        let [place, other] = places;
+        match self {
+            Self::About(..) => Capsule::sphere(*place, radius).ok(),
+            Self::Between(..) => Capsule::new(*place, *other, radius).ok(),
+            Self::Under(..) => Capsule::sphere(place - Vector3::z() * LOWER, radius).ok(),
+            Self::Below(..) => {
                 let [knee, floor] = [KNEE_HEIGHT * place.z - LOWER, 0.0]
                     .map(|height| Vector3::new(place.x, place.y, height));
-                Capsule::new(knee, floor, through(aside)).ok()
+                Capsule::new(knee, floor, radius).ok()
             }
         }
     }

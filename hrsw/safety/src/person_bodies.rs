@@ -198,7 +198,9 @@ impl PersonBodies {
         if is_old(self.newest) {
             self.joints = [None; Body25::COUNT];
         }
-        self.doubtful = self.doubtful.take().filter(|seen| !is_old(seen.time));
+        if self.doubtful.as_ref().is_some_and(|seen| is_old(seen.time)) {
+            self.doubtful = None;
+        }
         self.place_believed(now, separation, contact_speed);
         self.place_doubtful(now, separation);
         &self.bodies
@@ -206,8 +208,8 @@ impl PersonBodies {
 
     fn place_believed(&mut self, now: f64, separation: &SeparationSettings, contact_speed: f64) {
         for (part, limit) in PARTS.iter().zip(&self.contacts) {
-            let ends = (self.joints[part.from as usize], self.joints[part.to as usize]);
-            let (Some(from), Some(to)) = ends else { continue };
+            let [from, to] = [part.from, part.to].map(|joint| &self.joints[joint as usize]);
+            let (Some(from), Some(to)) = (from, to) else { continue };
             let mut assumed = assumed_speed(part, separation);
             if part.limb == Limb::Arm {
                 for joint in [part.from, part.to] {
@@ -224,18 +226,16 @@ impl PersonBodies {
                 let untold = (seen.spread - separation.human_uncertainty).max(0.0);
                 fastest * beyond_reaction(now - seen.time, separation) + untold
             };
-            let beyond = part.uncertainty_beyond(&from.place, &to.place, separation);
-            let grown =
-                part.capsule(&from.place, &to.place, growth(&from).max(growth(&to)) + beyond);
-            let within = self.within_reach(part, growth);
-            let smaller = within
-                .filter(|reach| grown.is_none_or(|capsule| reach.radius() < capsule.radius()));
+            let growth_between = growth(from).max(growth(to))
+                + part.uncertainty_beyond(&from.place, &to.place, separation);
+            let grown = part.capsule(&from.place, &to.place, growth_between);
+            let radius = grown.map_or(f64::INFINITY, |capsule| capsule.radius());
+            let smaller = self.within_reach(part, radius, growth);
             // One frame alone is not believed for a part that must not be touched. It may show the
             // part too far away.
-            let before = part
-                .capsule(&from.before, &to.before, growth(&from).max(growth(&to)) + beyond)
-                .filter(|_| limit.is_none() && smaller.is_none());
-            for capsule in smaller.or(grown).into_iter().chain(before) {
+            let before = (limit.is_none() && smaller.is_none())
+                .then(|| part.capsule(&from.before, &to.before, growth_between));
+            for capsule in smaller.or(grown).into_iter().chain(before.flatten()) {
                 let contact = limit.filter(|_| contact_speed > 0.0).map(|limit| Contact {
                     limit,
                     fastest: contact_speed,
@@ -251,15 +251,26 @@ impl PersonBodies {
         }
     }
 
-    /// Returns the thinnest capsule around visible joints that contains a part attached to them.
-    fn within_reach(&self, part: &Part, growth: impl Fn(&Seen) -> f64) -> Option<Capsule> {
-        let capsules = part.reaches.iter().filter_map(|&reach| {
-            let [one, other] = reach.joints().map(|joint| self.joints[joint as usize]);
-            let [one, other] = [one?, other?];
-            let growth = growth(&one).max(growth(&other));
-            reach.capsule(&[one.place, other.place], part.radius + growth)
-        });
-        capsules.min_by(|a, b| a.radius().total_cmp(&b.radius()))
+    /// Returns the thinnest capsule around visible joints that contains a part attached to them, if
+    /// it is thinner than `radius` \[m\].
+    fn within_reach(
+        &self,
+        part: &Part,
+        radius: f64,
+        growth: impl Fn(&Seen) -> f64,
+    ) -> Option<Capsule> {
+        let mut thinnest = (radius, None);
+        for reach in part.reaches {
+            let [one, other] = reach.joints().map(|joint| &self.joints[joint as usize]);
+            let (Some(one), Some(other)) = (one, other) else { continue };
+            let growth = growth(one).max(growth(other));
+            let radius = part.radius + growth + reach.wider();
+            if radius < thinnest.0 {
+                thinnest = (radius, Some((reach, [one.place, other.place])));
+            }
+        }
+        let (radius, (reach, places)) = (thinnest.0, thinnest.1?);
+        reach.capsule(&places, radius)
     }
 
     /// Adds the capsules of a person at a place that nobody can have reached. They must not be

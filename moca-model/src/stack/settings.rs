@@ -2,7 +2,7 @@
 
 use whole_body::tasks::{Feedback, PostureTask};
 
-use crate::error::{Error, check_size};
+use crate::error::{Error, check_settings, check_size};
 
 /// The posture task, which decides motions that no other level determines.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,16 +38,11 @@ impl PostureSettings {
             ("posture.weight", &self.weight),
         ] {
             check_size(what, values, joints)?;
-            if let Some(&value) = values.iter().find(|value| !value.is_finite()) {
-                return Err(Error::Setting { name: what, value, expected: "finite" });
-            }
+            check_settings(values.iter().map(|&value| (what, value)), "finite", f64::is_finite)?;
         }
-        for (name, values) in [("posture.gain", &self.gain), ("posture.weight", &self.weight)] {
-            if let Some(&value) = values.iter().find(|&&value| value < 0.0) {
-                return Err(Error::Setting { name, value, expected: "not negative" });
-            }
-        }
-        Ok(())
+        let gains = self.gain.iter().map(|&gain| ("posture.gain", gain));
+        let weights = self.weight.iter().map(|&weight| ("posture.weight", weight));
+        check_settings(gains.chain(weights), "not negative", |value| value >= 0.0)
     }
 
     /// wᵢ q̇ᵢ = wᵢ gainᵢ (goalᵢ − qᵢ).

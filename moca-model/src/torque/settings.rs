@@ -2,7 +2,7 @@
 
 use whole_body::torque::{Compensation, ImpedanceSettings, ObservedFriction, TorqueSettings};
 
-use crate::error::Error;
+use crate::error::{Error, check_settings};
 use crate::robot::moca::{MOCA_BASE_JOINTS, MOCA_JOINTS};
 use crate::torque::LONGEST_DELAY;
 
@@ -89,16 +89,12 @@ impl TorqueLoopSettings {
             let (name, expected) = ("the number of joints driven by torque", "at least one");
             return Err(Error::Setting { name, value: 0.0, expected });
         }
-        let value = self.rotor_inertia;
-        if !(0.0..=1e3).contains(&value) {
-            let (name, expected) = ("torque.rotor_inertia", "from 0 to 1000 kg m²");
-            return Err(Error::Setting { name, value, expected });
-        }
-        if let AnswerDelay::Known(value) = self.delay
-            && !(0.0..=LONGEST_DELAY).contains(&value)
-        {
-            let (name, expected) = ("torque.delay", "from 0 to 0.0045 s: a later robot swings");
-            return Err(Error::Setting { name, value, expected });
+        let inertia = [("torque.rotor_inertia", self.rotor_inertia)];
+        check_settings(inertia, "from 0 to 1000 kg m²", |value| (0.0..=1e3).contains(&value))?;
+        if let AnswerDelay::Known(delay) = self.delay {
+            let expected = "from 0 to 0.0045 s: a later robot swings";
+            let fits = |delay| (0.0..=LONGEST_DELAY).contains(&delay);
+            check_settings([("torque.delay", delay)], expected, fits)?;
         }
         Ok(self.impedance.validate(self.joints.len())?)
     }

@@ -18,10 +18,8 @@ pub(super) struct OwnMotion {
 }
 
 impl OwnMotion {
-    /// Bounds the motion of one pair.
-    pub(super) fn of_pair(motion: &JointMotion<'_>, first: &RobotBody, second: &RobotBody) -> Self {
-        let shared = first.joints.min(second.joints);
-        let moved = if first.joints > shared { first } else { second };
+    /// Bounds the motion of a body against another one that the first `shared` of its joints move.
+    pub(super) fn of_pair(motion: &JointMotion<'_>, moved: &RobotBody, shared: usize) -> Self {
         let (arm, reach) = (moved.capsule.middle() - motion.origin, moved.capsule.reach());
         let joints = || motion.columns(moved.joints).skip(shared);
         let speed = |[linear, angular]: [Vector3<f64>; 2]| {

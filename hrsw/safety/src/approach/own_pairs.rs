@@ -27,6 +27,7 @@ impl ApproachRows {
         let any = OwnMotion::of_all(motion, robot);
         let watched = self.watched_room;
         let farthest = self.reach(any.fastest, any.change).sight(0.0) + watched;
+        let mut known = None;
         for &(i, j) in pairs {
             let (Some(first), Some(second)) = (robot.get(i), robot.get(j)) else {
                 let (got, wanted) = (i.max(j), robot.len());
@@ -36,7 +37,14 @@ impl ApproachRows {
             if bound > farthest {
                 continue;
             }
-            let moves = OwnMotion::of_pair(motion, first, second);
+            let shared = first.joints.min(second.joints);
+            let (index, moved) = if first.joints > shared { (i, first) } else { (j, second) };
+            // Pairs of one body follow each other, and most of them share the same joints.
+            let moves = match known {
+                Some((key, moves)) if key == (index, shared) => moves,
+                _ => OwnMotion::of_pair(motion, moved, shared),
+            };
+            known = Some(((index, shared), moves));
             if bound > self.reach(moves.fastest, moves.change).sight(0.0) + watched {
                 continue;
             }

@@ -35,6 +35,16 @@ impl PartSpeeds {
         Self { human, permitted, watched_room }
     }
 
+    /// Returns bounds of the speeds of several parts, none of which may be touched.
+    pub(super) fn most(parts: &[Self]) -> Self {
+        let none = Self { human: 0.0, permitted: f64::NEG_INFINITY, watched_room: 0.0 };
+        parts.iter().fold(none, |most, part| Self {
+            human: most.human.max(part.human),
+            watched_room: most.watched_room.max(part.watched_room),
+            ..most
+        })
+    }
+
     /// Returns the distance beyond which the part needs no row for a body of the robot \[m\]. It is
     /// negative infinity if a contact allows every speed that the two can reach within this tick.
     pub(super) fn sight(&self, moves: &BodyMotion, reach: Reach) -> f64 {
