@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measures how still the robot is over many recordings, and writes the table of the book's page `moca-model.md`.
+"""Measures how still the robot is over many recordings, and writes the table of the book's page `moca-model-stillness.md`.
 
     python3 docs/calmness.py                        # 20 recordings; builds the programs in release
     python3 docs/calmness.py --recordings 2 --print # prints the table of two recordings, and writes no page

@@ -18,7 +18,7 @@ use crate::request::Restart;
 pub struct SettingsText {
     /// The text of a file with these settings.
     pub write: fn(&PlantSettings) -> Result<String, String>,
-    /// These settings with what the text of a file says in place of its own.
+    /// Reads the text of a file over these settings; what it leaves out stays.
     pub read: fn(&str, &PlantSettings) -> Result<PlantSettings, String>,
 }
 

@@ -364,7 +364,7 @@ impl Plant {
         Ok(())
     }
 
-    /// From now on this share of the commands is lost on the way to a robot under torques.
+    /// Loses this share of the commands on the way to a robot under torques, from now on.
     ///
     /// # Errors
     /// A share that is not from 0 to 1.

@@ -106,7 +106,7 @@ impl Recorder {
         }
     }
 
-    /// From now on a frame is here, in the world; none while it is nowhere.
+    /// Places a frame here in the world from now on; `None` while it is nowhere.
     ///
     /// # Errors
     /// [`ReplayError::UnknownFrame`] for a frame of another recorder.

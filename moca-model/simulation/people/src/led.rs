@@ -139,9 +139,9 @@ const FARTHEST: f64 = 20.0;
 /// Facts about the robot that a led person has to know, in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Workplace {
-    /// Where somebody who works has the hand (m).
+    /// Place of the hand of somebody who works (m).
     pub object: Point3<f64>,
-    /// Between the object and the robot's hand (m).
+    /// Place between the object and the robot's hand (m).
     pub between: Point3<f64>,
 }
 

@@ -378,13 +378,13 @@ pub struct Endings(BTreeMap<Disturbance, StateCounts>);
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StateCounts {
-    /// Full speed.
+    /// Ended at full speed.
     pub normal: u64,
-    /// Reduced speed.
+    /// Ended at reduced speed.
     pub reduced: u64,
-    /// Coming no nearer.
+    /// Ended coming no nearer.
     pub retreat: u64,
-    /// At rest.
+    /// Ended at rest.
     pub protective_stop: u64,
 }
 

@@ -31,7 +31,7 @@ pub struct Counts {
     pub discontinuities: u64,
     /// Bodies of the robot that are to keep apart overlap.
     pub self_collisions: u64,
-    /// As `separation_violations`, by the person's own motion.
+    /// The robot is too near to a person by that person's own motion.
     pub person_caused: u64,
     /// The robot comes nearer to a person who works with it.
     pub contact: u64,

@@ -309,7 +309,7 @@ impl Workcell {
         self.tick
     }
 
-    /// Between two ticks \[s\].
+    /// Time between two ticks \[s\].
     pub fn period(&self) -> f64 {
         self.period
     }
