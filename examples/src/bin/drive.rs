@@ -222,12 +222,9 @@ impl Options {
 
     /// The settings file, if there is one, with its content.
     fn settings(&self) -> Result<Option<(&PathBuf, SettingsFile)>> {
-        let read = |path: &PathBuf| {
-            let file = SettingsFile::read(path)?;
-            file.over(&RobotSettings::default()).map(|_| file)
-        };
-        let read = |path| Ok((path, read(path).with_context(|| path.display().to_string())?));
-        self.settings.as_ref().map(read).transpose()
+        let Some(path) = &self.settings else { return Ok(None) };
+        let file = SettingsFile::read(path).with_context(|| path.display().to_string())?;
+        Ok(Some((path, file)))
     }
 
     /// The robot of the settings file, or MOCA, with these settings where the file has none.
@@ -321,7 +318,7 @@ impl Options {
         mut clock: MonotonicClock,
     ) -> Result<Ending> {
         let topics = match self.settings()? {
-            Some((_, file)) => file.over(&RobotSettings::default())?.topics,
+            Some((_, file)) => file.unchecked_over(&RobotSettings::default())?.topics,
             None => TopicNames::default(),
         };
         if let Some(address) = &self.serve {

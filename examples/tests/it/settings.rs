@@ -182,15 +182,15 @@ fn an_arm_of_six_joints_takes_its_gains() {
     let urdf =
         concat!(env!("CARGO_MANIFEST_DIR"), "/../moca-model/whole-body/examples/urdf/panda.urdf");
     let joints: Vec<_> = (1..=6).map(|joint| format!("panda_joint{joint}")).collect();
-    let text = |gains: &str| {
+    let text = |stiffness: &str, damping: &str| {
         let posture = "[0, -0.785, 0, -2.356, 0, 1.571]";
         let controller =
             format!("[controller]\ntool = \"panda_link6\"\nposture.configuration = {posture}");
-        let torque = format!("[torque.impedance]\nstiffness = {gains}\ndamping = {gains}");
+        let torque = format!("[torque.impedance]\nstiffness = {stiffness}\ndamping = {damping}");
         format!("version = 1\n[robot]\nurdf = {urdf:?}\n{controller}\n{torque}\n")
     };
     let read = |gains: &str| {
-        let file = SettingsFile::parse(&text(gains)).unwrap();
+        let file = SettingsFile::parse(&text(gains, gains)).unwrap();
         DrivenRobot::read(RobotSettings::default(), Some((Path::new("arm.toml"), &file)))
     };
     let robot = read("[60, 50, 40, 30, 20, 10]").unwrap();
@@ -199,4 +199,13 @@ fn an_arm_of_six_joints_takes_its_gains() {
     assert_eq!(robot.settings.torque.joints, joints);
     let error = format!("{:#}", read("[60, 50, 40, 30, 20, 10, 5]").unwrap_err());
     assert!(error.contains("stiffness has 7 elements; the robot needs 6"), "{error}");
+    let file = tempfile::NamedTempFile::new().unwrap();
+    let text = text("[600, 600, 600, 600, 250, 150]", "[50, 50, 50, 20, 20, 20]");
+    fs::write(file.path(), text).unwrap();
+    let path = file.path().to_str().unwrap();
+    let ran = Runs::new("drive").with(&["--settings", path, "--duration=1", "--json"]).run().done();
+    let json = ran.json();
+    assert_eq!(json["at_rest"], true, "{json}");
+    let faults = json["faults"].as_array().unwrap();
+    assert!(faults.iter().all(|fault| fault["fault"] != "following error"), "{json}");
 }
