@@ -16,6 +16,7 @@ mod separation;
 mod witness;
 
 pub use calmness::{Calmness, CalmnessMonitor, Motion};
+pub(crate) use limits::is_unseen;
 pub use limits::{Breaches, LimitMonitor, Margins, Return, TorqueMonitor};
 pub(crate) use separation::body;
 pub use separation::{Blame, Moment, SeparationMonitor, Verdict};

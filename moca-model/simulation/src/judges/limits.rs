@@ -299,6 +299,12 @@ impl LimitMonitor {
     }
 }
 
+/// Returns true if the robot's position is only predicted.
+pub(crate) fn is_unseen(command: &Command) -> bool {
+    let faults = [Fault::MissingMeasurement, Fault::FrozenMeasurement, Fault::LostCommand];
+    command.fault.is_some_and(|fault| faults.contains(&fault))
+}
+
 fn is_outside(limits: &JointLimits, q: f64) -> bool {
     !(limits.lower..=limits.upper).contains(&q)
 }

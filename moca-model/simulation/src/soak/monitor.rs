@@ -1,13 +1,13 @@
 //! The checks of every tick.
 
-use hrsw_safety::{Capsule, Fault, SafetyState};
+use hrsw_safety::{Capsule, SafetyState};
 use moca_model::whole_body::{FrameId, Model};
 use moca_model::{Command, ControllerSettings};
 use serde::{Deserialize, Serialize};
 
 use super::disturbance::{Disturbance, Endings};
 use crate::Error;
-use crate::judges::{LimitMonitor, Moment, Return, SeparationMonitor};
+use crate::judges::{LimitMonitor, Moment, Return, SeparationMonitor, is_unseen};
 
 /// Ticks with something wrong, by kind, and two kinds that are not wrong but worth counting.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -255,12 +255,6 @@ impl Monitor {
         }
         is_settling
     }
-}
-
-/// Returns true if the robot's position is only predicted.
-fn is_unseen(command: &Command) -> bool {
-    let unseen = [Fault::MissingMeasurement, Fault::FrozenMeasurement];
-    command.fault.is_some_and(|fault| unseen.contains(&fault))
 }
 
 /// Commanded path beyond which frozen measurements are told from a robot that stands \[rad or m\].

@@ -1,11 +1,11 @@
 //! The checks of every tick.
 
-use hrsw_safety::{Capsule, Fault, SafetyState};
+use hrsw_safety::{Capsule, SafetyState};
 use moca_model::whole_body::{FrameId, Model};
-use moca_model::{Command, ControllerSettings};
+use moca_model::ControllerSettings;
 
 use crate::Error;
-use crate::judges::{LimitMonitor, Moment, Return, SeparationMonitor};
+use crate::judges::{LimitMonitor, Moment, Return, SeparationMonitor, is_unseen};
 use crate::people::Joints;
 use crate::plant::Plant;
 
@@ -95,10 +95,4 @@ impl Judge {
         counts.unsolved += u64::from(!command.outcome.is_optimal());
         Ok(())
     }
-}
-
-/// Returns true if the robot's position is only predicted.
-fn is_unseen(command: &Command) -> bool {
-    let faults = [Fault::MissingMeasurement, Fault::FrozenMeasurement, Fault::LostCommand];
-    command.fault.is_some_and(|fault| faults.contains(&fault))
 }
