@@ -1,8 +1,8 @@
 //! The checks of every tick.
 
 use hrsw_safety::{Capsule, SafetyState};
-use moca_model::whole_body::{FrameId, Model};
 use moca_model::ControllerSettings;
+use moca_model::whole_body::{FrameId, Model};
 
 use crate::Error;
 use crate::judges::{LimitMonitor, Moment, Return, SeparationMonitor, is_unseen};
