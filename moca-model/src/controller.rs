@@ -265,9 +265,13 @@ impl Controller {
         self.command.desired_twist.copy_from_slice(desired);
         self.command.slack.copy_from_slice(slack);
         let moves = self.robot.motion(&self.command.joint_velocity);
-        let (safety, separation) = (&self.safety, self.stack.separation());
+        let (safety, separation) = (&mut self.safety, self.stack.separation());
         let share =
             separation.map_or(0.0, |rows| safety.braking_share(&moves, rows, &motion.stopping));
+        if let (Some(rows), true) = (separation, share == 1.0) {
+            let bounds = (&motion.least[..], &motion.receding[..]);
+            safety.recede(&moves, rows, bounds, &mut motion.stopping);
+        }
         motion.keeps_separation = share == 0.0;
         self.goal_share.at_limit =
             separation.is_some_and(|rows| safety.is_at_limit(rows, moves.velocity));

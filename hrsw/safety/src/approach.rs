@@ -15,7 +15,7 @@ mod ranking;
 mod reach;
 mod separation_violations;
 
-use ahqp_core::{AugmentedState, Rows};
+use ahqp_core::{AugmentedState, Rows, VelocityInterval};
 
 use crate::contact::Mobility;
 use crate::distance::proximity;
@@ -111,6 +111,8 @@ pub struct ApproachRows {
     /// True if a pair that needs a row got none.
     crowded: bool,
     violations: SeparationViolations,
+    /// Velocities of a stop that recedes, n.
+    receding: Vec<f64>,
 }
 
 /// Rounding error of a speed of approach \[m/s\].
@@ -151,7 +153,8 @@ impl ApproachRows {
             least_distance: f64::INFINITY,
             needs_inertia: false,
             crowded: false,
-            violations: SeparationViolations::new(),
+            violations: SeparationViolations::new(state.joints),
+            receding: Vec::with_capacity(state.joints),
         })
     }
 
@@ -349,6 +352,35 @@ impl ApproachRows {
         }
         let is_left = self.violations.is_left_by(motion, velocity, ROUNDING);
         if is_left && (share == 0.0 || self.violations.is_empty()) { share.min(1.0) } else { 1.0 }
+    }
+
+    /// Changes the velocities of a `stop` within the `intervals`, so that it approaches people inside
+    /// the protective distance no faster than the stop `least` does; n each. Joints that may not
+    /// brake as much as in `least` are made up for by others. The stop stays as it is if that cannot
+    /// be, or if a row written last would forbid the change.
+    pub fn recede(
+        &mut self,
+        motion: &JointMotion<'_>,
+        rows: &Rows,
+        (least, intervals): (&[f64], &[VelocityInterval]),
+        stop: &mut [f64],
+    ) {
+        let mut receding = std::mem::take(&mut self.receding);
+        receding.clear();
+        receding.extend_from_slice(stop);
+        if self.violations.recede(motion, (least, intervals), &mut receding, ROUNDING) {
+            let mut written = self.places.candidates().zip(rows.iter());
+            let is_allowed = written.all(|(candidate, (row, _, upper))| {
+                let along = |velocity: &[f64]| -> f64 {
+                    row.iter().zip(velocity).map(|(a, b)| a * b).sum()
+                };
+                candidate.is_none() || along(&receding) - ROUNDING <= upper.max(along(stop))
+            });
+            if is_allowed {
+                stop.copy_from_slice(&receding);
+            }
+        }
+        self.receding = receding;
     }
 
     /// Returns true if a pair that may not touch is closer than the uncertainty of both positions.

@@ -1,6 +1,6 @@
 //! Separation of the robot from people and from itself: rows for the stack, and a supervisor.
 
-use ahqp_core::{AugmentedState, Rows};
+use ahqp_core::{AugmentedState, Rows, VelocityInterval};
 use nalgebra::Vector3;
 use vision_models::{Body, Percept};
 
@@ -337,6 +337,18 @@ impl Safety {
         braking: &[f64],
     ) -> f64 {
         self.separation.braking_share(motion, separation, motion.velocity, braking)
+    }
+
+    /// Changes the velocities of a `stop`, n, so that it approaches people no faster than the stop
+    /// `least`. `separation` has the rows of this tick. See [`ApproachRows::recede`].
+    pub fn recede(
+        &mut self,
+        motion: &JointMotion<'_>,
+        separation: &Rows,
+        bounds: (&[f64], &[VelocityInterval]),
+        stop: &mut [f64],
+    ) {
+        self.separation.recede(motion, separation, bounds, stop);
     }
 
     /// Returns true if the robot approaches people at nearly its largest speed with these joint

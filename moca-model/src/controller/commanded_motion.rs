@@ -59,6 +59,11 @@ pub(super) struct CommandedMotion {
     pub(super) braking: Vec<f64>,
     /// Joint velocities of an emergency stop, which may accelerate more.
     pub(super) stopping: Vec<f64>,
+    /// Joint velocities of an emergency stop whose accelerations may not be held.
+    pub(super) least: Vec<f64>,
+    /// Velocities to which joints may go so that a stop recedes. The base's do not get faster, as its wheels share a
+    /// limit.
+    pub(super) receding: Vec<VelocityInterval>,
     /// Last measured yaw of the base \[rad\].
     yaw: f64,
     /// Share of all velocity limits, 0 while the person is lost.
@@ -114,7 +119,9 @@ impl CommandedMotion {
             gentle: vec![free; base],
             base: base.min(n),
             braking: rest.clone(),
-            stopping: rest,
+            stopping: rest.clone(),
+            least: rest,
+            receding: vec![VelocityInterval { lower: 0.0, upper: 0.0 }; n],
             yaw: 0.0,
             speed: 1.0,
             keeps_separation: true,
@@ -249,8 +256,15 @@ impl CommandedMotion {
             let (_, of_arm) = joints.split_at_mut(self.base);
             bound_held_acceleration([arm.velocity, measured], held, times.step, of_arm);
         };
+        self.least.copy_from_slice(&self.stopping);
+        clamp(&mut self.least, joints);
         bound(joints, HELD_IN_STOP);
         clamp(&mut self.stopping, joints);
+        self.receding.copy_from_slice(joints);
+        for (interval, velocity) in self.receding.iter_mut().zip(base.velocity) {
+            interval.lower = interval.lower.max(-velocity.abs());
+            interval.upper = interval.upper.min(velocity.abs());
+        }
         bound(joints, HELD);
         self.braking.copy_from_slice(&self.stopping);
         clamp(&mut self.braking, joints);

@@ -30,7 +30,7 @@ pub struct JointMotion<'a> {
 
 impl JointMotion<'_> {
     /// Returns the linear and angular parts of the first `joints` columns of the Jacobian.
-    pub(crate) fn columns(&self, joints: usize) -> impl Iterator<Item = [Vector3<f64>; 2]> {
+    pub(crate) fn columns(&self, joints: usize) -> impl Iterator<Item = [Vector3<f64>; 2]> + Clone {
         let columns = self.jacobian.as_slice().as_chunks::<6>().0;
         let part = |&[x, y, z, a, b, c]: &[f64; 6]| [Vector3::new(x, y, z), Vector3::new(a, b, c)];
         columns.iter().take(joints).map(part)

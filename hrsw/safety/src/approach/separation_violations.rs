@@ -1,5 +1,6 @@
 //! Pairs in which the robot must not approach any possible position of the person.
 
+use ahqp_core::VelocityInterval;
 use nalgebra::{Vector3, Vector6};
 
 use crate::approach::bodies::{PersonBody, RobotBody};
@@ -10,6 +11,8 @@ use hrsw::Capsule;
 
 /// Number of pairs that are remembered. If there are more, the robot brakes.
 const ROOM: usize = 512;
+/// Largest number of steps in which a stop recedes.
+const STEPS: usize = 8;
 
 /// Pairs of a tick that may not touch and violate the protective distance of a robot at rest.
 #[derive(Debug, Clone)]
@@ -19,6 +22,18 @@ pub(super) struct SeparationViolations {
     overflows: bool,
     /// True if the person of a pair may be so near that no direction surely leads away.
     too_near: bool,
+    /// Velocities in which a stop exceeds another one, n \[m/s or rad/s\].
+    beyond: Vec<f64>,
+}
+
+/// An end of a pair's segment that approaches a possible position of the person.
+#[derive(Debug, Clone, Copy)]
+struct Approach {
+    /// Speed \[m/s\].
+    speed: f64,
+    end: Vector3<f64>,
+    /// Unit vector to the person; zero if the speed is zero.
+    towards: Vector3<f64>,
 }
 
 /// A body of the robot, and a part of the person at the place where it has moved since it was seen.
@@ -35,8 +50,13 @@ struct Pair {
 }
 
 impl SeparationViolations {
-    pub(super) fn new() -> Self {
-        Self { pairs: Vec::with_capacity(ROOM), overflows: false, too_near: false }
+    pub(super) fn new(joints: usize) -> Self {
+        Self {
+            pairs: Vec::with_capacity(ROOM),
+            overflows: false,
+            too_near: false,
+            beyond: Vec::with_capacity(joints),
+        }
     }
 
     pub(super) fn clear(&mut self) {
@@ -94,36 +114,97 @@ impl SeparationViolations {
         velocity: &[f64],
         rounding: f64,
     ) -> bool {
+        self.approaches(motion, velocity).all(|(_, worst)| worst.speed <= rounding)
+    }
+
+    /// Moves `velocity` within the `intervals` until no pair approaches faster than at the velocity
+    /// `least`, n each, apart from `rounding` \[m/s\]. Returns true if it succeeds.
+    ///
+    /// In each step the pair recedes that is worst, by the least change of its joints that have room.
+    pub(super) fn recede(
+        &mut self,
+        motion: &JointMotion<'_>,
+        (least, intervals): (&[f64], &[VelocityInterval]),
+        velocity: &mut [f64],
+        rounding: f64,
+    ) -> bool {
+        for _ in 0..STEPS {
+            let mut beyond = std::mem::take(&mut self.beyond);
+            beyond.clear();
+            beyond.extend(velocity.iter().zip(least).map(|(velocity, least)| velocity - least));
+            let worst = self.approaches(motion, &beyond);
+            let worst =
+                worst.max_by(|(_, first), (_, second)| first.speed.total_cmp(&second.speed));
+            self.beyond = beyond;
+            let Some((joints, Approach { speed, end, towards })) = worst else { return true };
+            if speed <= rounding {
+                return true;
+            }
+            let moment = (end - motion.origin).cross(&towards);
+            let joints = motion.columns(joints).zip(intervals).zip(&*velocity);
+            let joints = joints.map(|(([linear, angular], interval), velocity)| {
+                let approach = linear.dot(&towards) + angular.dot(&moment);
+                let to = if approach > 0.0 { interval.lower } else { interval.upper };
+                let room = to - velocity;
+                (approach, if room * approach < 0.0 { room } else { 0.0 })
+            });
+            let free = joints.clone().filter(|(_, room)| *room != 0.0);
+            let squares: f64 = free.map(|(approach, _)| approach * approach).sum();
+            if squares == 0.0 {
+                return false;
+            }
+            let step = |(approach, room): (f64, f64)| {
+                let least = speed / squares * approach.abs();
+                least.min(room.abs()).copysign(room)
+            };
+            self.beyond.clear();
+            self.beyond.extend(joints.map(step));
+            velocity
+                .iter_mut()
+                .zip(&self.beyond)
+                .for_each(|(velocity, change)| *velocity += change);
+        }
+        false
+    }
+
+    /// Returns the number of joints and the worst approach of every pair, at a velocity, n \[m/s\].
+    fn approaches(
+        &self,
+        motion: &JointMotion<'_>,
+        velocity: &[f64],
+    ) -> impl Iterator<Item = (usize, Approach)> {
         // Pairs of the same body follow each other.
         let (mut last, mut twist) = (None, Vector6::zeros());
-        self.pairs.iter().all(|pair| {
+        self.pairs.iter().map(move |pair| {
             if last != Some(pair.robot) {
                 (last, twist) = (Some(pair.robot), motion.twist(velocity, pair.joints));
             }
-            pair.worst_approach(&twist, &motion.origin) <= rounding
+            (pair.joints, pair.worst_approach(&twist, &motion.origin))
         })
     }
 }
 
 impl Pair {
-    /// Returns the largest speed at which an end approaches the person, over all possible
-    /// directions to the person \[m/s\].
-    fn worst_approach(&self, twist: &Vector6<f64>, origin: &Vector3<f64>) -> f64 {
+    /// Returns the fastest approach of an end, over all possible directions to the person.
+    fn worst_approach(&self, twist: &Vector6<f64>, origin: &Vector3<f64>) -> Approach {
         let (linear, angular) = (twist.fixed_rows::<3>(0), twist.fixed_rows::<3>(3));
         let cosine = (1.0 - self.sine * self.sine).sqrt();
-        let worst = self.ends.map(|end| {
+        let [first, second] = self.ends.map(|end| {
             let velocity = linear + angular.cross(&(end - origin));
             let approach = -velocity.dot(&self.normal);
-            let across = (velocity + self.normal * approach).norm();
-            let speed = approach.hypot(across);
+            let across = velocity + self.normal * approach;
+            let [aside, speed] = [across.norm(), velocity.norm()];
             // The cone of possible directions contains the direction of the velocity, or does not.
             if approach > cosine * speed || self.sine >= 1.0 {
-                speed
+                let towards = velocity.try_normalize(0.0).unwrap_or_default();
+                Approach { speed, end, towards }
             } else {
-                cosine * approach + self.sine * across
+                let speed = cosine * approach + self.sine * aside;
+                let aside = across.try_normalize(0.0).unwrap_or_default();
+                Approach { speed, end, towards: aside * self.sine - self.normal * cosine }
             }
         });
-        worst[0].max(worst[1])
+        if first.speed < second.speed { second } else { first }
     }
 }
 

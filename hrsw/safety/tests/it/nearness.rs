@@ -1,6 +1,6 @@
 //! People inside the protective distance, and the assignment of rows to points.
 
-use ahqp_core::{AugmentedState, integrate_pose};
+use ahqp_core::{AugmentedState, VelocityInterval, integrate_pose};
 use hrsw_safety::{
     ApproachRows, Capsule, JointMotion, MeasuredVelocity, PersonBody, RobotBody,
     SeparationSettings, proximity,
@@ -163,6 +163,74 @@ proptest! {
         prop_assume!(proximity(&robot, &person).distance > -0.5 * robot.radius());
         prop_assert!(approach(&robot, &twist, &person) <= 1e-5);
     }
+}
+
+proptest! {
+    /// Some joints may not brake as in the least stop. The robot recedes with others, and then approaches no possible
+    /// position of the person faster than in that stop.
+    #[test]
+    fn receding_stops_approach_no_faster(
+        robot in capsule(0.5), person in capsule(0.5), away in 0.08..0.16_f64,
+        least in prop::array::uniform6(-0.3..0.3_f64), excess in prop::array::uniform6(-0.02..0.02_f64),
+        room in prop::array::uniform6(0.0..0.05_f64), spread in 0.0..0.3_f64, beside in vector(1.0),
+    ) {
+        let settings = SeparationSettings::default();
+        let near = proximity(&robot, &person);
+        prop_assume!((near.on_first - near.on_second).norm() > 1e-3);
+        let person = moved(&person, &(near.normal * (near.distance - away)));
+        let age = 0.1;
+        let velocity = MeasuredVelocity { mean: Vector3::zeros(), uncertainty: spread };
+        let part = PersonBody {
+            assumed_speed: 1.6, capsule: person, velocity: Some(velocity), age, uncertainty: 0.0, contact: None,
+        };
+        let mut stop: [f64; JOINTS] = std::array::from_fn(|i| least[i] + excess[i]);
+        let (before, jacobian) = (stop, Matrix6xX::identity(JOINTS));
+        let intervals: [_; JOINTS] = std::array::from_fn(|i| VelocityInterval {
+            lower: stop[i] - room[i], upper: stop[i] + room[i],
+        });
+        let motion = flying(&jacobian, &before);
+        let mut separation = ApproachRows::new(STATE, settings, 3).unwrap();
+        let mut rows = separation.rows();
+        separation.write(&motion, &[RobotBody { capsule: robot, joints: JOINTS }], &[part], &mut rows).unwrap();
+        separation.recede(&motion, &rows, (&least, &intervals), &mut stop);
+        for (interval, velocity) in intervals.iter().zip(stop) {
+            prop_assert!((interval.lower - 1e-12..=interval.upper + 1e-12).contains(&velocity));
+        }
+        let error = settings.human_uncertainty + spread * age;
+        let person = moved(&person, &(beside.cap_magnitude(1.0) * error));
+        prop_assume!(proximity(&robot, &person).distance > -0.5 * robot.radius());
+        let receded = approach(&robot, &stop, &person) <= approach(&robot, &least, &person) + 1e-5;
+        prop_assert!(receded || stop == before, "{stop:?} {before:?}");
+    }
+}
+
+/// A turn may not be braked at all. The translation makes up for what it does at the nearest point, and no more.
+#[test]
+fn translation_makes_up_for_a_turn() {
+    let robot = Capsule::sphere(Vector3::new(0.5, 0.0, 0.0), 0.05).unwrap();
+    let person = PersonBody {
+        assumed_speed: 1.6,
+        capsule: Capsule::sphere(Vector3::new(0.5, 0.25, 0.0), 0.1).unwrap(),
+        velocity: Some(MeasuredVelocity::exact(Vector3::zeros())),
+        age: 0.0,
+        uncertainty: 0.0,
+        contact: None,
+    };
+    let least = [0.0; JOINTS];
+    let mut stop = [0.0, 0.0, 0.0, 0.0, 0.0, 0.02];
+    let intervals: [_; JOINTS] = std::array::from_fn(|joint| match joint {
+        0..3 => VelocityInterval { lower: -0.1, upper: 0.1 },
+        _ => VelocityInterval { lower: stop[joint], upper: stop[joint] },
+    });
+    let (before, jacobian) = (stop, Matrix6xX::identity(JOINTS));
+    let motion = flying(&jacobian, &before);
+    let mut separation = ApproachRows::new(STATE, SeparationSettings::default(), 3).unwrap();
+    let mut rows = separation.rows();
+    let body = RobotBody { capsule: robot, joints: JOINTS };
+    separation.write(&motion, &[body], &[person], &mut rows).unwrap();
+    separation.recede(&motion, &rows, (&least, &intervals), &mut stop);
+    assert!(approach(&robot, &before, &person.capsule) > 0.009);
+    assert!(approach(&robot, &stop, &person.capsule).abs() < 1e-5, "{stop:?}");
 }
 
 /// A person walks to the robot's side. The robot leaves the place where they were seen, and
