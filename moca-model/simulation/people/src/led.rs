@@ -357,6 +357,26 @@ mod tests {
     }
 
     #[test]
+    fn head_speeds_up_as_in_a_bow() {
+        let mut person = LedPerson::new(1.75, Point2::new(1.4, 0.1), 0.0).unwrap();
+        let (mut nose, mut velocity) = (None, None::<Vector3<f64>>);
+        for tick in 0..3000 {
+            if tick % 150 == 0 {
+                let lean = [0.0, 1.2, 0.5][tick / 150 % 3];
+                person.lead(Lead { lean, ..Lead::default() }).unwrap();
+            }
+            person.advance(1e-3, &WORKPLACE);
+            let now = person.person().joints()[Body25::Nose.index()];
+            let moves = nose.replace(now).map(|before: Point3<f64>| (now - before) / 1e-3);
+            if let (Some(before), Some(moves)) = (velocity, moves) {
+                // The head is 0.8 m above the hips.
+                assert!((moves - before).norm() < 7.0 * 1e-3, "{tick}");
+            }
+            velocity = moves;
+        }
+    }
+
+    #[test]
     fn what_nobody_can_do_is_refused() {
         let mut person = LedPerson::new(1.75, Point2::origin(), 0.0).unwrap();
         let place = Point2::new(f64::NAN, 0.0);

@@ -7,9 +7,12 @@ use nalgebra::Vector3;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 
-/// How fast a posture is taken that is kept \[rad/s, statures/s\], and its time constant at the end \[s\].
+/// How fast a posture is taken that is kept: rate \[rad/s, statures/s\], acceleration \[rad/s², statures/s²\], and time
+/// constant at the end \[s\]. Accelerations are those of the quickest movements.
 const LEAN_RATE: f64 = 0.8;
 const DROP_RATE: f64 = 0.2;
+const LEAN_ACCELERATION: f64 = 6.0;
+const DROP_ACCELERATION: f64 = 1.2;
 const BEND_TIME: f64 = 0.2;
 
 /// A movement that ends where it began.
@@ -69,6 +72,8 @@ pub(super) struct Moving {
     /// Lean and drop that are asked for, and as far as they have come.
     kept: Posture,
     bent: Posture,
+    /// Rates of that lean and drop \[rad/s, statures/s\].
+    bending: [f64; 2],
     from: Posture,
     now: Posture,
     /// Next postures, each with the time to reach it \[s\].
@@ -213,12 +218,15 @@ impl Moving {
 
     /// Advances by a time \[s\], from posture to posture with least jerk.
     pub(super) fn advance(&mut self, elapsed: f64) {
-        for (bent, kept, most) in [
-            (&mut self.bent.lean, self.kept.lean, LEAN_RATE),
-            (&mut self.bent.drop, self.kept.drop, DROP_RATE),
-        ] {
-            let towards = (kept - *bent) / BEND_TIME;
-            *bent += towards.clamp(-most, most) * elapsed;
+        let bent = [
+            (&mut self.bent.lean, self.kept.lean, (LEAN_RATE, LEAN_ACCELERATION)),
+            (&mut self.bent.drop, self.kept.drop, (DROP_RATE, DROP_ACCELERATION)),
+        ];
+        for ((bent, kept, (most, acceleration)), rate) in bent.into_iter().zip(&mut self.bending) {
+            let towards = ((kept - *bent) / BEND_TIME).clamp(-most, most);
+            let change = acceleration * elapsed;
+            *rate += (towards - *rate).clamp(-change, change);
+            *bent += *rate * elapsed;
         }
         let Some((to, time)) = self.to_come.front().copied() else { return };
         self.elapsed += elapsed;
