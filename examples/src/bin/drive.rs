@@ -195,7 +195,7 @@ impl Program for Options {
 }
 
 impl Options {
-    /// Is the simulated robot until Ctrl-C.
+    /// Runs the simulated robot until Ctrl-C.
     fn serve(
         &self,
         session: &mut Session,
@@ -255,7 +255,7 @@ impl Options {
         Ok(())
     }
 
-    /// Whether the robot is not simulated in this process.
+    /// True if the robot is not simulated in this process.
     fn is_elsewhere(&self) -> bool {
         self.is_on_ros2() || self.robot.is_some()
     }

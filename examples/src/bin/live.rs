@@ -24,7 +24,7 @@ use serde::Serialize;
 
 /// Real-time priority of the loop that is asked for without the option: above all that has none, such as a browser.
 const PRIORITY: u8 = 10;
-/// Between nodes of the person's map (m).
+/// Distance between nodes of the person's map (m).
 const MAP_SPACING: f64 = 0.08;
 
 /// Moves MOCA in real time, at 1 kHz, beside a simulated person whom you lead on a page in a browser.
@@ -41,7 +41,7 @@ struct Options {
     /// Serve the page on this port, in place of any that is free.
     #[arg(long, default_value_t = 0)]
     port: u16,
-    /// How long, in seconds; until Ctrl-C by default.
+    /// Duration (s); until Ctrl-C by default.
     #[arg(long, value_name = "SECONDS")]
     duration: Option<f64>,
     /// The person's stature in metres.
@@ -65,7 +65,7 @@ struct Options {
     quiet: Quiet,
 }
 
-/// How the loop went, and what the judges counted of the last workcell.
+/// Figures of the loop, and counts of the last workcell's judges.
 #[derive(Debug, Serialize)]
 struct Report {
     #[serde(flatten)]

@@ -12,7 +12,7 @@ use moca_simulation::run::{Encounter, RobotView, Scenario};
 use super::own_robot::DrivenRobot;
 use crate::program::Session;
 
-/// Is the simulated robot until Ctrl-C, with the person of the scenario before its camera. Its on-board camera sees the
+/// Runs the simulated robot until Ctrl-C, with the person of the scenario before its camera. Its on-board camera sees the
 /// object that it was handed.
 ///
 /// # Errors
@@ -40,7 +40,7 @@ pub fn serve_on_ros2(
     Ok(())
 }
 
-/// What the cameras see of a frame beside the robot.
+/// Percept of a frame by the cameras beside the robot.
 fn seen(
     encounter: &mut Encounter,
     scenario: &Scenario,

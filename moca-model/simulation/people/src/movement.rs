@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 
-/// How fast a posture is taken that is kept \[rad/s, statures/s\], and its time constant at the end \[s\].
+/// Rates at which a kept posture is taken \[rad/s, statures/s\], and its time constant at the end \[s\].
 const LEAN_RATE: f64 = 0.8;
 const DROP_RATE: f64 = 0.2;
 const BEND_TIME: f64 = 0.2;
@@ -78,7 +78,7 @@ pub(super) struct Moving {
 }
 
 impl Movement {
-    /// All movements.
+    /// Movements in the order of the enum.
     pub const ALL: [Self; 11] = [
         Self::Bow,
         Self::Kneel,
