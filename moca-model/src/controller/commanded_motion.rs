@@ -260,12 +260,12 @@ impl CommandedMotion {
         clamp(&mut self.least, joints);
         bound(joints, HELD_IN_STOP);
         clamp(&mut self.stopping, joints);
+        bound(joints, HELD);
         self.receding.copy_from_slice(joints);
         for (interval, velocity) in self.receding.iter_mut().zip(base.velocity) {
             interval.lower = interval.lower.max(-velocity.abs());
             interval.upper = interval.upper.min(velocity.abs());
         }
-        bound(joints, HELD);
         self.braking.copy_from_slice(&self.stopping);
         clamp(&mut self.braking, joints);
         let twist = command.desired_twist.as_slice();
