@@ -204,6 +204,9 @@ impl Options {
         let address = address.context("--serve: give an address, HOST:PORT")?;
         let robot = self.robot(RobotSettings::default())?;
         let period = robot.settings.controller.period;
+        if !self.lockstep {
+            self.real_time.apply()?;
+        }
         let mut server = UdpServer::bind(address, robot.simulated()?, &robot.start, key)
             .with_context(|| format!("--serve {address}"))?;
         writeln!(session.output(), "a robot at {}; Ctrl-C ends it", server.address()?)?;
@@ -212,7 +215,6 @@ impl Options {
         if self.lockstep {
             server.serve_in_lockstep(|| interrupt.requested())?;
         } else {
-            self.real_time.apply()?;
             let mut clock = MonotonicClock::new(1e-6 * self.spin);
             server.serve(period, &mut clock, || interrupt.requested())?;
         }
