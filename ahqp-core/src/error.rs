@@ -16,7 +16,7 @@ pub enum Error {
     Size {
         /// The offending item.
         what: &'static str,
-        /// Its size.
+        /// Size it has.
         got: usize,
         /// The size that fits.
         wanted: usize,
@@ -189,7 +189,7 @@ pub enum Error {
         "{status}; take Solution::best for how far it came, solve again to go on from there, or raise the budget"
     )]
     Unfinished {
-        /// How it ended.
+        /// Ending of the solve.
         status: Status,
     },
 

@@ -55,7 +55,7 @@ pub struct Solver {
     conflict: List<ConstraintSource>,
 }
 
-/// What the last solve leaves for a warm start.
+/// State that the last solve leaves for a warm start.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum WarmStartState {
     Nothing,

@@ -13,7 +13,7 @@ pub enum Error {
     Value {
         /// The quantity.
         what: &'static str,
-        /// Its value.
+        /// Value given.
         got: f64,
         /// The unit of the value, empty for a number that is not finite.
         unit: &'static str,

@@ -18,17 +18,17 @@ pub(crate) mod mass {
     pub(crate) const UPPER_ARM_COM: f64 = 0.436;
     pub(crate) const FOOT: f64 = 0.0145;
     pub(crate) const SHANK: f64 = 0.0465;
-    /// From the ankle. Winter gives .433 from the knee.
+    /// Fraction from the ankle. Winter gives .433 from the knee.
     pub(crate) const SHANK_COM: f64 = 1.0 - 0.433;
     pub(crate) const THIGH: f64 = 0.100;
-    /// From the knee. Winter gives .433 from the hip.
+    /// Fraction from the knee. Winter gives .433 from the hip.
     pub(crate) const THIGH_COM: f64 = 1.0 - 0.433;
     pub(crate) const HEAD: f64 = 0.081;
     pub(crate) const THORAX: f64 = 0.355;
-    /// From the lumbar joint. Winter gives .63 from C7.
+    /// Fraction from the lumbar joint. Winter gives .63 from C7.
     pub(crate) const THORAX_COM: f64 = 1.0 - 0.63;
     pub(crate) const PELVIS: f64 = 0.142;
-    /// From the hip. Winter gives .105 from the lumbar joint.
+    /// Fraction from the hip. Winter gives .105 from the lumbar joint.
     pub(crate) const PELVIS_COM: f64 = 1.0 - 0.105;
     pub(crate) const ARM: f64 = HAND + FOREARM + UPPER_ARM;
 }

@@ -17,7 +17,7 @@ AFTER = 300  # ticks that a robot is watched after it was halted
 
 @dataclass(frozen=True)
 class Trouble:
-    """From the measurement that is due in a tick on, for so many; for ever without a number."""
+    """Trouble from the measurement that is due in a tick on, for so many ticks, or for ever."""
 
     kind: str  # "silent", "frozen", or "lost" for commands
     begin: int
@@ -29,7 +29,7 @@ class Trouble:
 
 @dataclass
 class Run:
-    """Of each tick the true state at its end; what was commanded in it; and what the controller says of the run."""
+    """True state at the end of each tick, the commands in it, and the controller's report of the run."""
 
     position: list = field(default_factory=list)
     velocity: list = field(default_factory=list)
@@ -73,7 +73,7 @@ def play(drive, model, *, recording, ergonomics, seconds, seed, start=HOME, dela
 
 
 def answer(link, process, robot, every, troubles):
-    """Is the robot, until it is halted or the controller ends."""
+    """Plays the robot until it is halted or the controller ends."""
     run, heard, sent = Run(), 0, None
     while True:
         try:

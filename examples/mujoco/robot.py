@@ -90,7 +90,7 @@ class Robot:
         self.base = self.base + self.change
 
     def halt(self):
-        """No command comes any more."""
+        """Acts as if no command came any more."""
         self.lost = BRIDGED
 
     def brake(self):

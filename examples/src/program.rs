@@ -76,7 +76,7 @@ pub use folder::check_folder;
 pub use input::InputFile;
 pub use interrupt::Interrupt;
 pub use message::warn;
-pub use options::{Json, Quiet, ResultFile, Seed, Threads, thread_count};
+pub use options::{Json, Quiet, RealTime, ResultFile, Seed, Threads, thread_count};
 pub use progress::Progress;
 pub use session::Session;
 pub use shown::{Shown, shown};

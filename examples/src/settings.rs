@@ -1,4 +1,4 @@
-//! All settings of the controller in one TOML file.
+//! Settings of the controller in one TOML file.
 //!
 //! [`RobotSettings::to_toml`] writes all of them with the documentation of their fields: meaning, unit and default.
 //! [`SettingsFile::read`] reads a file with any part of them. Other settings keep their values.

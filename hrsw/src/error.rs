@@ -22,7 +22,7 @@ pub enum Error {
     Size {
         /// The offending item.
         what: &'static str,
-        /// Its size.
+        /// Size it has.
         got: usize,
         /// The size that fits.
         wanted: usize,

@@ -18,7 +18,7 @@ pub enum Outcome {
 }
 
 impl Outcome {
-    /// Whether every level is at its optimum.
+    /// True if every level is at its optimum.
     pub fn is_optimal(self) -> bool {
         self == Self::Solved(Status::Solved)
     }
@@ -55,7 +55,7 @@ pub struct Command {
     /// The base's velocity in its own frame, (ẋ, ẏ, θ̇) \[m/s, rad/s\]; zero for a robot
     /// without a base.
     pub base_twist: [f64; 3],
-    /// Whether the base stands, or why it drives.
+    /// Motion of the base: standing, or the reason why it drives.
     pub base_motion: BaseMotion,
     /// x_d, the desired pose of the tool in the world \[m\].
     pub desired: Isometry3<f64>,

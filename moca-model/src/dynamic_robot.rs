@@ -117,7 +117,7 @@ pub struct DynamicRobot {
     position: Vec<f64>,
     gravity: Vec<f64>,
     measured: JointMeasurement,
-    /// Whether the last command was taken; `None` before the first.
+    /// True if the last command was taken; `None` before the first.
     took_command: Option<bool>,
 }
 

@@ -7,16 +7,16 @@ use whole_body::{Base, Model};
 
 use crate::grasped_object::BoxSide;
 
-/// What is wrong, where, and what would be right.
+/// Error with its place, and what would be right.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum Error {
     /// A number is out of its range.
     #[error("{what} is {value}; it must be {expected}")]
     Value {
-        /// Which number.
+        /// Name of the number.
         what: String,
-        /// Its value.
+        /// Value given.
         value: f64,
         /// The range it must lie in.
         expected: &'static str,
@@ -25,11 +25,11 @@ pub enum Error {
     /// A vector has the wrong number of elements.
     #[error("{what} has {got} elements; the robot needs {expected}")]
     WrongSize {
-        /// Which vector.
+        /// Name of the vector.
         what: &'static str,
-        /// How many it must have.
+        /// Number it must have.
         expected: usize,
-        /// How many it has.
+        /// Number it has.
         got: usize,
     },
 
@@ -71,7 +71,7 @@ pub enum Error {
     Setting {
         /// The setting.
         name: &'static str,
-        /// Its value.
+        /// Value given.
         value: f64,
         /// The range it must lie in.
         expected: &'static str,
@@ -109,9 +109,9 @@ pub enum Error {
         present(*now, *newest)
     )]
     Frame {
-        /// What is wrong with it.
+        /// Fault of the frame.
         fault: FrameFault,
-        /// Its stamp \[s\].
+        /// Stamp of the frame \[s\].
         stamp: f64,
         /// The time of the last tick \[s\].
         now: Option<f64>,
@@ -122,9 +122,9 @@ pub enum Error {
     /// A camera frame counts as no data because it shows an impossible body.
     #[error("{fault}: {body}")]
     Body {
-        /// What is wrong with the frame.
+        /// Fault of the frame.
         fault: FrameFault,
-        /// What is wrong with the body.
+        /// Fault of the body.
         body: ImpossibleBody,
     },
 

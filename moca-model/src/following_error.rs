@@ -1,4 +1,4 @@
-//! How far the commanded state may run ahead of the measured one.
+//! Distance by which the commanded state may run ahead of the measured one.
 
 use ahqp_core::rotation_log;
 use hrsw_safety::SafetyState;
@@ -56,10 +56,10 @@ const PRESSED: f64 = 0.5;
 /// of them with the defaults.
 const POSITION: f64 = 0.1;
 const ROTATION: f64 = 0.3;
-/// How fast joints give way to a force that is too large, as a share of their largest speeds \[-\]. A short force then
+/// Speed at which joints yield to a force that is too large, as a share of their largest speeds \[-\]. A short force then
 /// moves the arm little.
 const GIVE_WAY_SPEED: f64 = 0.1;
-/// How far the tool gives way \[m\]; then the arm keeps its place.
+/// Distance by which the tool gives way \[m\]; then the arm keeps its place.
 const GIVE_WAY_TRAVEL: f64 = 0.2;
 
 /// Holds q* to q, and x_d to x_a.
@@ -77,12 +77,12 @@ const GIVE_WAY_TRAVEL: f64 = 0.2;
 #[derive(Debug, Clone)]
 pub(crate) struct FollowingErrorLimit {
     joints: Resynchronisation,
-    /// How far each joint may give way in a period \[m or rad\].
+    /// Distance by which each joint may give way in a period \[m or rad\].
     steps: Vec<f64>,
     gives_way: bool,
-    /// Whether the following-error limit was reached, and the robot has not come to rest since.
+    /// True if the following-error limit was reached, and the robot has not come to rest since.
     was_reached: bool,
-    /// Where the tool was when it began to give way.
+    /// Place of the tool when it began to give way.
     begin: Option<Vector3<f64>>,
 }
 

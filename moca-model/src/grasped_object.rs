@@ -63,7 +63,7 @@ pub struct WorkFace {
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct GraspedObject {
-    /// Its edges \[m\]. Default 0.12 × 0.2 × 0.15.
+    /// Lengths of its edges \[m\]. Default 0.12 × 0.2 × 0.15.
     pub size: Vector3<f64>,
     /// Mass \[kg\]. Default 1.
     pub mass: f64,

@@ -20,7 +20,7 @@ pub enum GripTime {
 #[derive(Debug)]
 pub(crate) struct Gripping {
     time: GripTime,
-    /// What the controller believes the object to be; `None` while the robot holds it.
+    /// Object as the controller believes it to be; `None` while the robot holds it.
     awaited: Option<GraspedObject>,
 }
 

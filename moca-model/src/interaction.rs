@@ -94,12 +94,12 @@ pub(crate) struct Conditions {
     pub(crate) time: f64,
     /// The person's intention; apart while the shared workspace belongs to nobody.
     pub(crate) intention: Intention,
-    /// Whether the robot grasps an object.
+    /// True if the robot grasps an object.
     pub(crate) grasps: bool,
     /// The surface shown now or after the present turn, the surface that the person's hand tool is for, and its side;
     /// `None` if they agree.
     pub(crate) mismatch: Option<(Surface, Surface, BoxSide)>,
-    /// Whether the desired pose is within the shared workspace, which has reached its orientation.
+    /// True if the desired pose is within the shared workspace, which has reached its orientation.
     pub(crate) arrived: bool,
     /// The on-board camera's knowledge.
     pub(crate) sight: Sight,

@@ -107,7 +107,7 @@ impl LoopController {
         Ok(self)
     }
 
-    /// Whether the gripper takes an object.
+    /// True if the gripper takes an object.
     pub fn takes_object(&self) -> bool {
         self.gripping.is_some()
     }

@@ -1,4 +1,4 @@
-//! All thresholds and gains of the controller, with their defaults.
+//! Thresholds and gains of the controller, with their defaults.
 
 mod other_robot;
 

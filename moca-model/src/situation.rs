@@ -4,7 +4,7 @@ use ergo_map::PersonFrame;
 use nalgebra::Vector3;
 use vision_models::{Freshness, Intention, TrackedPerson};
 
-/// Where the person who works with the robot may be by now, and what they want. It is made once a tick, by
+/// Possible place and intention of the person who works with the robot. It is made once a tick, by
 /// [`SharedSpace::advance`](crate::SharedSpace::advance), and is all that the controller's tasks know of the person.
 /// Separation has its own places of everybody, from measured joints.
 ///
@@ -25,11 +25,11 @@ pub struct Situation {
     pub worker: Option<TrackedPerson>,
     /// The person's intention.
     pub intention: Intention,
-    /// Whether the workspace belongs to the person, who works with the robot and was seen.
+    /// True if the workspace belongs to the person, who works with the robot and was seen.
     pub is_shared: bool,
-    /// Whether the workspace belongs to the person and has reached them.
+    /// True if the workspace belongs to the person and has reached them.
     pub is_in_place: bool,
-    /// Whether the person's frame is held in the world and moves at most at 0.06 m/s and 0.12 rad/s.
+    /// True if the person's frame is held in the world and moves at most at 0.06 m/s and 0.12 rad/s.
     pub is_at_rest: bool,
     /// The person's frame in which ergonomics are computed. It is smooth in time and moved by the following distance,
     /// so that the tool keeps its place in a workspace that falls behind.
@@ -40,7 +40,7 @@ pub struct Situation {
 }
 
 impl Situation {
-    /// How well the person's place is known; lost before anybody was seen.
+    /// Freshness of the person's place; lost before anybody was seen.
     pub fn freshness(&self) -> Freshness {
         self.worker.map_or(Freshness::Lost, |worker| worker.freshness)
     }

@@ -1,4 +1,4 @@
-//! From joints in images to joints in the world: by aligned depth, by metric joints, or by several views.
+//! Lifting of joints in images to joints in the world: by aligned depth, by metric joints, or by several views.
 
 mod lifter;
 mod monocular;

@@ -7,7 +7,7 @@ use crate::body::Body;
 use crate::confidence::Confidence;
 use crate::surface::Surface;
 
-/// All recognition results of one camera frame. `None` means not seen.
+/// Recognition results of one camera frame. `None` means not seen.
 ///
 /// ```
 /// use vision_models::{Action, Confidence, Percept, RecognisedAction, Tool};

@@ -40,7 +40,7 @@ pub enum Crops {
     Ten,
 }
 
-/// How frames are resized, cropped and normalised.
+/// Resizing, cropping and normalisation of frames.
 ///
 /// A frame is an array of height × width × 3 bytes (red, green, blue), of any size.
 ///

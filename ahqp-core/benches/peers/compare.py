@@ -197,7 +197,7 @@ class Held:
 
 
 def share_right(problems, results):
-    """For each solver, the share of the problems on which all its level residuals are right."""
+    """Share, for each solver, of the problems on which all its level residuals are right."""
     right = {name: 0 for name in results}
     for index, problem in enumerate(problems):
         found = {

@@ -124,7 +124,7 @@ impl<R: BufRead> Iterator for HqpReader<R> {
 enum Kind {
     /// One variable for each row.
     Bounds,
-    /// All variables in each row.
+    /// General rows, with all variables.
     General,
 }
 

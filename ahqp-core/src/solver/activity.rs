@@ -1,6 +1,6 @@
 //! Activity of rows.
 
-/// Whether a row is active, and at which bound.
+/// Activity of a row, and the bound at which it is active.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Activity {
     /// The row may take any value within its range.

@@ -9,7 +9,7 @@ use crate::error::Error;
 use crate::problem::ids::LevelId;
 use crate::problem::source::Names;
 
-/// How a level ended, unless it failed.
+/// Ending of a level that did not fail.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum LevelEnd {
     Solved,

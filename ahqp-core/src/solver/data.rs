@@ -104,7 +104,7 @@ impl LevelRows {
     }
 }
 
-/// All rows: first the bounds of the n variables, then each level's constraints and objective.
+/// Rows of all kinds: first the bounds of the n variables, then each level's constraints and objective.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ProblemData {
     pub(crate) n: usize,

@@ -4,7 +4,7 @@ use std::fmt;
 
 use crate::problem::ids::LevelId;
 
-/// How a solve ended.
+/// Ending of a solve.
 ///
 /// If a budget ran out, all levels above the named one are at their optimum, and all their
 /// constraints hold. The levels from the named one on are as good as the solve made them. The next

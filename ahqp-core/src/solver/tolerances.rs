@@ -1,4 +1,4 @@
-//! All tolerances of the solver, each with its reason.
+//! Tolerances of the solver, each with its reason.
 //!
 //! A decision is compared with the rounding of its own sum, term by term: Σ|aᵢⱼ||xⱼ| + |bᵢ| for a
 //! row's residual, and Σ|aᵢⱼ||rᵢ| of its column for a multiplier. The settings scale the quantities

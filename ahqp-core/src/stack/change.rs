@@ -21,7 +21,7 @@ pub(super) enum Difference {
     Exchange(LevelId, LevelId),
 }
 
-/// What happens when the share of a change has reached 0 or 1.
+/// Action when the share of a change has reached 0 or 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum End {
     /// The change ends.

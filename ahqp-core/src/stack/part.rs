@@ -30,7 +30,7 @@ impl<'a> Part<'a> {
         self.plan.levels()
     }
 
-    /// Its solution, with its status.
+    /// Solution of the part, with its status.
     pub fn solution(&self) -> &'a Solution {
         self.plan.solution()
     }
@@ -62,7 +62,7 @@ pub struct CertifiedPart {
     pub weight: f64,
     /// The problem.
     pub hierarchy: Hierarchy,
-    /// Its solution.
+    /// Solution of the part.
     pub x: Vec<f64>,
     /// The proof that the solution is optimal.
     pub certificate: Certificate,

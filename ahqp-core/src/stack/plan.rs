@@ -23,7 +23,7 @@ pub(super) struct Entry {
     pub(super) active: bool,
 }
 
-/// All levels in one order, some of them active, with a solver.
+/// Levels in one order, some of them active, with a solver.
 #[derive(Debug, Clone)]
 pub(super) struct Plan {
     pub(super) order: Vec<Entry>,

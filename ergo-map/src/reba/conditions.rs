@@ -51,7 +51,7 @@ pub enum LegSupport {
     Sitting,
 }
 
-/// All inputs of REBA except joint angles. The default is an easy task: no load, good coupling,
+/// Inputs of REBA except joint angles. The default is an easy task: no load, good coupling,
 /// both feet on the floor, nothing held for long or repeated.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[allow(clippy::struct_excessive_bools)] // the tick boxes of the printed sheet

@@ -34,7 +34,7 @@ pub const PROGRAM: &str = "actions evaluate";
 /// --output FOLDER writes a picture of the confusion matrix, the probabilities of every clip and the result as JSON.
 #[derive(Args, Debug)]
 pub struct Evaluate {
-    /// As for `train`.
+    /// Folder of the data set, as for `train`.
     folder: PathBuf,
     /// The folder of the trained model.
     #[arg(long, value_name = "FOLDER")]

@@ -17,7 +17,7 @@ use examples::drive::{
 #[cfg(feature = "ros2")]
 use examples::drive::{FollowedBy, seen_by_others, serve_on_ros2};
 use examples::maps::{build_map, read_map};
-use examples::program::{self, Ending, Json, Program, Quiet, Session};
+use examples::program::{self, Ending, Json, Program, Quiet, RealTime, Session};
 use examples::settings::{RobotSettings, SettingsFile};
 use examples::shipped;
 #[cfg(feature = "ros2")]
@@ -29,7 +29,7 @@ use moca_drivers::{
 };
 use moca_model::whole_body::control_loop::{
     Clock, ControlLoop, JointMeasurement, LoopSettings, ManualClock, MonotonicClock, RobotSide,
-    Scheduling, StopCause,
+    StopCause,
 };
 use moca_model::{AnswerDelay, Controller, LoopController, TorqueController};
 use moca_simulation::run::Scenario;
@@ -50,7 +50,10 @@ const DEFAULT_STATURE: f64 = 1.75;
 /// robot at rest. The exit status is 1 if the robot fell silent.
 #[derive(Debug, Parser)]
 #[command(version)]
-#[expect(clippy::struct_excessive_bools, reason = "each is a switch of the command line")]
+#[cfg_attr(
+    feature = "ros2",
+    expect(clippy::struct_excessive_bools, reason = "each is a switch of the command line")
+)]
 struct Options {
     /// Move the robot at this address, in place of one in this process.
     #[arg(long, value_name = "HOST:PORT")]
@@ -105,12 +108,8 @@ struct Options {
     /// Acknowledge a stop with Enter, so that the robot goes on. It stands for good otherwise.
     #[arg(long)]
     keys: bool,
-    /// Real-time priority of the loop, 1 to 99.
-    #[arg(long)]
-    priority: Option<u8>,
-    /// Lock all memory, so that it is not paged out.
-    #[arg(long)]
-    lock_memory: bool,
+    #[command(flatten)]
+    real_time: RealTime,
     /// Time before each tick in which the loop waits without sleeping, in microseconds, at most a second.
     #[arg(long, value_name = "MICROSECONDS", default_value_t = 0.0, value_parser = spin, allow_negative_numbers = true)]
     spin: f64,
@@ -195,7 +194,7 @@ impl Program for Options {
 }
 
 impl Options {
-    /// Is the simulated robot until Ctrl-C.
+    /// Runs the simulated robot until Ctrl-C.
     fn serve(
         &self,
         session: &mut Session,
@@ -205,6 +204,9 @@ impl Options {
         let address = address.context("--serve: give an address, HOST:PORT")?;
         let robot = self.robot(RobotSettings::default())?;
         let period = robot.settings.controller.period;
+        if !self.lockstep {
+            self.real_time.apply()?;
+        }
         let mut server = UdpServer::bind(address, robot.simulated()?, &robot.start, key)
             .with_context(|| format!("--serve {address}"))?;
         writeln!(session.output(), "a robot at {}; Ctrl-C ends it", server.address()?)?;
@@ -255,7 +257,7 @@ impl Options {
         Ok(())
     }
 
-    /// Whether the robot is not simulated in this process.
+    /// True if the robot is not simulated in this process.
     fn is_elsewhere(&self) -> bool {
         self.is_on_ros2() || self.robot.is_some()
     }
@@ -323,7 +325,7 @@ impl Options {
         };
         if let Some(address) = &self.serve {
             ensure!(address.is_none(), "--ros2 --serve: give no address");
-            serve_on_ros2(session, scenario, &topics, &mut clock)?;
+            serve_on_ros2(session, scenario, &topics, self.real_time, &mut clock)?;
             return Ok(Ending::Complete);
         }
         let (mut robot, people) = Ros2Side::join(
@@ -358,12 +360,12 @@ impl Options {
     {
         let (mut law, mut attendant) = self.begin(session, scenario)?;
         let mut control = of_settings(self.settings.as_ref(), control_loop(scenario))?;
-        let scheduling = Scheduling { priority: self.priority, lock_memory: self.lock_memory };
         let (interrupt, ended) = (session.interrupt().clone(), AtomicBool::new(false));
         let watch = clock;
         let ending = thread::scope(|scope| {
             let looping = scope.spawn(|| {
-                let ending = scheduling.apply().map_err(|error| anyhow!(error)).and_then(|()| {
+                let applied = self.real_time.apply().map_err(|error| anyhow!(error));
+                let ending = applied.and_then(|()| {
                     // The condition is asked once a tick; the time counts from the first one.
                     let mut begun = None;
                     let stop = || {

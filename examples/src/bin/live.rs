@@ -11,20 +11,18 @@ use anyhow::{Context, Result, anyhow, ensure};
 use clap::Parser;
 use ergo_map::{MapOptions, Person};
 use examples::maps::{build_map, read_map};
-use examples::program::{self, Ending, Interrupt, Json, Program, Quiet, Session};
+use examples::program::{self, Ending, Interrupt, Json, Program, Quiet, RealTime, Session};
 use examples::settings::{RobotSettings, SettingsFile};
 use moca_drivers::DriveReport;
 use moca_live::whole_body::control_loop::{
-    Clock, ControlLoop, JointMeasurement, LoopSettings, MonotonicClock, Scheduling,
+    Clock, ControlLoop, JointMeasurement, LoopSettings, MonotonicClock,
 };
 use moca_live::{Desk, Law, Server, SettingsText};
 use moca_simulation::plant::PlantSettings;
 use moca_simulation::workcell::{Setup, Workcell};
 use serde::Serialize;
 
-/// Real-time priority of the loop that is asked for without the option: above all that has none, such as a browser.
-const PRIORITY: u8 = 10;
-/// Between nodes of the person's map (m).
+/// Distance between nodes of the person's map (m).
 const MAP_SPACING: f64 = 0.08;
 
 /// Moves MOCA in real time, at 1 kHz, beside a simulated person whom you lead on a page in a browser.
@@ -41,7 +39,7 @@ struct Options {
     /// Serve the page on this port, in place of any that is free.
     #[arg(long, default_value_t = 0)]
     port: u16,
-    /// How long, in seconds; until Ctrl-C by default.
+    /// Duration (s); until Ctrl-C by default.
     #[arg(long, value_name = "SECONDS")]
     duration: Option<f64>,
     /// The person's stature in metres.
@@ -53,19 +51,15 @@ struct Options {
     /// Take these settings in place of the defaults, as `follow` does.
     #[arg(long, value_name = "FILE")]
     settings: Option<PathBuf>,
-    /// Real-time priority of the loop, 1 to 99, which the system must permit; 10 by default where it permits that.
-    #[arg(long)]
-    priority: Option<u8>,
-    /// Keep all memory from being paged out.
-    #[arg(long)]
-    lock_memory: bool,
+    #[command(flatten)]
+    real_time: RealTime,
     #[command(flatten)]
     json: Json,
     #[command(flatten)]
     quiet: Quiet,
 }
 
-/// How the loop went, and what the judges counted of the last workcell.
+/// Figures of the loop, and counts of the last workcell's judges.
 #[derive(Debug, Serialize)]
 struct Report {
     #[serde(flatten)]
@@ -143,15 +137,12 @@ impl Options {
         let times = LoopSettings { period: law.cell().period(), ..LoopSettings::default() };
         let mut control = ControlLoop::new(times, JointMeasurement::at_rest(&model))?;
         let mut clock = MonotonicClock::default();
-        let scheduling = Scheduling { priority: self.priority, lock_memory: self.lock_memory };
         let (watch, duration) = (clock, self.duration.unwrap_or(f64::INFINITY));
         let ending = thread::scope(|scope| {
             let looping = scope.spawn(|| {
-                if self.priority.is_none() {
-                    // A browser that draws by the processor else makes some ticks late.
-                    let _ = Scheduling { priority: Some(PRIORITY), lock_memory: false }.apply();
-                }
-                let ending = scheduling.apply().map_err(|error| anyhow!(error)).and_then(|()| {
+                // A browser that draws by the processor else makes some ticks late.
+                let applied = self.real_time.apply().map_err(|error| anyhow!(error));
+                let ending = applied.and_then(|()| {
                     let begun = watch.now();
                     let stop = || interrupt.requested() || watch.now() - begun > duration;
                     control

@@ -217,7 +217,7 @@ impl Options {
         Ok((Source::folder(&self.frames, wait, self.live)?, None))
     }
 
-    /// All parts that process the frames, loaded before the work.
+    /// Makes the parts that process the frames, loaded before the work.
     fn pipeline(&self, source: &Source, watch: &mut Watch<'_>) -> Result<Pipeline> {
         let pixel_sigma = self.pixel_sigma;
         let lifting = LiftingSettings { pixel_sigma, ..LiftingSettings::default() };
@@ -247,7 +247,7 @@ impl Options {
 }
 
 impl SurfaceOptions {
-    /// Whether surfaces are to be recognised.
+    /// True if surfaces are to be recognised.
     #[cfg(feature = "ros2")]
     fn is_given(&self) -> bool {
         self.surface_model.is_some() || self.surface_weights.is_some()
@@ -286,7 +286,7 @@ struct Work {
     others: Vec<Vec<Body>>,
     truth: Option<Vec<Percept>>,
     live: Option<LiveWriter>,
-    /// Whether somebody was seen.
+    /// True if somebody was seen.
     has_body: bool,
     tally: Tally,
     started: Instant,

@@ -115,7 +115,7 @@ impl DrivenRobot {
         Ok(SimulatedSide::of_robot(model, tool, base, &self.start, *period, noise)?)
     }
 
-    /// Its joints on the ROS 2 graph.
+    /// Joints of the robot on the ROS 2 graph.
     ///
     /// # Errors
     /// Those of [`base_joints`](Self::base_joints), and a base that is not one of x, y and yaw.

@@ -1,4 +1,4 @@
-//! What a loop sees and does, in files.
+//! Records of a loop's inputs and commands, in files.
 
 use std::fs;
 use std::path::{Path, PathBuf};

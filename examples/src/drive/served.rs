@@ -10,17 +10,19 @@ use moca_model::{MOCA_HOME, Scene};
 use moca_simulation::run::{Encounter, RobotView, Scenario};
 
 use super::own_robot::DrivenRobot;
-use crate::program::Session;
+use crate::program::{RealTime, Session};
 
-/// Is the simulated robot until Ctrl-C, with the person of the scenario before its camera. Its on-board camera sees the
+/// Runs the simulated robot until Ctrl-C, with the person of the scenario before its camera. Its on-board camera sees the
 /// object that it was handed.
 ///
 /// # Errors
-/// Another robot than MOCA, a graph that cannot be joined, and a topic that cannot be read.
+/// Another robot than MOCA, a graph that cannot be joined, and a topic that cannot be read. A priority that the system
+/// does not grant is one, too.
 pub fn serve_on_ros2(
     session: &mut Session,
     scenario: &Scenario,
     topics: &TopicNames,
+    real_time: RealTime,
     clock: &mut MonotonicClock,
 ) -> Result<()> {
     let (settings, start) = (&scenario.settings, &scenario.start);
@@ -29,6 +31,8 @@ pub fn serve_on_ros2(
     let mut server = Ros2Server::join(RosDomain::of_environment()?, topics, robot, start)?;
     writeln!(session.output(), "a robot on ROS 2; Ctrl-C ends it")?;
     session.output().flush()?;
+    // Threads of DDS, which began before, have no priority.
+    real_time.apply()?;
     let mut encounter = Encounter::new(scenario);
     let see =
         |frame: Scene, robot: &mut SimulatedSide| seen(&mut encounter, scenario, frame, robot);
@@ -40,7 +44,7 @@ pub fn serve_on_ros2(
     Ok(())
 }
 
-/// What the cameras see of a frame beside the robot.
+/// Percept of a frame by the cameras beside the robot.
 fn seen(
     encounter: &mut Encounter,
     scenario: &Scenario,

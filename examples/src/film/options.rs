@@ -1,4 +1,4 @@
-//! What is filmed, by which cameras, and what is known of the person.
+//! Options for films: sources, cameras, and facts about the person.
 
 use std::path::PathBuf;
 
@@ -45,13 +45,13 @@ pub struct FilmOptions {
     /// each. A camera alone needs none.
     #[arg(long, value_name = "FILE", num_args = 1..)]
     calibration: Vec<PathBuf>,
-    /// How wide a camera without a calibration sees (degrees, along the longer side of the image).
+    /// Field of view of a camera without a calibration (degrees, along the longer side of the image).
     #[arg(long, value_name = "DEGREES", default_value_t = 65.0)]
     field_of_view: f64,
     /// The height of a camera alone above the floor (m): it tells how large the person is.
     #[arg(long, value_name = "METRES")]
     camera_height: Option<f64>,
-    /// How far a camera alone looks down (degrees). An error of it is one of the trunk.
+    /// Downward tilt of a camera alone (degrees). An error of it is one of the trunk.
     #[arg(long, value_name = "DEGREES", default_value_t = 0.0, allow_negative_numbers = true)]
     camera_tilt: f64,
     /// The person's stature (m), if it is known.

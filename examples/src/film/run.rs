@@ -29,7 +29,7 @@ pub struct Outputs {
 #[derive(Debug, Serialize)]
 pub struct FilmReport {
     images: u64,
-    /// In which the person was seen.
+    /// Images in which the person was seen.
     seen: u64,
     scored: u64,
     reba_mean: f64,

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// The ending of a run without an error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Ending {
-    /// All work is done.
+    /// The work is complete.
     Complete,
     /// The run was interrupted; its results so far are printed and kept.
     Partial,

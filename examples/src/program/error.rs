@@ -5,7 +5,7 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Why a program cannot go on.
+/// Reason why a program cannot go on.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ProgramError {
@@ -37,7 +37,7 @@ pub enum ProgramError {
     Write {
         /// The file or the folder.
         path: PathBuf,
-        /// What the operating system reports.
+        /// Error of the operating system.
         source: io::Error,
     },
     /// Standard output cannot be written.
@@ -46,9 +46,9 @@ pub enum ProgramError {
     /// A signal handler or a thread cannot be created.
     #[error("the system refuses {what}: {source}")]
     Refused {
-        /// What was asked for.
+        /// Work that was asked for.
         what: &'static str,
-        /// What the operating system reports.
+        /// Error of the operating system.
         source: io::Error,
     },
 }

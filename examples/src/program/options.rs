@@ -3,8 +3,13 @@
 use std::path::PathBuf;
 
 use clap::{Args, builder::RangedI64ValueParser};
+use moca_model::whole_body;
+use moca_model::whole_body::control_loop::Scheduling;
 
 use super::{OutputFile, ProgramError};
+
+/// Real-time priority that is asked for without the option: above every thread that has none.
+const PRIORITY: u8 = 10;
 
 /// Parses a number of threads, from one to the largest supported number.
 pub fn thread_count() -> RangedI64ValueParser<u16> {
@@ -38,6 +43,31 @@ impl Json {
     /// Returns true if the JSON object is wanted.
     pub fn wanted(self) -> bool {
         self.json
+    }
+}
+
+/// The options `--priority` and `--lock-memory`.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct RealTime {
+    /// Real-time priority of the loop, 1 to 99, which the system must permit; 10 by default where it permits that.
+    #[arg(long)]
+    priority: Option<u8>,
+    /// Lock all memory, so that it is not paged out.
+    #[arg(long)]
+    lock_memory: bool,
+}
+
+impl RealTime {
+    /// Gives the calling thread its priority, and locks the memory of the process if asked to.
+    ///
+    /// # Errors
+    /// [`whole_body::Error::Refused`] says what the system does not grant; [`whole_body::Error::Value`] for a priority
+    /// out of range. The default priority is no error where it is not granted.
+    pub fn apply(self) -> Result<(), whole_body::Error> {
+        if self.priority.is_none() {
+            let _ = Scheduling { priority: Some(PRIORITY), lock_memory: false }.apply();
+        }
+        Scheduling { priority: self.priority, lock_memory: self.lock_memory }.apply()
     }
 }
 

@@ -22,7 +22,7 @@ pub fn shown<P: AsRef<Path> + ?Sized>(name: &P) -> Shown<'_> {
     Shown(name.as_ref())
 }
 
-/// Whether a character is invisible: controls, line ends, and changes of the text direction.
+/// True if a character is invisible: controls, line ends, and changes of the text direction.
 fn steers(character: char) -> bool {
     character.is_control()
         || matches!(character, '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}')

@@ -12,10 +12,10 @@ const TOLERANCE: f64 = 1e-3;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum CameraFrame {
-    /// That of the odometry, for a camera on the robot's own map.
+    /// Frame of the odometry, for a camera on the robot's own map.
     #[default]
     Odom,
-    /// That of a localisation, which does not drift, for a camera that stands in the building.
+    /// Frame of a localisation, which does not drift, for a camera that stands in the building.
     Map,
 }
 
@@ -35,10 +35,10 @@ impl CameraFrame {
 pub struct CameraPlace {
     /// Frame of its place. Default odom.
     pub frame: CameraFrame,
-    /// Its place \[m\] and orientation, x, y, z, then the unit quaternion x, y, z, w: z along the view, x to the right.
+    /// Place \[m\] and orientation, x, y, z, then the unit quaternion x, y, z, w: z along the view, x to the right.
     /// Default "none", which is that of the folder's camera.json.
     pub pose: Option<[f64; 7]>,
-    /// Whether its place is that of the frame of its images, by the transforms on /tf_static, read once. Default false.
+    /// True if its place is that of the frame of its images, by the transforms on /tf_static, read once. Default false.
     pub from_tf: bool,
 }
 

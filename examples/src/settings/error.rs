@@ -4,7 +4,7 @@ use std::{io, path::PathBuf};
 
 use super::robot::SETTINGS_VERSION;
 
-/// Why a settings file cannot be used.
+/// Reason why a settings file cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SettingsError {
@@ -13,7 +13,7 @@ pub enum SettingsError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the operating system reports.
+        /// Error of the operating system.
         source: io::Error,
     },
     /// The file is not TOML.
@@ -21,7 +21,7 @@ pub enum SettingsError {
     Syntax {
         /// Line number, from 1.
         line: usize,
-        /// What is wrong there.
+        /// Fault at that place.
         message: String,
     },
     /// The file has no version.
@@ -65,7 +65,7 @@ pub enum SettingsError {
         line: usize,
         /// The setting.
         path: String,
-        /// What is wrong with its value.
+        /// Fault of its value.
         reason: String,
     },
     /// A value is outside its range, or values do not fit together.
@@ -73,7 +73,7 @@ pub enum SettingsError {
     Range {
         /// Line number from 1, if it is known.
         line: Option<usize>,
-        /// What is wrong with the value.
+        /// Fault of the value.
         reason: String,
     },
     /// The settings cannot be written.

@@ -13,7 +13,7 @@ pub(super) struct Field {
     pub(super) name: String,
     /// The first paragraph of its documentation.
     pub(super) meaning: String,
-    /// Whether it may be "none".
+    /// True if it may be "none".
     pub(super) is_optional: bool,
     /// The possible words of a choice.
     pub(super) choices: Vec<String>,

@@ -111,7 +111,7 @@ impl SettingsFile {
             .map_err(|error| SettingsError::Range { line: None, reason: error.to_string() })
     }
 
-    /// Whether the file has this setting, or one of this table.
+    /// True if the file has this setting, or one of this table.
     pub fn has(&self, path: &str) -> bool {
         let names: Vec<&str> = path.split('.').collect();
         self.entries

@@ -15,7 +15,7 @@ pub struct OwnRobot {
     pub urdf: Option<PathBuf>,
     /// Link to start from. Default "none", which is the URDF's root.
     pub root: Option<String>,
-    /// All joints of the URDF that move, in the order of q, as a check. Default empty, for the joints that move the tool.
+    /// Names of all joints that move, in the order of q, as a check. Default empty, for the joints that move the tool.
     pub joints: Vec<String>,
 }
 

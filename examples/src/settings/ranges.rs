@@ -9,7 +9,7 @@ use toml::{Table, Value};
 pub(super) struct OutOfRange {
     /// The setting, without indices of lists.
     pub(super) path: String,
-    /// What is wrong with it, and its range.
+    /// Fault of the number, and its range.
     pub(super) reason: String,
 }
 

@@ -2,7 +2,7 @@
 
 use std::{io, path::PathBuf};
 
-/// Why shards cannot be read or merged.
+/// Reason why shards cannot be read or merged.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ShardError {
@@ -17,7 +17,7 @@ pub enum ShardError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the operating system reports.
+        /// Error of the operating system.
         source: io::Error,
     },
     /// A file does not contain a shard, or is cut off.
@@ -25,7 +25,7 @@ pub enum ShardError {
     Broken {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Fault of the file.
         reason: String,
     },
     /// There are no files.
@@ -38,7 +38,7 @@ pub enum ShardError {
         shard: String,
         /// The first of the files.
         first: String,
-        /// What differs.
+        /// Name of the property that differs.
         what: &'static str,
     },
     /// A shard is given twice.

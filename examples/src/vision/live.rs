@@ -18,7 +18,7 @@ pub struct LiveWriter {
     latencies: Vec<Duration>,
 }
 
-/// Where percepts go.
+/// Destination of percepts.
 #[derive(Debug)]
 enum Sink {
     /// A file, a pipe or a device.
@@ -28,14 +28,14 @@ enum Sink {
     Ros2(Box<PeoplePublisher>, &'static str),
 }
 
-/// How old the images were when their percepts were there, and the frames that were left out.
+/// Latency from image to percept, and frames that were left out.
 #[derive(Debug, Serialize)]
 pub struct LiveReport {
     /// Number of frames that were left out because a newer one was there.
     pub late: u64,
     /// Time from the image to its percept.
     pub latency: Quantiles,
-    /// Its 95th percentile \[ms\].
+    /// 95th percentile of the latency \[ms\].
     pub latency_p95_ms: f64,
 }
 

@@ -1,4 +1,4 @@
-//! What a run of perception found.
+//! Results of a run of perception.
 
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -22,7 +22,7 @@ pub struct Report {
     pub broken: u64,
     /// Measured stature \[m\].
     pub stature: Option<f64>,
-    /// Its standard error \[m\].
+    /// Standard error of the stature \[m\].
     pub stature_standard_error: Option<f64>,
     /// Number of times that the person was suddenly at another place.
     pub jumps: u64,

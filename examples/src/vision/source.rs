@@ -1,4 +1,4 @@
-//! Where camera frames come from.
+//! Source of camera frames.
 
 use std::path::Path;
 use std::time::Duration;

@@ -29,7 +29,7 @@ const UPRIGHT: [[f64; 3]; 17] = [
     [-0.01, -0.09, 0.08],
 ];
 
-/// Where each is among MediaPipe's landmarks.
+/// Index of each among MediaPipe's landmarks.
 const LANDMARKS: [usize; 17] = [0, 2, 5, 7, 8, 11, 12, 13, 14, 15, 16, 23, 24, 25, 26, 27, 28];
 
 /// The trunk and what it carries leans forward from the hips (degrees).

@@ -404,6 +404,8 @@ fn drive_ends_in_order_and_counts() {
     let drive = || drive().with(&["--compensation=nothing"]);
     drive().with(&["--robot=nowhere"]).run().failed(1, "--robot nowhere");
     drive().with(&["--priority=0"]).run().failed(1, "from 1 to 99");
+    let serve = Runs::new("drive").with(&["--serve=127.0.0.1:0", "--priority=0"]);
+    serve.run().failed(1, "from 1 to 99");
     drive().with(&["--key=none", "--robot=127.0.0.1:9"]).run().failed(1, "--key none");
     drive().with(&["--key=none"]).run().failed(1, "--robot or --serve");
 }

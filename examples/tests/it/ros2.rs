@@ -54,7 +54,7 @@ fn odometry(yaw: f64) -> Odometry {
     odometry
 }
 
-/// All joints on a vertical line.
+/// Body with all joints on a vertical line.
 fn body() -> PoseArray {
     let pose = |joint: u32| Pose {
         position: Vector3 { x: 2.0, y: 0.0, z: 0.1 * f64::from(joint) },

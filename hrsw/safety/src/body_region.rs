@@ -43,7 +43,7 @@ impl BodyRegion {
     /// Number of regions.
     pub const COUNT: usize = Self::ALL.len();
 
-    /// All regions, from head to foot.
+    /// Regions from head to foot.
     pub const ALL: [Self; 12] = [
         Self::Skull,
         Self::Face,

@@ -123,7 +123,7 @@ pub enum Fault {
 }
 
 impl Fault {
-    /// All faults.
+    /// Faults in the order of the enum.
     pub const ALL: [Self; 28] = [
         Self::Clock(ClockFault::NotFinite),
         Self::Clock(ClockFault::StandsStill),

@@ -7,7 +7,7 @@ use crate::separation::SeparationSettings;
 use crate::speed_cap::SpeedCap;
 use crate::supervisor::SupervisorSettings;
 
-/// How the person's body is computed from camera frames.
+/// Settings of the person's body, which is computed from camera frames.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
@@ -57,7 +57,7 @@ pub struct SafetySettings {
     pub speed_cap: SpeedCap,
     /// Rules by which the robot stops and recovers. Default: those of [`SupervisorSettings`].
     pub supervisor: SupervisorSettings,
-    /// How the person's body is computed.
+    /// Settings of the person's body.
     pub person: PersonBodySettings,
     /// Capsules of the robot, best from the gripper to the base: the nearest are then found first.
     /// A robot without capsules keeps no distance from people. Default: those of the robot, none if

@@ -38,7 +38,7 @@ impl OrientedBox {
         &self.pose
     }
 
-    /// Its bounds in those axes \[m\].
+    /// Bounds in the axes of the box \[m\].
     pub fn bounds(&self) -> &Bounds {
         &self.bounds
     }

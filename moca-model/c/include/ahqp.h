@@ -95,7 +95,7 @@ typedef struct AhqpSettings {
   double rank_tolerance;
   // Size beyond which a multiplier of the wrong sign frees its row.
   double optimality_tolerance;
-  // Whether a solve starts from the active set of the one before.
+  // True if a solve starts from the active set of the one before.
   bool warm_start;
 } AhqpSettings;
 

@@ -30,7 +30,7 @@ pub struct AhqpSettings {
     pub rank_tolerance: f64,
     /// Size beyond which a multiplier of the wrong sign frees its row.
     pub optimality_tolerance: f64,
-    /// Whether a solve starts from the active set of the one before.
+    /// True if a solve starts from the active set of the one before.
     pub warm_start: bool,
 }
 

@@ -1,4 +1,4 @@
-"""Whether the circle of C++ ends bit for bit where that of Rust does: same_circle.py CPP URDF RUST."""
+"""Check that the circle of C++ ends bit for bit where that of Rust does: same_circle.py CPP URDF RUST."""
 
 import ast
 import subprocess

@@ -8,7 +8,7 @@ const MARGIN: f64 = 1.05;
 /// Largest speed of a command that begins after a stop \[m/s or rad/s\].
 const REST: f64 = 0.02;
 
-/// Why a robot refuses a command.
+/// Reason why a robot refuses a command.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CommandRefusal {

@@ -13,7 +13,7 @@ use super::logbook::Logbook;
 /// End of a loop, how well the deadlines were kept, and the faults.
 #[derive(Debug, Serialize)]
 pub struct DriveReport {
-    /// Why the loop stopped.
+    /// Reason why the loop stopped.
     #[serde(skip)]
     pub cause: StopCause,
     ended: &'static str,

@@ -31,7 +31,7 @@ struct Episode {
 pub struct FaultLog {
     /// The time of the first tick \[s\].
     first: Option<f64>,
-    /// Whether the last tick had the last fault.
+    /// True if the last tick had the last fault.
     goes_on: bool,
     episodes: Vec<Episode>,
     left_out: u64,

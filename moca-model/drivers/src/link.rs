@@ -1,4 +1,4 @@
-//! What both ends of a connection know about each other's packets.
+//! State that both ends of a connection keep about each other's packets.
 
 use std::fmt;
 use std::mem::discriminant;
@@ -20,7 +20,7 @@ const AHEAD_A_MILLISECOND: u64 = 4;
 /// Counter that no sender reaches: at 4 kHz it would take two thousand years.
 const EVER: u64 = 1 << 48;
 
-/// Why a received packet does not count.
+/// Reason why a received packet does not count.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LinkRefusal {

@@ -13,7 +13,7 @@ const PATIENCE: Duration = Duration::from_secs(5);
 /// Number of each session. It is fixed instead of random, so that two runs with equal inputs send equal bytes.
 const SESSION: u64 = 1;
 
-/// Why a loop in lockstep ends.
+/// Reason why a loop in lockstep ends.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum LockstepError {

@@ -1,4 +1,4 @@
-//! What a loop does in each tick, for a thread that records and shows it.
+//! Record of a loop's tick, for a thread that records and shows it.
 
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
@@ -11,7 +11,7 @@ use vision_models::TrackedPerson;
 /// Ticks that may wait: two seconds at 1 kHz.
 const WAITING: usize = 2000;
 
-/// What the controller did in a tick.
+/// Record of the controller's tick.
 #[derive(Clone, Debug)]
 pub struct LoopTick {
     /// Poses, workspace and joints, on the clock of the loop. The scores of the person are left to the reader.
@@ -28,11 +28,11 @@ pub struct LoopTick {
     pub safety: SafetyState,
     /// Cause of the safety state.
     pub cause: Option<Cause>,
-    /// Whether a stop waits for an acknowledgement.
+    /// True if a stop waits for an acknowledgement.
     pub waits: bool,
     /// The person as tracked.
     pub person: Option<TrackedPerson>,
-    /// Whether the controller knows of an object in the gripper.
+    /// True if the controller knows of an object in the gripper.
     pub holds: bool,
 }
 

@@ -1,6 +1,6 @@
-//! Why bytes are no valid packet of this protocol.
+//! Reasons why bytes are no valid packet of this protocol.
 
-/// Why a packet is refused.
+/// Reason why a packet is refused.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PacketError {

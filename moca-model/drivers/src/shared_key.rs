@@ -17,7 +17,7 @@ const LONGEST: u64 = 4096;
 #[derive(Clone)]
 pub struct SharedKey(Hmac<Sha256>);
 
-/// Why a file or a text is no valid key.
+/// Reason why a file or a text is no valid key.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum KeyError {

@@ -27,7 +27,7 @@ pub struct UdpSide {
     controller: u64,
     robot: Option<u64>,
     sent: u64,
-    /// Whether a packet other than a hello was sent to the robot.
+    /// True if a packet other than a hello was sent to the robot.
     commands: bool,
     newest: Option<Newest>,
     statistics: LinkStatistics,

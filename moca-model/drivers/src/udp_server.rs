@@ -37,7 +37,7 @@ pub struct UdpServer {
     /// Robot's number of the next session.
     offered: u64,
     session: Option<Session>,
-    /// Whether the robot has been told to move since it was last recovered.
+    /// True if the robot has been told to move since it was last recovered.
     moved: bool,
     statistics: LinkStatistics,
 }

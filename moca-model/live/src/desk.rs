@@ -1,4 +1,4 @@
-//! What the loop and the pages share.
+//! State that the loop and the pages share.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -12,13 +12,13 @@ use crate::head::Head;
 use crate::picture::Picture;
 use crate::request::Request;
 
-/// So many orders wait for the next tick at most.
+/// Largest number of orders that wait for the next tick.
 const WAITING: usize = 64;
 
 /// Order of a page to the loop.
 #[derive(Debug)]
 pub enum Order {
-    /// What the page that steers asks for, with the number of its message.
+    /// Request of the page that steers, with the number of its message.
     Request(Request, u64),
     /// Goes on with another workcell.
     Replace(Box<(Workcell, Sampler)>, u64),
@@ -90,7 +90,7 @@ impl Desk {
         self.pages.fetch_add(1, Ordering::Relaxed) + 1
     }
 
-    /// Whether a page steers: the first that asks while nobody does.
+    /// True if a page steers: the first that asks while nobody does.
     pub(crate) fn steers(&self, page: u64) -> bool {
         let taken = self.steers.compare_exchange(0, page, Ordering::AcqRel, Ordering::Acquire);
         taken.is_ok() || taken == Err(page)

@@ -1,35 +1,35 @@
-//! What can be wrong with a live workcell.
+//! Errors of a live workcell.
 
 use std::io;
 
 use moca_replay::recorded::ReplayError;
 
-/// Why something is not done, or cannot be shown.
+/// Reason why something is not done, or cannot be shown.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// The port cannot be listened on.
     #[error("cannot listen on {address}: {source}")]
     Listen {
-        /// Where.
+        /// Address of the port.
         address: String,
-        /// What the system says.
+        /// Error of the system.
         source: io::Error,
     },
     /// A message that says nothing that can be done.
     #[error("this is no request: {reason}")]
     Request {
-        /// What is wrong with it.
+        /// Fault of the message.
         reason: String,
     },
     /// A word that is none of those that are known.
     #[error("{what} \"{found}\": give {wanted}")]
     Word {
-        /// What the word is for.
+        /// Purpose of the word.
         what: &'static str,
-        /// What was given.
+        /// Value given.
         found: String,
-        /// What would be right.
+        /// Values that would be right.
         wanted: String,
     },
     /// A message from a page that only watches.

@@ -1,4 +1,4 @@
-//! What a page is told before the first picture.
+//! Head that a page gets before the first picture.
 
 use std::fmt;
 
@@ -115,7 +115,7 @@ impl Head {
     }
 }
 
-/// What makes the pictures of a workcell.
+/// Makes the sampler of a workcell's pictures.
 ///
 /// # Errors
 /// A robot that cannot be shown.

@@ -9,17 +9,17 @@ use tungstenite::handshake::derive_accept_key;
 const LONGEST: usize = 8192;
 const FIELDS: usize = 64;
 
-/// What was asked for.
+/// Request that was read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Asked {
     pub(crate) path: String,
-    /// What a socket is to be accepted with; none where a page or file is asked for.
+    /// Value with which a socket is to be accepted; none where a page or file is asked for.
     pub(crate) accept: Option<String>,
-    /// What has come after the head.
+    /// Bytes that have come after the head.
     pub(crate) rest: Vec<u8>,
 }
 
-/// Why a request is refused, as status and text.
+/// Reason why a request is refused, as status and text.
 pub(crate) type Refusal = (&'static str, &'static str);
 
 const BAD: Refusal = ("400 Bad Request", "this is no request of a browser");

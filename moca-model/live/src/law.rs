@@ -21,7 +21,7 @@ use crate::picture::{INTERVAL, Moment, Pace, Picture, began};
 use crate::request::Request;
 use crate::run::Run;
 
-/// So many periods are made up for at most; a loop that is later goes on as if the time had stood still meanwhile.
+/// Largest number of periods that are made up for; a loop that is later goes on as if the time had stood still meanwhile.
 const ASLEEP: u64 = 50;
 /// Slower than this the robot is at rest \[m/s, rad/s\].
 const REST: f64 = 5e-3;

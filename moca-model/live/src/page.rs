@@ -7,7 +7,7 @@ use moca_replay::page::{SCENE_SCRIPTS, SCENE_STYLES, filled};
 
 const HTML: &str = include_str!("page/live.html");
 const STYLE: &str = include_str!("page/live.css");
-/// In an order in which a file uses only what stands before it.
+/// Scripts in an order in which a file uses only what stands before it.
 const SCRIPTS: [&str; 6] = [
     include_str!("page/rows.js"),
     include_str!("page/link.js"),
@@ -27,7 +27,7 @@ pub(crate) fn html() -> &'static str {
     &PAGE
 }
 
-/// What the page may do: run itself, and speak to its own server.
+/// Header fields that let the page run itself and speak to its own server only.
 pub(crate) fn fields(address: SocketAddr) -> String {
     let port = address.port();
     format!(

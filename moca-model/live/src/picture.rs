@@ -1,4 +1,4 @@
-//! What is seen of a moment.
+//! Picture of a moment.
 
 use std::borrow::Cow;
 
@@ -31,14 +31,14 @@ impl State {
     }
 }
 
-/// How the loop keeps up.
+/// Pace of the loop.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub(crate) struct Pace {
     /// Ticks; those that came late and were made up for; those that never came.
     pub(crate) ticks: u64,
     pub(crate) late: u64,
     pub(crate) lost: u64,
-    /// How long ticks take \[µs\].
+    /// Median duration of a tick \[µs\].
     pub(crate) median: f64,
     pub(crate) p99: f64,
 }
@@ -61,7 +61,7 @@ pub struct Picture {
     /// None while nobody else is there.
     others: Option<Vec<f32>>,
     phase: State,
-    /// Why the phase began.
+    /// Reason why the phase began.
     since: State,
     intention: State,
     safety: State,
@@ -91,7 +91,7 @@ pub struct Picture {
     pace: Pace,
 }
 
-/// What is seen of the robot that goes on beside.
+/// Picture of the robot that goes on beside.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Beside {
     row: Vec<f32>,
@@ -101,7 +101,7 @@ pub(crate) struct Beside {
     calm: f64,
 }
 
-/// What the loop knows of a moment besides the workcell.
+/// State of the loop at a moment, besides the workcell.
 #[derive(Clone, Debug)]
 pub(crate) struct Moment {
     pub(crate) number: u64,
@@ -202,7 +202,7 @@ fn sample(cell: &Workcell, sampler: &mut Sampler, reba: Option<u8>) -> Result<Ve
     Ok(sampler.sample(plant.controller(), plant.configuration(), &tick)?)
 }
 
-/// Why the phase of a command began, if it began in this tick.
+/// Reason why the phase of a command began, if it began in this tick.
 pub(crate) fn began(command: &Command) -> Option<(Cow<'static, str>, Tone)> {
     let transition = command.transition?;
     Some(phase_label(transition.to, Some(transition.reason)))

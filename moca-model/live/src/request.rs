@@ -1,4 +1,4 @@
-//! What a page asks for, as JSON.
+//! Requests of a page, as JSON.
 
 use moca_model::Levels;
 use moca_simulation::people::{Activity, Facing, Lead, Movement, Reach, Way};
@@ -16,13 +16,13 @@ pub enum Request {
     Lead(Who, Lead),
     /// Somebody moves on the spot.
     Move(Who, Movement),
-    /// This goes wrong.
+    /// Faults to switch on.
     Faults(Faults),
-    /// Whether the controller asks for ergonomics.
+    /// True if the controller asks for ergonomics.
     Ergonomics(bool),
-    /// Whether the same robot goes on beside, with the other choice of ergonomics.
+    /// True if the same robot goes on beside, with the other choice of ergonomics.
     Beside(bool),
-    /// Whether a second person is there.
+    /// True if a second person is there.
     Bystander(bool),
     /// Somebody has seen to the robot.
     Acknowledge,
@@ -40,7 +40,7 @@ pub enum Request {
 pub struct Restart {
     /// The person's stature \[m\]; as before if none.
     pub stature: Option<f64>,
-    /// Whether the person brings the object; as before if none.
+    /// True if the person brings the object; as before if none.
     pub hands_over: Option<bool>,
     /// The text of a settings file; settings stay as they are if none.
     pub settings: Option<String>,

@@ -20,7 +20,7 @@ const CALM_PICTURES: usize = 33;
 pub(crate) struct Run {
     pub(crate) cell: Workcell,
     pub(crate) sampler: Sampler,
-    /// Where the tool was at the last pictures \[m\].
+    /// Places of the tool at the last pictures \[m\].
     tool: VecDeque<Vector3<f64>>,
 }
 
@@ -92,7 +92,7 @@ impl Run {
     }
 }
 
-/// Whether the controller of a workcell asks for ergonomics.
+/// True if the controller of a workcell asks for ergonomics.
 pub(crate) fn asks_for_ergonomics(cell: &Workcell) -> bool {
     cell.setup().robot.controller.goal == Goal::Ergonomics
 }

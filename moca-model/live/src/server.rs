@@ -14,11 +14,11 @@ use crate::desk::{Desk, Order};
 use crate::error::Error;
 use crate::{http, page, socket};
 
-/// So many connections are served at a time.
+/// Largest number of connections at a time.
 const CONNECTIONS: usize = 16;
 /// A request that takes longer to come is given up.
 const PATIENCE: Duration = Duration::from_secs(3);
-/// How often the end is looked for.
+/// Interval between checks for the end.
 const TURN: Duration = Duration::from_millis(20);
 
 /// Serves pages until the loop has ended.
@@ -104,7 +104,7 @@ impl Server {
         }
     }
 
-    /// What has happened, as a file.
+    /// Writes what has happened to a file.
     fn file(
         &self,
         stream: &mut TcpStream,

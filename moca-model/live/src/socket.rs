@@ -16,11 +16,11 @@ use crate::request::{Request, Restart};
 
 /// The longest message of a page (bytes): ten times a file with all settings.
 const LONGEST: usize = 1 << 20;
-/// How often a page is looked after when it says nothing.
+/// Interval between looks at a silent page.
 const TURN: Duration = Duration::from_millis(4);
 /// A page that takes longer for a message is given up.
 const PATIENCE: Duration = Duration::from_secs(5);
-/// So many pictures are on their way to a page, which says when it has drawn one.
+/// Largest number of pictures on their way to a page, which says when it has drawn one.
 const ON_THEIR_WAY: u64 = 2;
 
 #[derive(Serialize)]
@@ -31,7 +31,7 @@ struct Refused {
     message: u64,
 }
 
-/// Whether a page steers.
+/// Steering state of a page.
 #[derive(Serialize)]
 struct Steering {
     kind: &'static str,

@@ -1,4 +1,4 @@
-"""What a step of the controller takes from Python beyond the step in Rust: MOCA beside somebody who works.
+"""Time of a controller step from Python beyond the step in Rust: MOCA beside somebody who works.
 
     python benches/controller_overhead.py [steps]
 """

@@ -1,4 +1,4 @@
-"""What a call from Python takes beyond the solve in Rust: the problems of a set, warm, all in one run.
+"""Time of a call from Python beyond the solve in Rust: the problems of a set, warm, all in one run.
 
     python benches/overhead.py problems.hqp [rounds]
 """

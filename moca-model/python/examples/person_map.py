@@ -1,4 +1,4 @@
-"""From a person's stature to a convex quadratic of where their hand works well, and a picture."""
+"""Map of a person by their stature: a convex quadratic of places where their hand works well, and a picture."""
 import sys
 
 from ahqp.ergo import ErgonomicsMap, Person, draw_map, draw_person

@@ -17,7 +17,7 @@ COLUMNS = ["person", "stature", "x", "y", "z", "rmse"]
 
 
 def row(case, seed, spacing):
-    """Where the person of a case works best, and how well the quadratic fits; the case alone decides who it is."""
+    """Best place to work for the person of a case, and fit of the quadratic; the case alone decides who it is."""
     draw = random.Random(f"{seed}/{case}")
     stature = min(max(draw.gauss(1.70, 0.10), 1.45), 2.00)
     quadratic, report = ErgonomicsMap(Person(stature), spacing=spacing).fit()

@@ -1,4 +1,4 @@
-"""What several tests need."""
+"""Support that several tests need."""
 
 import os
 import pathlib
@@ -14,13 +14,13 @@ PANDA = WORKSPACE / "moca-model/whole-body/examples/urdf/panda.urdf"
 
 
 def run_example(name, *options):
-    """What an example of this folder prints."""
+    """Output of an example of this folder."""
     command = [sys.executable, PACKAGE / "examples" / f"{name}.py", *options]
     return subprocess.run(command, check=True, capture_output=True, text=True).stdout
 
 
 def run_rust_example(name, package="whole-body"):
-    """What an example of a package prints: the binary in AHQP_RUST_EXAMPLES, or one that is built now."""
+    """Output of an example of a package: the binary in AHQP_RUST_EXAMPLES, or one that is built now."""
     folder = os.environ.get("AHQP_RUST_EXAMPLES")
     command = ["cargo", "run", "-q", "--locked", "-p", package, "--example", name]
     if folder:

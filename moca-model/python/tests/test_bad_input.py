@@ -1,4 +1,4 @@
-"""Whatever is passed, the answer is an exception that says what is wrong."""
+"""Bad input of any kind gives an exception that says what is wrong."""
 
 import numpy as np
 import pytest

@@ -19,7 +19,7 @@ def build(levels, **options):
 
 @pytest.mark.parametrize("seed", range(20))
 def test_equalities_are_what_projections_give(seed):
-    """Of equalities alone, level by level: numpy's pseudoinverse is the oracle."""
+    """Solution of equalities alone, level by level: numpy's pseudoinverse is the oracle."""
     rng = np.random.default_rng(seed)
     levels = [(rng.normal(size=(m, 8)), rng.normal(size=m)) for m in (3, 2, 2)]
     x, free = np.zeros(8), np.eye(8)

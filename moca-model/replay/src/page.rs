@@ -23,7 +23,7 @@ pub const SCENE_STYLES: [&str; 3] = [
     include_str!("page/cards.css"),
 ];
 const STYLES: [&str; 2] = [include_str!("page/tracks.css"), include_str!("page/media.css")];
-/// What draws a scene: `Renderer`, `Camera`, `Scene`, and what they stand on. In an order in which a file uses only
+/// Scripts that draw a scene: `Renderer`, `Camera`, `Scene`, and what they stand on. In an order in which a file uses only
 /// what stands before it.
 pub const SCENE_SCRIPTS: [&str; 8] = [
     include_str!("page/elements.js"),

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use moca_replay::recorded::ReplayError;
 use percept_recording::RecordingError;
 
-/// Why something cannot be simulated: what is wrong, where, and what would be right.
+/// Reason why something cannot be simulated: the fault, its place, and what would be right.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -22,9 +22,9 @@ pub enum Error {
     /// A recording lacks what is needed.
     #[error("{found}; {wanted}")]
     Unfit {
-        /// What is wrong with it.
+        /// Fault of the recording.
         found: String,
-        /// What would be right.
+        /// Remedy.
         wanted: &'static str,
     },
     /// Something is wrong with a file.
@@ -32,7 +32,7 @@ pub enum Error {
     File {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// Error behind it.
         source: Box<Error>,
     },
     /// A simulated person moves faster than the robot assumes, so that a judgement has no meaning.
@@ -40,7 +40,7 @@ pub enum Error {
     TooFast {
         /// The index of the body part.
         part: usize,
-        /// Its speed \[m/s\].
+        /// Speed of the part \[m/s\].
         speed: f64,
         /// The largest allowed speed \[m/s\].
         limit: f64,

@@ -45,7 +45,7 @@ pub enum Drive {
     /// The arm moves as rigid bodies under torques, with friction and noise. The base follows velocities with a lag.
     #[default]
     Torque,
-    /// All joints follow velocities exactly and at once.
+    /// Joints that follow velocities exactly and at once.
     Kinematic,
 }
 
@@ -104,9 +104,9 @@ pub struct Plant {
     breaks_torque: bool,
     /// Place where the object is pushed, in the tool's frame \[m\].
     face: Vector3<f64>,
-    /// What pushes the robot besides.
+    /// Other wrenches on the robot.
     pushes: Vec<ExternalWrench>,
-    /// What nobody told the robot that it carries.
+    /// Payload that the robot was not told of.
     load: Option<PayloadId>,
 }
 
@@ -428,7 +428,7 @@ impl Plant {
         Ok(())
     }
 
-    /// Whether the last torques violated a limit; `None` without torques.
+    /// True if the last torques violated a limit; `None` without torques.
     pub(crate) fn breaks_torque_limits(&self) -> Option<bool> {
         match &self.robot {
             Robot::Torque(_) => Some(self.breaks_torque),

@@ -57,12 +57,12 @@ pub struct TorqueController {
     observer: MomentumObserver,
     contact: ContactForce,
     force: Vector3<f64>,
-    /// Whether the last torques of all joints with torque drives were measured.
+    /// True if the last torques of all joints with torque drives were measured.
     measures_force: bool,
     /// Last usable measurement.
     position: Vec<f64>,
     velocity: Vec<f64>,
-    /// Whether the measurements of the last tick were faulty.
+    /// True if the measurements of the last tick were faulty.
     is_lost: bool,
     /// Place where an arm waits before its first motion, and whether it does.
     rest: Vec<f64>,
@@ -179,7 +179,7 @@ impl TorqueController {
         self.controller.settings().period
     }
 
-    /// Whether the robot is measured at rest and commanded to stay there; `None` if that is not known.
+    /// True if the robot is measured at rest and commanded to stay there; `None` if that is not known.
     pub fn is_at_rest(&self) -> Option<bool> {
         let is_told = self.controller.command().joint_velocity.iter().all(|speed| *speed == 0.0);
         let is_measured = self.velocity.iter().all(|speed| speed.abs() <= AT_REST);
@@ -223,7 +223,7 @@ impl TorqueController {
         Ok(())
     }
 
-    /// Whether contacts would be noticed, because the last torques of all joints with torque drives were measured.
+    /// True if contacts would be noticed, because the last torques of all joints with torque drives were measured.
     /// Otherwise force limiting is off and nobody may be touched. The robot then keeps the same distance from its
     /// partner as from others.
     pub fn measures_contacts(&self) -> bool {

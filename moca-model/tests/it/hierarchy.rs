@@ -93,7 +93,7 @@ fn violation(rows: &Rows, x: &[f64]) -> f64 {
     rows.iter().enumerate().map(square).sum::<f64>().sqrt()
 }
 
-/// What a level minimises, and the size that its rounding is relative to.
+/// Objective of a level, and the size that its rounding is relative to.
 fn objective(level: &Level, x: &[f64]) -> (f64, f64) {
     match level.objective() {
         Objective::LeastSquares(rows) => (violation(rows, x), 1.0),

@@ -1,4 +1,4 @@
-//! What a tick knows of the person.
+//! Tests of the situation that a tick knows.
 
 use hrsw_safety::nalgebra::{Isometry3, Vector3};
 use moca_model::{ControllerSettings, SharedSpace, Situation};

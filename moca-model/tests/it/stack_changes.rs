@@ -16,7 +16,7 @@ struct Change {
     action: Action,
     /// Place of the person's trunk \[m\]; `None` if nobody is seen.
     person: Option<f64>,
-    /// Whether external forces would be noticed, so that contacts are permitted.
+    /// True if external forces would be noticed, so that contacts are permitted.
     measures_force: bool,
     ticks: u32,
 }

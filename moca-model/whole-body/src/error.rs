@@ -8,7 +8,7 @@ use thiserror::Error;
 
 use self::urdf::UrdfError;
 
-/// What is wrong, where, and what would be right.
+/// Error with its place, and what would be right.
 ///
 /// Lines count from 1.
 #[derive(Debug, Error)]
@@ -19,7 +19,7 @@ pub enum Error {
     File {
         /// The file.
         path: PathBuf,
-        /// What the operating system says.
+        /// Error of the operating system.
         source: std::io::Error,
     },
 
@@ -28,7 +28,7 @@ pub enum Error {
     InFile {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// Error behind it.
         source: Box<Error>,
     },
 
@@ -39,7 +39,7 @@ pub enum Error {
     /// Two links, two joints or two frames have the same name.
     #[error("{}there is more than one {element} named `{name}`; names must be unique", at_line(*line))]
     DuplicateName {
-        /// Where the second one begins, if the URDF has it.
+        /// Line on which the second one begins, if the URDF has it.
         line: Option<usize>,
         /// `link` or `joint`.
         element: &'static str,
@@ -53,7 +53,7 @@ pub enum Error {
         at_line(*line)
     )]
     UnknownName {
-        /// Where the joint of the URDF that gives the name begins, if there is one.
+        /// Line on which the joint of the URDF that gives the name begins, if there is one.
         line: Option<usize>,
         /// `link`, `frame` or `joint`.
         element: &'static str,
@@ -77,7 +77,7 @@ pub enum Error {
         root: String,
         /// The tip link.
         tip: String,
-        /// Where the path from the tip ended.
+        /// Link at which the path from the tip ended.
         reached: String,
     },
 
@@ -89,7 +89,7 @@ pub enum Error {
     JointOrder {
         /// The joints that move, in the order of q.
         expected: String,
-        /// What the description lists.
+        /// Names that the description lists.
         given: String,
     },
 
@@ -120,7 +120,7 @@ pub enum Error {
         at_line(*line)
     )]
     PositionLimits {
-        /// Where the joint begins, if the URDF has it.
+        /// Line on which the joint begins, if the URDF has it.
         line: Option<usize>,
         /// The joint.
         joint: String,
@@ -136,13 +136,13 @@ pub enum Error {
         at_line(*line)
     )]
     LimitNotPositive {
-        /// Where the joint begins, if the URDF has it.
+        /// Line on which the joint begins, if the URDF has it.
         line: Option<usize>,
         /// The joint.
         joint: String,
-        /// Which limit.
+        /// Name of the limit.
         limit: &'static str,
-        /// Its value.
+        /// Value given.
         value: f64,
     },
 
@@ -163,7 +163,7 @@ pub enum Error {
         what: &'static str,
         /// The joint, or the base's axis.
         joint: String,
-        /// Its value.
+        /// Value given.
         value: f64,
         /// The limit that it was compared with.
         limit: f64,
@@ -174,11 +174,11 @@ pub enum Error {
     /// A vector or matrix has the wrong size.
     #[error("{what} has {got} elements; the robot needs {expected}")]
     WrongSize {
-        /// Which one.
+        /// Name of the vector.
         what: &'static str,
-        /// How many it must have.
+        /// Number it must have.
         expected: usize,
-        /// How many it has.
+        /// Number it has.
         got: usize,
     },
 
@@ -224,9 +224,9 @@ pub enum Error {
     InTask {
         /// The task.
         task: String,
-        /// Its level; `limits` for a hard limit.
+        /// Level; `limits` for a hard limit.
         level: String,
-        /// What is wrong.
+        /// Error behind it.
         source: Box<Error>,
     },
 
@@ -237,9 +237,9 @@ pub enum Error {
     /// A number is out of its range.
     #[error("{what} is {value}; it must be {expected}")]
     Value {
-        /// Which one.
+        /// Name of the number.
         what: String,
-        /// Its value.
+        /// Value given.
         value: f64,
         /// The range it must lie in.
         expected: &'static str,
@@ -248,27 +248,27 @@ pub enum Error {
     /// The robot cannot do what is asked of it.
     #[error("{what}; {remedy}")]
     Unsuitable {
-        /// What prevents it.
+        /// Reason why the robot cannot do it.
         what: String,
-        /// What would help.
+        /// Remedy.
         remedy: &'static str,
     },
 
     /// A stack, a level or a task has nothing to do.
     #[error("{what}; give at least one")]
     Nothing {
-        /// What has nothing.
+        /// Name of the part that has nothing.
         what: String,
     },
 
     /// The system does not grant what was asked for a thread.
     #[error("the system refuses {what} ({reason}); {remedy}")]
     Refused {
-        /// What was asked for.
+        /// Request that failed.
         what: &'static str,
-        /// What the system says.
+        /// Reason that the system gives.
         reason: String,
-        /// What would help.
+        /// Remedy.
         remedy: &'static str,
     },
 
@@ -280,9 +280,9 @@ pub enum Error {
     RowRange {
         /// The row.
         row: usize,
-        /// Its lower bound.
+        /// Lower bound.
         lower: f64,
-        /// Its upper bound.
+        /// Upper bound.
         upper: f64,
     },
 

@@ -84,7 +84,7 @@ def ours(folder, what):
 
 
 def rms(one, other, names, centred=False):
-    """Over joints and images, the median as well; with `centred` about the middle of the hips."""
+    """Root mean square error over joints and images, the median, and the share of known ones; with `centred` about the middle of the hips."""
     errors = []
     for name in names:
         error = one[name] - other[name]
@@ -97,7 +97,7 @@ def rms(one, other, names, centred=False):
 
 
 def height(points):
-    """By pose2sim's rule."""
+    """Stature by pose2sim's rule."""
     columns = [column for name in points for column in [name] * 3]
     return compute_height(pd.DataFrame(np.hstack(list(points.values())), columns=columns))
 

@@ -5,7 +5,7 @@ use std::{fmt::Display, io, path::Path, path::PathBuf};
 use percept_recording::RecordingError;
 use vision_models::NetworkKind;
 
-/// Why frames, files or trained models cannot be used: the place, what was found, and what would be
+/// Reason why frames, files or trained models cannot be used: the place, what was found, and what would be
 /// right.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]

@@ -2,7 +2,7 @@
 
 use std::{io, path::PathBuf};
 
-/// Why a recording cannot be read or written: the place, what was found, and what would be right.
+/// Reason why a recording cannot be read or written: the place, what was found, and what would be right.
 /// Lines count from 1, including the header.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]

@@ -14,7 +14,7 @@ use crate::timing::Timing;
 pub enum IfPartial {
     /// It is an error.
     Refuse,
-    /// Its complete frames are returned.
+    /// Return of the complete frames returned.
     Take,
 }
 

@@ -1,6 +1,6 @@
-//! How well a person's place is known.
+//! Freshness of a person's place.
 
-/// How well a person's place is known, by the time since they were last measured. It is the one ladder of all that
+/// Freshness of a person's place, by the time since they were last measured. It is the one ladder of all that
 /// depends on this time.
 ///
 /// ```

@@ -48,7 +48,7 @@ impl ImageKeypoint {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ImageBody {
     keypoints: [Option<ImageKeypoint>; Body25::COUNT],
-    /// Whether a joint is the middle of others.
+    /// True if a joint is the middle of others.
     derived: [bool; Body25::COUNT],
 }
 
@@ -64,7 +64,7 @@ impl ImageBody {
         self.derived[joint.index()] = true;
     }
 
-    /// Whether the joint is the middle of two others, and no joint that was seen by itself.
+    /// True if the joint is the middle of two others, and no joint that was seen by itself.
     pub fn is_derived(&self, joint: Body25) -> bool {
         self.derived[joint.index()]
     }

@@ -24,7 +24,7 @@ pub struct JointFrame {
     pub people: Vec<ObservedBody>,
 }
 
-/// What an object may hold. Names are those of the programs.
+/// Entries that an object may hold. Names are those of the programs.
 #[derive(Deserialize)]
 struct Entry<'a> {
     /// OpenPose's, an image.
@@ -131,7 +131,7 @@ impl JointFrame {
     }
 }
 
-/// What an object is.
+/// Kind of an object.
 enum Found<'a> {
     Film(&'a RawValue),
     Frame(Option<u64>, Vec<ObservedBody>),

@@ -81,7 +81,7 @@ const COCO: [(Body25, usize); 17] = [
     (RightAnkle, 16),
 ];
 
-/// What follows COCO's joints in other layouts.
+/// Joints that follow COCO's in other layouts.
 const FEET_25B: [(Body25, usize); 6] = [
     (LeftBigToe, 19),
     (LeftSmallToe, 20),
@@ -163,7 +163,7 @@ const BODY_25: [(Body25, usize); Body25::COUNT] = {
     joints
 };
 
-/// What is known of a layout.
+/// Facts about a layout.
 #[derive(Debug)]
 struct Row {
     layout: JointLayout,
@@ -251,7 +251,7 @@ impl JointLayout {
         body
     }
 
-    /// What the layout lacks and its sides give.
+    /// Middles that the layout lacks and its sides give.
     pub fn derived(self) -> impl Iterator<Item = Middle> {
         Middle::ALL
             .into_iter()

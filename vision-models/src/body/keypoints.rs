@@ -49,7 +49,7 @@ impl Body25 {
     /// The number of joints.
     pub const COUNT: usize = 25;
 
-    /// All joints in the order of their index.
+    /// Joints in the order of their index.
     pub const ALL: [Self; Self::COUNT] = [
         Self::Nose,
         Self::Neck,

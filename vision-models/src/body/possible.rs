@@ -9,7 +9,7 @@ use super::segment::ENDS;
 /// Smallest number of segments for a decision.
 const ENOUGH: usize = 4;
 
-/// Why no person can have a body.
+/// Reason why no person can have a body.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ImpossibleBody {

@@ -43,7 +43,7 @@ impl BodySegment {
     /// The number of segments.
     pub const COUNT: usize = 6;
 
-    /// All segments.
+    /// Segments in the order of their index.
     pub const ALL: [Self; Self::COUNT] =
         [Self::Thigh, Self::Shank, Self::Trunk, Self::UpperArm, Self::Forearm, Self::Shoulders];
 

@@ -18,7 +18,7 @@ const TURNING: f64 = 0.5;
 /// Largest speed (m/s) and turning rate (rad/s) of a person.
 pub(super) const MAX_SPEED: f64 = 3.0;
 const MAX_TURNING_RATE: f64 = 4.0;
-/// How long a heading that is not measured continues to turn before it is held (s).
+/// Time for which an unmeasured heading continues to turn before it is held (s).
 pub(super) const TURN_LIMIT: f64 = 0.1;
 /// A measurement farther than this from the expected value is an outlier (standard deviations).
 const GATE: f64 = 5.0;

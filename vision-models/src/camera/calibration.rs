@@ -30,11 +30,11 @@ use super::{distortion::Distortion, intrinsics::Intrinsics};
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct CalibratedCamera {
-    /// What the calibration calls it.
+    /// Name that the calibration gives it.
     pub name: String,
     /// The pinhole model of images without distortion.
     pub intrinsics: Intrinsics,
-    /// What the lens does to them.
+    /// Distortion of the images by the lens.
     pub distortion: Distortion,
     /// The pose of the optical frame (x right, y down, z forwards) in the world, if it was calibrated.
     pub world_from_camera: Option<Isometry3<f64>>,

@@ -1,4 +1,4 @@
-//! How a lens bends rays.
+//! Distortion of rays by a lens.
 
 use nalgebra::{Matrix2, Point2, Vector2};
 
@@ -33,7 +33,7 @@ const STEP: f64 = 1e-6;
 const CLOSE: f64 = 1e-10;
 
 impl Distortion {
-    /// Where the lens shows a ray.
+    /// Point at which the lens shows a ray.
     pub fn distort(&self, ray: &Point2<f64>) -> Point2<f64> {
         let squared = ray.coords.norm_squared();
         match self {

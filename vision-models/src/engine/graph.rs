@@ -12,7 +12,7 @@ pub struct Value(pub(super) usize);
 /// The frames of a clip that an input takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Frames {
-    /// All frames.
+    /// Every frame.
     All,
     /// This many frames, spread evenly from the first to the last.
     Spread(usize),
@@ -39,7 +39,7 @@ impl Frames {
     }
 }
 
-/// How an activation is computed.
+/// Computation of an activation.
 #[derive(Clone, Debug)]
 pub(super) enum Node {
     Input(Frames),

@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::layout::{Channels, Layout, offset, position};
 
-/// How the last activation is pooled to a vector of features.
+/// Pooling of the last activation to a vector of features.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pooling {
     /// The mean over all frames, rows and columns.

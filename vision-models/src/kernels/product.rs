@@ -24,7 +24,7 @@ pub(crate) struct Segment {
     pub(crate) length: usize,
 }
 
-/// What is added to the products.
+/// Term that is added to the products.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Beside<'a> {
     /// Nothing.
@@ -54,7 +54,7 @@ pub(super) struct Product<'a> {
     pub(super) output: *mut f32,
     /// Start of each pixel's output.
     pub(super) output_rows: &'a [usize],
-    /// What is added to the products.
+    /// Term that is added to the products.
     pub(super) beside: Beside<'a>,
     /// The function that is applied to the sums.
     pub(super) finish: Finish<'a>,

@@ -8,7 +8,7 @@ use super::shared_slice::SharedSlice;
 use super::threads::Pool;
 use super::vector::Vector;
 
-/// How the pixels of a resized activation are aligned with the input.
+/// Alignment of a resized activation's pixels with the input.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Alignment {
     /// Pixels are areas whose outermost edges coincide, as in PyTorch and OpenCV.

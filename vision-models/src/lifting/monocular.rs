@@ -22,14 +22,14 @@ const FOOT_SIGMA: f64 = 0.04;
 /// A foot is seen that a network is surer of.
 const SURE: f64 = 0.5;
 
-/// How far ahead of the camera a person is whose joints are not in the image (m).
+/// Distance ahead of the camera of a person whose joints are not in the image (m).
 const AHEAD: f64 = 3.0;
 /// Fewer joints do not tell where a person is.
 const JOINTS: usize = 6;
 /// Means are over the last images, about so many.
 const IMAGES: f64 = 250.0;
 
-/// What a camera without depth tells of a person, and how wrong that is.
+/// Settings of a camera without depth: facts about people, and their errors.
 ///
 /// ```
 /// use vision_models::MonocularSettings;
@@ -97,9 +97,9 @@ pub struct PlacedBody {
     pub body: Body,
     /// The covariance of the place of the whole person, which all joints share (m²).
     pub common: Matrix3<f64>,
-    /// How much larger the person is than the network says.
+    /// Factor by which the person is larger than the network says.
     pub scale: f64,
-    /// Its standard deviation.
+    /// Standard deviation of the factor.
     pub scale_sigma: f64,
 }
 
@@ -319,7 +319,7 @@ impl MonocularLifter {
     }
 }
 
-/// Whether the network sees no such joint by itself.
+/// True if the network sees no such joint by itself.
 fn is_middle(person: &ObservedBody, joint: Body25) -> bool {
     let nothing = person.image.iter().next().is_none();
     let middle = Middle::ALL.iter().any(|middle| middle.joint == joint);

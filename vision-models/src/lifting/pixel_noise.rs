@@ -1,4 +1,4 @@
-//! How wrong a network's joints are in an image.
+//! Errors of a network's joints in an image.
 
 use crate::body::ImageBody;
 use crate::error::Error;
@@ -14,7 +14,7 @@ use crate::error::Error;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PixelNoise {
-    /// At no size (pixels).
+    /// Error at size zero (pixels).
     pub constant: f64,
     /// Growth with the diagonal of what is seen of the body.
     pub share: f64,

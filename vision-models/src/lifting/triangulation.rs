@@ -20,7 +20,7 @@ const JOINTS: usize = 4;
 /// The median squared error of the joints of one person in two views is smaller (standard deviations²).
 const AGREE: f64 = 4.0;
 
-/// How joints are put together from several views.
+/// Settings by which joints are put together from several views.
 ///
 /// ```
 /// use vision_models::TriangulationSettings;

@@ -9,11 +9,11 @@ use crate::confidence::Confidence;
 const STEPS: usize = 12;
 const CLOSE: f64 = 1e-9;
 
-/// Where a camera sees a point.
+/// Place at which a camera sees a point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sight<'a> {
     pub(super) camera: &'a CalibratedCamera,
-    /// As a pinhole sees it (pixels).
+    /// Point as a pinhole sees it (pixels).
     pub(super) at: Point2<f64>,
     /// Standard deviation, each axis (pixels).
     pub(super) sigma: f64,

@@ -5,7 +5,7 @@ use crate::error::Error;
 /// Largest number of frames per clip and of clips per video. No network needs more.
 const MOST: usize = 1024;
 
-/// How the frames of a video are selected.
+/// Selection of the frames of a video.
 ///
 /// ```
 /// use vision_models::ClipSampling;

@@ -15,7 +15,7 @@ const ROUNDING: f64 = 1e-15;
 /// progress.
 const PATIENCE: usize = 100;
 
-/// How the training of a plane ended.
+/// Ending of the training of a plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Training {
     /// True if the duality gap is within the tolerance.

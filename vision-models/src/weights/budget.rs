@@ -23,7 +23,7 @@ impl Budget {
 
     /// Bytes in addition to a multiple of the size of a graph's file: enough for any small network.
     const GRAPH: u64 = 256 << 10;
-    /// This multiple for the weights, which sparse float16 needs to become dense float32:
+    /// Multiple of the file's size for the weights, which sparse float16 needs to become dense float32:
     /// MediaPipe's detector of people 5.4 times its size.
     const DENSE: u64 = 6;
 

@@ -20,7 +20,7 @@ pub enum ElementType {
 }
 
 impl ElementType {
-    /// All types, with the name of PyTorch's storage class and that of safetensors.
+    /// Types with the name of PyTorch's storage class and that of safetensors.
     const NAMES: [(Self, &'static str, &'static str); 10] = [
         (Self::F64, "DoubleStorage", "F64"),
         (Self::F32, "FloatStorage", "F32"),

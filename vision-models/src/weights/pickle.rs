@@ -12,7 +12,7 @@ mod value;
 pub(super) use machine::run;
 pub(super) use value::{Id, Storage, Value, View};
 
-/// All values that a pickle created, and its result.
+/// Values that a pickle created, and its result.
 #[derive(Debug)]
 pub(super) struct Pickle {
     values: Vec<Value>,

@@ -59,7 +59,7 @@ fn joints(size: f64, place: Vector3<f64>, facing: f64) -> Vec<(Body25, Point3<f6
     JOINTS.map(at).to_vec()
 }
 
-/// What a network says of them: the image, and joints in metres `size` times too small. The network sees each person as
+/// Output of a network for them: the image, and joints in metres `size` times too small. The network sees each person as
 /// if they were straight ahead.
 fn observed(
     camera: &CalibratedCamera,

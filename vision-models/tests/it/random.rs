@@ -12,7 +12,7 @@ impl Random {
         Self { state: seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x2545_f491_4f6c_dd1d }
     }
 
-    /// In (0, 1).
+    /// Random number in (0, 1).
     pub(crate) fn uniform(&mut self) -> f64 {
         let next = self.state.wrapping_mul(6_364_136_223_846_793_005);
         self.state = next.wrapping_add(1_442_695_040_888_963_407);

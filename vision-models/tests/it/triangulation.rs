@@ -216,7 +216,7 @@ fn the_neck_has_the_shoulders_covariance() {
     assert_eq!(body.get(Body25::LeftHeel), None);
 }
 
-/// How far the nearest of the people that were found is from somebody, the median of their joints (m).
+/// Distance from a person to the nearest of those that were found, the median of their joints (m).
 fn nearest(people: &[Body], joints: &[Option<Vector3<f64>>; 17]) -> f64 {
     let off = |body: &Body| {
         let known = JointLayout::Coco17.joints().filter_map(|(joint, place)| {

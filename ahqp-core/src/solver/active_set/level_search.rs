@@ -16,7 +16,7 @@ use crate::solver::data::active_bound;
 use crate::solver::factorisation::{FreeCoordinates, Purpose, Step};
 use crate::solver::tolerances::{LONG, SETTLED};
 
-/// How a search ended.
+/// Ending of a search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum End {
     Optimal,

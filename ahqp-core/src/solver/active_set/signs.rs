@@ -6,7 +6,7 @@ use crate::solver::activity::Activity;
 /// Active inequalities whose sign has been found right. The first nonzero multiplier decides.
 #[derive(Debug, Clone)]
 pub(super) struct Signs {
-    /// All rows except the active inequalities whose sign is still open.
+    /// Marks of all rows except the active inequalities whose sign is still open.
     settled: Vec<bool>,
     /// Number of open rows.
     pub(super) unsettled: usize,

@@ -12,9 +12,9 @@ use crate::solver::tolerances::ROUNDING;
 /// Treatment of coordinates that no group decides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum FreeCoordinates {
-    /// They keep their values.
+    /// Values are kept.
     Kept,
-    /// They become zero, which gives the least norm.
+    /// Values become zero, which gives the least norm.
     Zero,
 }
 

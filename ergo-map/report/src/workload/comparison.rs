@@ -29,7 +29,7 @@ pub struct Tested {
     pub effect: f64,
 }
 
-/// All scales under two conditions.
+/// Scales under two conditions.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Comparison {
     /// The first condition.

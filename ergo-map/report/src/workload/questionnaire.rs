@@ -26,7 +26,7 @@ pub enum Scale {
 }
 
 impl Scale {
-    /// All scales, in the order of the paper's figure.
+    /// Scales in the order of the paper's figure.
     pub const ALL: [Self; 6] = [
         Self::TemporalDemand,
         Self::MentalDemand,

@@ -15,7 +15,7 @@ pub(super) struct CapsuleTable {
     start: [f64; 3],
     /// End of its segment \[m\].
     end: [f64; 3],
-    /// Its radius \[m\].
+    /// Radius of the capsule \[m\].
     radius: f64,
 }
 

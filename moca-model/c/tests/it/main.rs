@@ -1,4 +1,4 @@
-//! What must be true of the C interface, called as C does.
+//! Tests of the C interface, called as C does.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, missing_docs, unsafe_code)]
 

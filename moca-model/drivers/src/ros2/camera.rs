@@ -70,7 +70,7 @@ impl fmt::Debug for Ros2Camera {
     }
 }
 
-/// What the thread of messages leaves for the other one.
+/// Data that the thread of messages leaves for the other one.
 #[derive(Default)]
 struct Shared {
     waiting: Mutex<Waiting>,

@@ -1,6 +1,6 @@
 //! Errors of a connection to ROS 2.
 
-/// Why a connection to ROS 2 cannot be made or has ended. A [`Refusal`](super::Refusal) says what is wrong with a
+/// Reason why a connection to ROS 2 cannot be made or has ended. A [`Refusal`](super::Refusal) says what is wrong with a
 /// single message.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]

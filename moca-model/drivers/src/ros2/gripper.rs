@@ -25,7 +25,7 @@ const NOTHING: u8 = 0;
 const NO: u8 = 1;
 const YES: u8 = 2;
 
-/// What a loop wants of its gripper, and what the gripper holds. Neither end ever waits for the other.
+/// Order of a loop to its gripper, and the gripper's answer. Neither end ever waits for the other.
 #[derive(Clone, Debug, Default)]
 pub(super) struct GripState {
     closed: Arc<AtomicU8>,
@@ -70,7 +70,7 @@ impl GripState {
 pub(super) struct Gripper {
     client: ActionClient<GripperCommand, GripperResult, GripperFeedback>,
     state: GripState,
-    /// What was asked for last, and how far the gripper is.
+    /// Last order, and the stage that it has reached.
     asked: Option<(bool, Stage)>,
 }
 

@@ -1,8 +1,8 @@
-//! Why messages are refused.
+//! Reasons why messages are refused.
 
 use crate::CommandRefusal;
 
-/// Why a message is refused. The last accepted message stays valid until it is too old.
+/// Reason why a message is refused. The last accepted message stays valid until it is too old.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Refusal {

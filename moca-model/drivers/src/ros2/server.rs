@@ -53,7 +53,7 @@ pub struct Ros2Server {
     command: JointCommand,
     /// Number of periods since the newest twist and since the newest torques.
     silent: [u64; 2],
-    /// Whether the robot has been told to move since it was ready.
+    /// True if the robot has been told to move since it was ready.
     moved: bool,
 }
 

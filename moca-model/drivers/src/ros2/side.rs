@@ -57,7 +57,7 @@ pub struct Ros2Side {
     publisher: JoinHandle<Publishing>,
 }
 
-/// What others on the graph see of people and acknowledge, and what they are told of the loop.
+/// People and acknowledgements from others on the graph, and reports of the loop to them.
 pub struct Ros2People {
     /// The people whom others see.
     pub seen: Receiver<SeenPeople>,

@@ -45,7 +45,7 @@ impl Command {
         to_vector(py, &self.told.base_twist)
     }
 
-    /// Whether the base drives. The arm alone holds the tool's place while it stands.
+    /// True if the base drives. The arm alone holds the tool's place while it stands.
     #[getter]
     fn base_drives(&self) -> bool {
         matches!(self.told.base_motion, BaseMotion::Drives(_))
@@ -63,7 +63,7 @@ impl Command {
         to_vector(py, self.told.desired_twist.as_slice())
     }
 
-    /// How far the desired pose is outside the shared workspace, by its coordinates, (6,) [m, rad].
+    /// Distance of the desired pose outside the shared workspace, by coordinate, (6,) [m, rad].
     #[getter]
     fn slack<'py>(&self, py: Python<'py>) -> Vector<'py> {
         to_vector(py, self.told.slack.as_slice())
@@ -83,7 +83,7 @@ impl Command {
         }
     }
 
-    /// Whether the person works with the robot.
+    /// True if the person works with the robot.
     #[getter]
     fn together(&self) -> bool {
         self.told.intention.is_together()
@@ -106,7 +106,7 @@ impl Command {
         }
     }
 
-    /// Why the safety state is not normal: a fault, "person too close" or "nobody seen for too long".
+    /// Reason why the safety state is not normal: a fault, "person too close" or "nobody seen for too long".
     #[getter]
     fn cause(&self) -> Option<String> {
         self.cause.map(|cause| match cause {
@@ -129,7 +129,7 @@ impl Command {
         self.waits_for.map(|fault| fault.to_string())
     }
 
-    /// Whether every level is at its optimum. The robot is within its limits in any case.
+    /// True if every level is at its optimum. The robot is within its limits in any case.
     #[getter]
     fn is_optimal(&self) -> bool {
         self.told.outcome.is_optimal()

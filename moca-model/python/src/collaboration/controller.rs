@@ -402,7 +402,7 @@ impl Controller {
         })
     }
 
-    /// All settings, as a dict of the tables "controller" and "torque".
+    /// Settings as a dict of the tables "controller" and "torque".
     #[getter]
     fn settings<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>> {
         let state = self.0.lock()?;

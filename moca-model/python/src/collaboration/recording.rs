@@ -94,7 +94,7 @@ impl Recording {
         self.header.rate
     }
 
-    /// Whether the recording was not interrupted.
+    /// True if the recording was not interrupted.
     #[getter]
     fn is_complete(&self) -> bool {
         self.is_complete

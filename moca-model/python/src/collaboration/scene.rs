@@ -106,7 +106,7 @@ impl Scene {
         self.percept.body.clone().map(Body)
     }
 
-    /// What the person does, and its confidence.
+    /// Action of the person, and its confidence.
     #[getter]
     fn action(&self) -> Option<(&'static str, f64)> {
         self.percept.action.map(|seen| (seen.action.name(), seen.confidence.value()))

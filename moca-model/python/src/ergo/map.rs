@@ -96,7 +96,7 @@ impl ErgonomicsMap {
         (to_array(py, &positions), to_vector(py, &scores))
     }
 
-    /// Whether the map knows the score at a hand position, (3,).
+    /// True if the map knows the score at a hand position, (3,).
     fn contains(&self, hand: &Bound<'_, PyAny>) -> Result<bool> {
         Ok(self.0.contains(&point("hand", hand)?))
     }
@@ -195,13 +195,13 @@ impl Quadratic {
         Ok(self.0.value(&point("x", x)?))
     }
 
-    /// Where e is smallest, (3,); None where H is singular.
+    /// Position at which e is smallest, (3,); None where H is singular.
     fn minimiser<'py>(&self, py: Python<'py>) -> Option<Vector<'py>> {
         self.0.minimiser().map(|x| to_vector(py, x.as_slice()))
     }
 }
 
-/// How well a quadratic approximates the score.
+/// Accuracy with which a quadratic approximates the score.
 #[pyclass(frozen, module = "ahqp.ergo")]
 pub(crate) struct FitReport(ergo_map::FitReport);
 

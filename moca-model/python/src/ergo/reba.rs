@@ -39,7 +39,7 @@ keyword_class!(
         shock: bool = false,
         /// Quality of the grip: "good", "fair", "poor" or "unacceptable".
         coupling: String = { String::from("good") },
-        /// What carries the body: "bilateral", "walking", "unilateral" or "sitting".
+        /// Support of the body: "bilateral", "walking", "unilateral" or "sitting".
         support: String = { String::from("bilateral") },
         /// The shoulder is raised.
         shoulder_raised: bool = false,

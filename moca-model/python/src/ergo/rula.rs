@@ -49,7 +49,7 @@ keyword_class!(
         muscle_use: bool = false,
         /// Load or force [kg].
         load: f64 = 0.0,
-        /// How the load acts: "intermittent", "static" (held or repeated) or "shock".
+        /// Action of the load: "intermittent", "static" (held or repeated) or "shock".
         load_pattern: String = { String::from("intermittent") },
     }
 );

@@ -61,7 +61,7 @@ struct State {
     person: LedPerson,
     perception: Perception,
     time: f64,
-    /// What the working hand is at [m].
+    /// Place at which the hand works [m].
     object: Option<[f64; 3]>,
     id: PersonId,
 }
@@ -191,7 +191,7 @@ impl SimulatedPerson {
         Ok(())
     }
 
-    /// What the camera sees now, with the time of the frame; None if the frame is lost. It has 20 frames a second, so ask
+    /// Scene that the camera sees, with the time of the frame; None if the frame is lost. It has 20 frames a second, so ask
     /// every 0.05 s. `others` are bodies of other people in view.
     #[pyo3(signature = (others=Vec::new()))]
     fn look(&self, others: Vec<PyRef<'_, Body>>) -> Result<Option<Scene>> {

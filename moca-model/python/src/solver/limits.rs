@@ -95,7 +95,7 @@ impl Limits {
         Ok((to_vector(py, &lower), to_vector(py, &upper)))
     }
 
-    /// Whether a state obeys the limits, up to rounding, and can go on obeying them; one value for each joint.
+    /// True if a state obeys the limits, up to rounding, and can go on obeying them; one value for each joint.
     #[pyo3(signature = (position, velocity, acceleration=None))]
     fn admits(
         &self,

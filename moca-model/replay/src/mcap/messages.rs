@@ -40,7 +40,7 @@ pub(super) struct Scores {
     pub(super) reba: u8,
     /// REBA of the measured posture.
     pub(super) reba_measured: Option<u8>,
-    /// Whether person and robot work together.
+    /// True if person and robot work together.
     pub(super) together: bool,
     /// Distance of the tool from x_d \[m\].
     pub(super) tracking_error: f64,

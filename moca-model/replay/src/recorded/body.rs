@@ -69,7 +69,7 @@ const fn limb(ends: [usize; 2], radii: [f64; 2], part: BodyPart) -> Limb {
     Limb { ends, radii, part }
 }
 
-/// All capsules of a body.
+/// Capsules of a body.
 pub(crate) const LIMBS: [Limb; 22] = {
     use BodyPart::{Legs, LowerArm, Neck, Trunk, UpperArm, Wrist};
     use Side::{Left, Right};

@@ -1,6 +1,6 @@
 //! Errors of a recorded run.
 
-/// Why a run cannot be recorded or shown.
+/// Reason why a run cannot be recorded or shown.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReplayError {

@@ -20,7 +20,7 @@ pub enum Tone {
     Quiet,
     /// Person and robot work together.
     Work,
-    /// They walk together.
+    /// Person and robot walk together.
     Walk,
     /// Something is limited.
     Caution,

@@ -1,4 +1,4 @@
-//! What is kept of a run.
+//! Record of a run.
 
 use ergo_map::Side;
 
@@ -12,7 +12,7 @@ use super::table::Table;
 pub struct Replay {
     /// The name of the run.
     pub title: String,
-    /// What is there, and in which frames.
+    /// Solids, and the frames that carry them.
     pub stage: Stage,
     /// Sample by sample: poses of the frames, the predicted body, series, limits, and where robot and
     /// person are nearest.

@@ -1,4 +1,4 @@
-//! What a tick looks like: poses, scores and limits as a row of numbers.
+//! Samples of ticks: poses, scores and limits as a row of numbers.
 
 use ergo_map::{Conditions, ErgonomicsMap, PersonFrame, RebaSubScores};
 use hrsw_safety::Capsule;
@@ -21,7 +21,7 @@ use crate::report::TickRow;
 /// Frames that every run has, beside those of the robot.
 const OWN_FRAMES: [&str; 4] = ["tool", "desired", "workspace", "person"];
 
-/// What is one number a sample.
+/// Names of the values that are one number a sample.
 const SERIES: [&str; 25] = [
     "e_s",
     "REBA predicted",
@@ -50,7 +50,7 @@ const SERIES: [&str; 25] = [
     "protective distance",
 ];
 
-/// Where robot and person are nearest, their forearms left aside, which work on what the robot holds.
+/// Nearest points of robot and person, without the forearms, which work on the object.
 const NEAREST: [&str; 8] = [
     "robot x",
     "robot y",
@@ -90,10 +90,10 @@ pub struct Sampler {
     capsules: Vec<(usize, Capsule)>,
     /// Poses of frames that the caller moves.
     placed: Vec<Option<Isometry3<f64>>>,
-    /// What the robot holds.
+    /// Object that the robot holds.
     object: Option<FrameSlot>,
     limits: LimitUse,
-    /// Where the tool was at the last sample, and when \[m, s\].
+    /// Place of the tool at the last sample, and its time \[m, s\].
     actual: Option<(Vector3<f64>, f64)>,
 }
 
@@ -364,7 +364,7 @@ fn write_optional(vector: Option<Vector3<f64>>, row: &mut Vec<f32>) {
     write_vectors(&[vector.unwrap_or(Vector3::repeat(f64::NAN))], row);
 }
 
-/// In the order of [`SERIES`].
+/// Writes the values in the order of [`SERIES`].
 #[expect(clippy::cast_possible_truncation, reason = "f32 is what is kept")]
 fn write_series(controller: &Controller, tick: &TickRow, speed: f64, row: &mut Vec<f32>) {
     let scored = tick.reba > 0;

@@ -64,7 +64,7 @@ pub struct Solid {
     pub colour: [f64; 3],
 }
 
-/// All solids and the frames that carry them.
+/// Solids and the frames that carry them.
 ///
 /// ```
 /// use moca_replay::recorded::{Role, Shape, Stage};

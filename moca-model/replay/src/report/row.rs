@@ -33,7 +33,7 @@ pub struct TickRow {
     pub reba: u8,
     /// REBA score of the measured posture, where the person was seen.
     pub reba_measured: Option<u8>,
-    /// Whether the person works with the robot.
+    /// True if the person works with the robot.
     pub collaborating: bool,
     /// Configuration, joint by joint \[m or rad\].
     pub q: Vec<f64>,
@@ -81,7 +81,7 @@ fn extent(workspace: &Workspace) -> ([f64; 3], [f64; 3]) {
     ((middle - reach).into(), (middle + reach).into())
 }
 
-/// Whether person and robot work together: from the time at which x_d first arrives in the workspace that they share.
+/// State of working together: true from the time at which x_d first arrives in the workspace that they share.
 ///
 /// ```
 /// use ergo_map::ErgonomicsQuadratic;
@@ -99,14 +99,14 @@ fn extent(workspace: &Workspace) -> ([f64; 3], [f64; 3]) {
 pub struct Together(bool);
 
 impl Together {
-    /// Whether they work together after the controller's last step.
+    /// True if they work together after the controller's last step.
     pub fn update(&mut self, controller: &Controller) -> bool {
         let is_shared = controller.situation().is_shared;
         self.0 = is_shared && (self.0 || Self::is_inside(controller));
         self.0
     }
 
-    /// Whether x_d is within the workspace, but for a millimetre or a milliradian.
+    /// True if x_d is within the workspace, but for a millimetre or a milliradian.
     pub fn is_inside(controller: &Controller) -> bool {
         let workspace = controller.space().workspace();
         workspace.violation(&controller.command().desired).amax() <= INSIDE

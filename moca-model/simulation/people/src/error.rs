@@ -2,7 +2,7 @@
 
 use std::{io, path::PathBuf};
 
-/// Why a person cannot be simulated: what is wrong, where, and what would be right.
+/// Reason why a person cannot be simulated: the fault, its place, and what would be right.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -44,7 +44,7 @@ pub enum Error {
     PathFile {
         /// The file.
         path: PathBuf,
-        /// What the operating system reports.
+        /// Error of the operating system.
         source: io::Error,
     },
 }

@@ -13,7 +13,7 @@ use crate::Error;
 
 /// Slower than this they stand, and may begin a movement on the spot (m/s).
 const STANDING: f64 = 0.05;
-/// How far ahead the goal is of somebody who walks in a direction (m).
+/// Distance of the goal ahead of a person who walks in a direction (m).
 const AHEAD: f64 = 1.0;
 /// Nearer than this no direction to face is told (m).
 const TOO_NEAR: f64 = 0.1;
@@ -23,9 +23,9 @@ const TOO_NEAR: f64 = 0.1;
 pub enum Way {
     /// Stops, and stays there.
     Stand,
-    /// To a place on the floor, in the world (m).
+    /// Walk to a place on the floor, in the world (m).
     To(Point2<f64>),
-    /// In a direction, in the world, until told otherwise; its length does not count.
+    /// Walk in a direction, in the world, until told otherwise; its length does not count.
     Along(Vector2<f64>),
 }
 
@@ -34,9 +34,9 @@ pub enum Way {
 pub enum Facing {
     /// Towards what the robot holds.
     Robot,
-    /// Where the way leads.
+    /// Direction of the way.
     Way,
-    /// At this yaw (rad).
+    /// Yaw in the world (rad).
     Heading(f64),
     /// Turns on to the left at this rate, up to that of the gait (rad/s).
     Turning(f64),
@@ -45,7 +45,7 @@ pub enum Facing {
 /// Task of the right hand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reach {
-    /// What the activity asks for: who uses a tool has it at the object.
+    /// Choice of the activity: a person who uses a tool has it at the object.
     Work,
     /// Straight ahead at the height of the shoulder.
     Ahead,
@@ -63,19 +63,19 @@ pub enum Reach {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lead {
-    /// Where to go. Default [`Way::Stand`].
+    /// Destination. Default [`Way::Stand`].
     pub way: Way,
-    /// How fast to walk (m/s), 0.1 to 1.2. Default 0.5.
+    /// Walking speed (m/s), 0.1 to 1.2. Default 0.5.
     pub speed: f64,
-    /// Which way to face. Default [`Facing::Robot`].
+    /// Direction to face. Default [`Facing::Robot`].
     pub facing: Facing,
-    /// What to be busy with. Default [`Activity::Walk`].
+    /// Activity of the person. Default [`Activity::Walk`].
     pub activity: Activity,
-    /// How far to lean forwards (rad), 0 to 1.2. Default 0.
+    /// Forward lean (rad), 0 to 1.2. Default 0.
     pub lean: f64,
-    /// How much lower the pelvis is to be, in statures, 0 to 0.2. Default 0.
+    /// Lowering of the pelvis, in statures, 0 to 0.2. Default 0.
     pub squat: f64,
-    /// What the right hand does. Default [`Reach::Work`].
+    /// Task of the right hand. Default [`Reach::Work`].
     pub reach: Reach,
 }
 
@@ -163,10 +163,10 @@ pub struct Workplace {
 pub struct LedPerson {
     person: Person,
     lead: Lead,
-    /// Where they stand or will have stopped.
+    /// Place where they stand or will have stopped (m, world).
     stop: Point2<f64>,
     heading: f64,
-    /// What they are about to do once they stand.
+    /// Movement that they begin once they stand.
     movement: Option<(Movement, ChaCha8Rng)>,
 }
 
@@ -256,7 +256,7 @@ impl LedPerson {
         heading + (yaw - heading + PI).rem_euclid(TAU) - PI
     }
 
-    /// Where the right hand is to be; none where the activity has it.
+    /// Place of the right hand; none if the activity moves it.
     fn hand(&self, lead: Lead, workplace: &Workplace) -> Option<Point3<f64>> {
         match (lead.reach, lead.activity) {
             (Reach::Ahead, _) => {

@@ -67,7 +67,7 @@ pub(super) struct Goal {
     pub(super) heading: f64,
     /// Walking speed \[m/s\].
     pub(super) speed: f64,
-    /// Whether to stop there or to pass by.
+    /// True to stop there, false to pass by.
     pub(super) stop: bool,
 }
 

@@ -7,8 +7,8 @@ use nalgebra::Vector3;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 
-/// How fast a posture is taken that is kept: rate \[rad/s, statures/s\], acceleration \[rad/s², statures/s²\], and time
-/// constant at the end \[s\]. Accelerations are those of the quickest movements.
+/// Rates at which a kept posture is taken \[rad/s, statures/s\], accelerations \[rad/s², statures/s²\], and the time
+/// constant at the end \[s\]. The accelerations are those of the quickest movements.
 const LEAN_RATE: f64 = 0.8;
 const DROP_RATE: f64 = 0.2;
 const LEAN_ACCELERATION: f64 = 6.0;
@@ -83,7 +83,7 @@ pub(super) struct Moving {
 }
 
 impl Movement {
-    /// All movements.
+    /// Movements in the order of the enum.
     pub const ALL: [Self; 11] = [
         Self::Bow,
         Self::Kneel,

@@ -160,7 +160,7 @@ impl Person {
         }));
     }
 
-    /// Where the right shoulder is (m, world).
+    /// Place of the right shoulder (m, world).
     pub(super) fn right_shoulder(&self) -> Vector3<f64> {
         self.joints()[Body25::RightShoulder.index()].coords
     }
@@ -185,7 +185,7 @@ impl Person {
         self.motion.floor += displacement;
     }
 
-    /// Is moved in a direction (m), and goes no longer against it.
+    /// Moves the person in a direction (m), who goes no longer against it.
     pub(super) fn slide(&mut self, away: Vector2<f64>, distance: f64) {
         self.motion.floor += away * distance;
         self.motion.velocity -= away * self.motion.velocity.dot(&away).min(0.0);

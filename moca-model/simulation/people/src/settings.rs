@@ -10,7 +10,7 @@ use crate::Error;
 pub enum Occupation {
     /// Delivers the object, and works on it with the tool while leading the robot.
     Working,
-    /// Only walks along the path, with empty hands.
+    /// Walk along the path, with empty hands.
     Walking,
 }
 

@@ -106,20 +106,20 @@ pub(super) fn world_from_person(stature: f64, motion: &Motion) -> Isometry3<f64>
     )
 }
 
-/// From pelvis to neck, as a fraction of stature, leaning so far forwards and to the left (rad).
+/// Vector from pelvis to neck, as a fraction of stature, leaning so far forwards and to the left (rad).
 fn trunk(lean: f64, aside: f64) -> Vector3<f64> {
     let (sin, cos) = lean.sin_cos();
     Vector3::new(sin * aside.cos(), aside.sin(), cos * aside.cos()) * TRUNK
 }
 
-/// How far a bent body carries its arms, which hang on the trunk, as a fraction of stature.
+/// Shift of the arms, which hang on the trunk, when the body bends, as a fraction of stature.
 pub(super) fn carried(motion: &Motion) -> Vector3<f64> {
     let posture = motion.moving.posture();
     let bent = trunk(motion.lean() + posture.lean, posture.aside) - trunk(motion.lean(), 0.0);
     bent - Vector3::new(posture.back, 0.0, posture.drop)
 }
 
-/// Where the elbow hangs, in the person's frame; 1 is left and −1 right.
+/// Direction in which the elbow hangs, in the person's frame; 1 is left and −1 right.
 pub(super) fn elbow_side(side: f64) -> Vector3<f64> {
     Vector3::new(-0.3, 0.4 * side, -1.0)
 }

@@ -33,9 +33,9 @@ pub struct Wanderer {
     goal: Goal,
     /// Time at which the goal is given up \[s\].
     goal_ends: f64,
-    /// Whether they work with the robot, and until when \[s\].
+    /// True if they work with the robot, and the time of the next change \[s\].
     together: (bool, f64),
-    /// Whether the camera sees them, and until when \[s\].
+    /// True if the camera sees them, and the time of the next change \[s\].
     in_view: (bool, f64),
     next_jump: f64,
     jumped: bool,

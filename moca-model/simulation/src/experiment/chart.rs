@@ -41,7 +41,7 @@ pub(super) struct Panel {
     pub(super) x: &'static str,
     pub(super) y: &'static str,
     pub(super) series: Vec<Series>,
-    /// Whether to draw the line of equal x and y, with the same scale on both axes.
+    /// True to draw the line of equal x and y, with the same scale on both axes.
     pub(super) diagonal: bool,
 }
 

@@ -36,7 +36,7 @@ pub struct Following;
 /// A person who leads the robot along a path.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// Its number, from 0.
+    /// Number of the case, from 0.
     pub number: u64,
     /// The person and their path.
     pub person: Source,

@@ -19,9 +19,9 @@ use crate::run::Scenario;
 pub struct Conditions {
     /// The robot's dynamics.
     pub drive: Drive,
-    /// How the robot perceives the person.
+    /// Perception of the person by the robot.
     pub sight: Sight,
-    /// Whether the robot has the paper's own controller.
+    /// True if the robot has the paper's own controller.
     #[serde(default)]
     pub paper: bool,
 }
@@ -50,9 +50,9 @@ pub struct Job {
 
 /// An experiment of independent cases and their common result: Experiment 3, 4 or 5.
 pub trait Experiment {
-    /// Its name.
+    /// Name of the experiment.
     const NAME: &'static str;
-    /// What recordings must contain.
+    /// Contents that recordings must have.
     const NEEDS: Needs;
     /// A case, whose random numbers come from the seed and its number.
     type Case: Sync;

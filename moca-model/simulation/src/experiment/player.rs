@@ -18,7 +18,7 @@ pub struct ShownRun {
     pub replay: Replay,
     /// The result.
     pub summary: Summary,
-    /// Whether distances from people were kept.
+    /// True if distances from people were kept.
     pub separation: bool,
 }
 

@@ -47,7 +47,7 @@ pub struct Reorientation;
 /// A person who hands the object over and takes the tool for its far side.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// Its number, from 0.
+    /// Number of the case, from 0.
     pub number: u64,
     /// The person and their tool.
     pub person: Source,

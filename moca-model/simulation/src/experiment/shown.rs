@@ -11,7 +11,7 @@ use crate::run::Comparison;
 /// The runs of a case, and their results.
 #[derive(Debug, Serialize)]
 pub struct Shown {
-    /// Its number.
+    /// Number of the case.
     case: u64,
     #[serde(flatten)]
     comparison: Comparison,

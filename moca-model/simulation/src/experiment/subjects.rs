@@ -50,7 +50,7 @@ pub enum Knowledge {
 }
 
 impl Knowledge {
-    /// All kinds of knowledge in the order of the table.
+    /// Kinds of knowledge in the order of the table.
     pub const ALL: [Self; 4] = [Self::Own, Self::Measured, Self::Average, Self::Nothing];
 
     fn name(self) -> &'static str {

@@ -62,7 +62,7 @@ pub enum Return {
 struct Outside {
     /// Time for which nothing has hindered it from returning \[s\].
     time: f64,
-    /// Whether it was found outside while it moved, and has not come to rest since.
+    /// True if it was found outside while it moved, and has not come to rest since.
     brakes: bool,
 }
 
@@ -111,7 +111,7 @@ pub struct LimitMonitor {
     twist: Vector6<f64>,
     /// Time since the last command \[s\].
     elapsed: f64,
-    /// Where each joint is led by the commands so far; `None` before the first.
+    /// Position to which the commands have led each joint; `None` before the first.
     led: Vec<Option<f64>>,
     /// Joints outside their range; `None` for those within.
     outside: Vec<Option<Outside>>,

@@ -1,4 +1,4 @@
-//! Where somebody truly is, and where frames have shown them.
+//! True place of a person, and places at which frames have shown them.
 
 use std::collections::VecDeque;
 
@@ -12,16 +12,16 @@ use crate::people::Joints;
 pub(crate) struct Witness {
     /// The joints at the last ticks; whether they jumped there.
     history: VecDeque<(Joints, bool)>,
-    /// How many ticks there were before those.
+    /// Number of ticks before those.
     forgotten: usize,
-    /// As in the newest frame that shows them and has arrived.
+    /// Joints as in the newest frame that shows them and has arrived.
     known: Option<Known>,
 }
 
-/// So many ticks are remembered: no frame arrives later.
+/// Number of ticks that are remembered: no frame arrives later.
 const REMEMBERED: usize = 4000;
 
-/// What a frame shows of a person, but for noise.
+/// Joints of a person that a frame shows, but for noise.
 #[derive(Clone, Copy, Debug)]
 struct Known {
     /// When it was taken.
@@ -61,7 +61,7 @@ impl Witness {
         self.known = None;
     }
 
-    /// How many ticks ago the newest frame was taken that shows them.
+    /// Age in ticks of the newest frame that shows them.
     pub(crate) fn unseen_for(&self) -> Option<usize> {
         self.known.map(|known| self.ticks() - known.tick)
     }

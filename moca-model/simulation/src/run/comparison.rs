@@ -13,7 +13,7 @@ use crate::judges::Calmness;
 /// Results with and without ergonomics.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Comparison {
-    /// Whether distances from people are kept.
+    /// True if distances from people are kept.
     pub separation: bool,
     /// Result with ergonomics on the third level.
     pub on: Summary,
@@ -37,7 +37,7 @@ struct Line {
     outside_s_on: f64,
     outside_s_off: Option<f64>,
     separation_violations: u64,
-    /// Whether distances are judged by the truth.
+    /// True if distances are judged by the truth.
     truth: bool,
     contact_speed_p999: Option<f64>,
     tracking_error_rms_mm: f64,

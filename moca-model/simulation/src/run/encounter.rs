@@ -58,7 +58,7 @@ impl Encounter {
         self.hand.advance(now, period, object);
     }
 
-    /// What the cameras see at the time of a recorded percept \[s, on the clock of `advance`\].
+    /// Percept of the cameras at the time of a recorded percept \[s, on the clock of `advance`\].
     ///
     /// # Errors
     /// None.

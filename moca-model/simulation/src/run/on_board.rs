@@ -20,7 +20,7 @@ const MISTAKEN: f64 = 0.02;
 /// Least cosine of the angle between a visible side's normal and the direction to the camera: 60°.
 const SEEN: f64 = 0.5;
 
-/// What the on-board camera is told of the robot that carries it.
+/// State of the robot that the on-board camera is told.
 #[derive(Clone, Copy, Debug)]
 pub struct RobotView {
     /// Place of the camera in the frame of the base on the floor \[m\]; `None` without a camera.
@@ -29,7 +29,7 @@ pub struct RobotView {
     pub base: [f64; 3],
     /// Pose of the tool in the world.
     pub tool: Isometry3<f64>,
-    /// Whether the robot holds the object.
+    /// True if the robot holds the object.
     pub holds: bool,
 }
 

@@ -15,7 +15,7 @@ pub struct HandScore {
     pub score: f64,
     /// The integer REBA score of the same posture, 1 (good) to 15.
     pub reba: u8,
-    /// Whether the hand can reach the tool. If not, the score is that with the hand as far towards the tool as it
+    /// True if the hand can reach the tool. If not, the score is that with the hand as far towards the tool as it
     /// reaches.
     pub reached: bool,
 }
@@ -24,7 +24,7 @@ pub struct HandScore {
 #[derive(Debug, Clone)]
 pub struct Scorer<M> {
     map: M,
-    /// Where the posture is best, in the person's frame \[m\].
+    /// Place of the best posture, in the person's frame \[m\].
     middle: Vector3<f64>,
 }
 

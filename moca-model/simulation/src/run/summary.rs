@@ -7,7 +7,7 @@ use crate::judges::{Calmness, Margins};
 /// The results of a run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
-    /// Whether the scenario was played to its end.
+    /// True if the scenario was played to its end.
     pub is_complete: bool,
     /// Simulated time \[s\].
     pub duration: f64,
@@ -41,7 +41,7 @@ pub struct Summary {
     pub protective_stops: u64,
     /// Number of retreats from a person who was too close.
     pub retreats: u64,
-    /// Whether the person's true motion is known, so that it judges distances.
+    /// True if the person's true motion is known, so that it judges distances.
     pub truth: bool,
     /// Ticks in which the robot approached a part of the person within the protective distance, unless it may touch it.
     /// The truth judges this, or the camera if the truth is not known.

@@ -37,7 +37,7 @@ pub(super) struct Tally {
 /// Facts about a run when it is over.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Played {
-    /// Whether it was played to its end.
+    /// True if it was played to its end.
     pub(super) is_complete: bool,
     /// Simulated time \[s\].
     pub(super) duration: f64,
@@ -47,9 +47,9 @@ pub(super) struct Played {
     pub(super) period: f64,
     /// Margins of the limits.
     pub(super) margins: Margins,
-    /// Whether the person's true motion is known.
+    /// True if the person's true motion is known.
     pub(super) truth: bool,
-    /// How calm it was.
+    /// Calmness of the run.
     pub(super) calmness: Calmness,
 }
 

@@ -1,4 +1,4 @@
-//! What a row says of a tick, but for the person.
+//! Values of a tick in a row, but for the person.
 
 use moca_replay::report::TickRow;
 

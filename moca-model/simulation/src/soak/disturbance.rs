@@ -67,27 +67,27 @@ pub enum Disturbance {
 /// Displacement of a moved camera: along the floor \[m\], and the largest turn about the world's origin \[rad\].
 const CAMERA_SHIFT: f64 = 0.3;
 const CAMERA_TURN: f64 = 0.1;
-/// How long each lasts \[s\].
+/// Duration of each \[s\].
 const LENGTH: Range<f64> = 0.3..1.6;
-/// From the end of one to the beginning of the next \[s\].
+/// Time from the end of one to the beginning of the next \[s\].
 const PAUSE: Range<f64> = 2.0..5.0;
-/// From a fault to the state that it leads to \[s\].
+/// Time from a fault to the state that it leads to \[s\].
 const AT_ONCE: f64 = 0.2;
-/// From the beginning of what is wrong with frames to the arrival of the first of them \[s\].
+/// Time from the beginning of what is wrong with frames to the arrival of the first of them \[s\].
 const FRAME: f64 = 0.14;
 /// Ages at which frames that stay away lead to reduced speed and to a stop \[s\].
 const STALE: [f64; 2] = [0.3, 0.8];
 /// After so long without a measurement a loop halts the robot \[s\].
 const BLIND: f64 = 0.1;
-/// How long, and how hard, the tool is pushed \[s, N\].
+/// Duration and force of a push on the tool \[s, N\].
 const PUSH: f64 = 0.1;
 const FORCE: f64 = 150.0;
-/// How far away the person is in an absurd frame, at least, and at most along each axis \[m\].
+/// Distance of the person in an absurd frame: the least, and the most along each axis \[m\].
 const TOO_FAR: f64 = 4.0;
 const ANYWHERE: f64 = 30.0;
 
 impl Disturbance {
-    /// Every one.
+    /// Disturbances in the order of the enum.
     pub const ALL: [Self; 22] = [
         Self::FramesLost,
         Self::FramesFrozen,
@@ -203,7 +203,7 @@ impl Disturbance {
 pub(super) struct Disturbances {
     draw: ChaCha8Rng,
     drive: Drive,
-    /// What lasts at present.
+    /// Disturbance that lasts at present.
     now: Option<Disturbance>,
     /// Since when, and until when, what lasts or the pause \[s\].
     since: f64,
@@ -258,12 +258,12 @@ impl Disturbances {
         None
     }
 
-    /// What lasts, and for how long already \[s\].
+    /// Disturbance that lasts, and its duration so far \[s\].
     pub(super) fn present(&self, time: f64) -> Option<(Disturbance, f64)> {
         self.now.map(|disturbance| (disturbance, time - self.since))
     }
 
-    /// What arrives where the camera has sent `percept`.
+    /// Percepts that arrive when the camera has sent `percept`.
     pub(super) fn frames(&mut self, percept: Percept) -> Vec<Percept> {
         let before = self.last.replace(percept.clone());
         match self.now {
@@ -311,7 +311,7 @@ impl Disturbances {
         }
     }
 
-    /// What the controller hears of the robot.
+    /// Reports of the robot that reach the controller.
     pub(super) fn heard(&self) -> Heard {
         match self.now {
             Some(Disturbance::MeasurementMissing) => Heard::Nothing,
@@ -320,7 +320,7 @@ impl Disturbances {
         }
     }
 
-    /// What pushes the tool \[N, world\].
+    /// Force that pushes the tool \[N, world\].
     pub(super) fn push(&self, time: f64) -> Vector3<f64> {
         match self.present(time) {
             Some((Disturbance::ArmPushed, lasts)) if lasts < PUSH => Vector3::new(FORCE, 0.0, 0.0),
@@ -342,7 +342,7 @@ impl Disturbances {
         }
     }
 
-    /// How much later than usual frames arrive \[s\].
+    /// Delay of frames beyond the usual one \[s\].
     pub(super) fn delay(&self) -> f64 {
         if self.now == Some(Disturbance::FramesLate) { 0.6 } else { 0.0 }
     }
@@ -355,7 +355,7 @@ impl Disturbances {
         moved(percept, &away.into())
     }
 
-    /// How the camera sees everybody elsewhere at present.
+    /// Displacement of all people in the camera's view at present.
     pub(super) fn camera_error(&self) -> Option<&Isometry3<f64>> {
         (self.now == Some(Disturbance::CameraMoved)).then_some(&self.camera_error)
     }

@@ -18,7 +18,7 @@ use crate::judges::body;
 use crate::people::{CameraSettings, FRAME_RATE, Movement, Perception, Transport, Wanderer};
 use crate::plant::{Plant, PlantSettings};
 
-/// What a generator is for.
+/// Purpose of a generator.
 #[derive(Clone, Copy)]
 enum Stream {
     Start,
@@ -35,13 +35,13 @@ enum Stream {
 /// that the protective distance allows for.
 const LARGEST_ERROR: f64 = 0.02;
 
-/// From the end of a disturbance to its acknowledgement \[s\].
+/// Time from the end of a disturbance to its acknowledgement \[s\].
 const ACKNOWLEDGED: f64 = 0.5;
 
 /// The greatest probability that a joint is missing in a frame.
 const DROP: f64 = 0.1;
 
-/// How many people walk by, at most; streams of random numbers of each.
+/// Largest number of people who walk by; streams of random numbers of each.
 const PASSERS_BY: u64 = 2;
 const STREAMS: u64 = 3;
 
@@ -62,7 +62,7 @@ pub(super) struct Episode {
     transport: Transport,
     task: Task,
     disturbances: Disturbances,
-    /// Whether the workspace changes at random.
+    /// True if the workspace changes at random.
     has_tasks: bool,
     /// When the last disturbance ended, the time of the tick before \[s\].
     ended: f64,
@@ -71,7 +71,7 @@ pub(super) struct Episode {
     /// Ticks from a camera frame to the next.
     frame: usize,
     period: f64,
-    /// Whether a frame has shown all of the person since the robot last forgot who it had seen.
+    /// True if a frame has shown all of the person since the robot last forgot who it had seen.
     seen_whole: bool,
 }
 
@@ -329,7 +329,7 @@ impl Episode {
     }
 }
 
-/// How many periods a time is \[s\].
+/// Number of periods in a time \[s\].
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,

@@ -77,15 +77,15 @@ impl std::ops::AddAssign for Counts {
 pub struct Tick<'a> {
     /// The controller's answer.
     pub command: &'a Command,
-    /// Where the robot is \[m, rad\].
+    /// Configuration of the robot \[m, rad\].
     pub configuration: &'a [f64],
-    /// Where the command begins \[m, rad\].
+    /// Configuration at which the command begins \[m, rad\].
     pub reference: &'a [f64],
-    /// Whether torques broke a limit; none without torques.
+    /// True if torques broke a limit; none without torques.
     pub breaks_torque: Option<bool>,
     /// Everybody.
     pub people: &'a [Moment<'a>],
-    /// What is wrong with the loop at present, and for how long already \[s\].
+    /// Disturbance of the loop at present, and its duration so far \[s\].
     pub disturbance: Option<(Disturbance, f64)>,
 }
 
@@ -94,21 +94,21 @@ pub struct Tick<'a> {
 pub struct Monitor {
     separation: SeparationMonitor,
     limits: LimitMonitor,
-    /// What was found so far.
+    /// Counts of findings so far.
     pub counts: Counts,
-    /// How disturbances have ended.
+    /// Endings of disturbances.
     pub ended: Endings,
     period: f64,
     /// Path commanded since measurements are frozen \[rad or m\], and how long it has been too short to notice \[s\].
     frozen_path: f64,
     hidden: f64,
-    /// Whether the tick before had no time, or no measurement.
+    /// True if the tick before had no time, or no measurement.
     was_blind: bool,
     /// Ticks left in which joints may be outside their ranges by a push.
     settling: u64,
     /// Largest overlap of the robot's own bodies that a push has brought together, from this time on \[m\].
     pushed_overlap: f64,
-    /// How fast the robot itself comes nearer to parts within 5 cm that it may touch, tick by tick \[m/s\].
+    /// Speeds of the robot's own approach to parts within 5 cm that it may touch, tick by tick \[m/s\].
     pub contact_speeds: Vec<f64>,
     /// The first tick with something wrong, and what is known of it.
     pub first_wrong: Option<String>,

@@ -22,7 +22,7 @@ const TICKS: u64 = 8_000;
 pub struct Movements {
     /// Seed of everything random.
     pub seed: u64,
-    /// How many people make each movement; every other one works with the robot.
+    /// Number of people who make each movement; every other one works with the robot.
     pub people: u64,
     /// The robot.
     pub robot: PlantSettings,
@@ -31,9 +31,9 @@ pub struct Movements {
 /// Result of a movement.
 #[derive(Clone, Debug, Serialize)]
 pub struct MovementResult {
-    /// Its name.
+    /// Name of the movement.
     pub movement: &'static str,
-    /// How many people made it.
+    /// Number of people who made it.
     pub people: u64,
     /// Ticks run.
     pub ticks: u64,
@@ -47,7 +47,7 @@ pub struct MovementResult {
     pub wrong: u64,
     /// Ticks with a part within 5 cm that may be touched.
     pub within: u64,
-    /// How fast the robot itself comes nearer to it, at most in 99.9 % of those ticks \[m/s\].
+    /// Speed of the robot's own approach to it, at most in 99.9 % of those ticks \[m/s\].
     pub contact_speed: Option<f64>,
 }
 
@@ -112,7 +112,7 @@ impl Movements {
     }
 }
 
-/// What 99.9 % of the values do not exceed.
+/// Value that 99.9 % of the values do not exceed.
 fn at_most(values: &mut [f64]) -> Option<f64> {
     values.sort_by(f64::total_cmp);
     values.get(values.len() * 999 / 1000).copied()

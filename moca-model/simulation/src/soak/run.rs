@@ -36,7 +36,7 @@ pub struct EpisodeResult {
     pub ticks: u64,
     /// Ticks with something wrong.
     pub counts: Counts,
-    /// How disturbances have ended.
+    /// Endings of disturbances.
     pub ended: Endings,
     /// Ticks in which the robot moves.
     pub moving: u64,
@@ -47,11 +47,11 @@ pub struct EpisodeResult {
 /// An episode to run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct EpisodePlan {
-    /// Its number, from 0.
+    /// Number of the episode, from 0.
     pub number: u64,
     /// Seed of everything random in it.
     pub seed: u64,
-    /// How many ticks it has.
+    /// Number of ticks.
     pub ticks: u64,
 }
 

@@ -1,4 +1,4 @@
-//! What a soak found.
+//! Findings of a soak.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -19,13 +19,13 @@ pub struct Summary {
     pub episodes: u64,
     /// Ticks with something wrong.
     pub counts: Counts,
-    /// How disturbances have ended.
+    /// Endings of disturbances.
     pub ended: Endings,
     /// The first of them in each episode, in words.
     pub findings: Vec<String>,
     /// Ticks in which the robot moves.
     pub moving: u64,
-    /// How long the controller took for a tick: median, and 99.9th percentile \[µs\].
+    /// Duration of the controller's step: median, and 99.9th percentile \[µs\].
     pub tick_us: [f64; 2],
 }
 
@@ -77,7 +77,7 @@ impl Summary {
     }
 }
 
-/// As one object with the names of the book.
+/// Serialises as one object with the names of the book.
 impl Serialize for Summary {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let counts = &self.counts;

@@ -1,4 +1,4 @@
-//! What the workspace is to do: other places, other shapes, other orientations, at random.
+//! Tasks of the workspace: other places, other shapes, other orientations, at random.
 
 use std::f64::consts::PI;
 

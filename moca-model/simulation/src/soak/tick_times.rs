@@ -1,4 +1,4 @@
-//! How long ticks take, in memory that does not grow with their number.
+//! Durations of ticks, in memory that does not grow with their number.
 
 use std::collections::BTreeMap;
 use std::ops::AddAssign;
@@ -48,7 +48,7 @@ impl AddAssign<&TickTimes> for TickTimes {
     }
 }
 
-/// No time at all.
+/// Starts with no tick.
 impl Default for TickTimes {
     fn default() -> Self {
         Self { bins: vec![0; BINS + 1], count: 0 }

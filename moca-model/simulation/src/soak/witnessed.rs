@@ -6,7 +6,7 @@ use crate::Error;
 use crate::judges::{Moment, Witness, body};
 use crate::people::Wanderer;
 
-/// How fast arms are at most \[m/s\].
+/// Largest speed of arms \[m/s\].
 const FASTEST_ARM: f64 = 8.0;
 
 /// A person, from the beginning of the episode on.
@@ -58,12 +58,12 @@ impl Witnessed {
         self.witness.forget();
     }
 
-    /// How many ticks ago the newest frame was taken that shows them.
+    /// Age in ticks of the newest frame that shows them.
     pub(super) fn unseen_for(&self) -> Option<usize> {
         self.witness.unseen_for()
     }
 
-    /// This tick, for the judge; `contact` says whether all but the head may touch the robot.
+    /// Record of this tick for the judge; `contact` says whether all but the head may touch the robot.
     pub(super) fn moment(&self, contact: bool) -> Option<Moment<'_>> {
         self.witness.moment(contact)
     }

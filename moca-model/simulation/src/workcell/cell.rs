@@ -22,17 +22,17 @@ use crate::people::{Activity, Joints, Lead, LedPerson, Movement, Way, Workplace}
 use crate::plant::{Heard, Plant};
 use crate::run::{HandScore, OnBoardEye, RobotView, Scorer, WorkForce, tick_row};
 
-/// Where the people stand at first, in the world \[m\].
+/// Places where the people stand at first, in the world \[m\].
 const PLACES: [Point2<f64>; 2] = [Point2::new(2.6, 0.0), Point2::new(1.5, 2.6)];
-/// Where the person stands to work at first \[m\].
+/// Place where the person stands to work at first \[m\].
 const WORKPLACE: Point2<f64> = Point2::new(1.45, 0.0);
 /// After so long without a measurement a loop halts the robot \[s\].
 const BLIND: f64 = 0.1;
 /// The link that an elbow is.
 const ELBOW: &str = "panda_link4";
-/// From what a person works on to the robot's hand, in the tool's frame \[m\].
+/// Offset from what a person works on to the robot's hand, in the tool's frame \[m\].
 const BETWEEN: Vector3<f64> = Vector3::new(0.0, 0.0, -0.08);
-/// How near people come to the robot by themselves, but for their arms \[m\].
+/// Least distance to which people come to the robot by themselves, but for their arms \[m\].
 const ROOM: f64 = 0.01;
 /// The way that somebody is moved to see how that changes the distance \[m\], and how much that must be.
 const SHIFT: f64 = 1e-5;
@@ -75,7 +75,7 @@ pub struct Workcell {
     memory: Memory,
     movements: ChaCha8Rng,
     faults: Faults,
-    /// How long nothing has been measured \[s\].
+    /// Time without a measurement \[s\].
     blind: f64,
     /// Way that odometry has measured and the base has not gone \[m, world\].
     slipped: Vector2<f64>,

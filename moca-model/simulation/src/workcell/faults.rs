@@ -1,4 +1,4 @@
-//! What goes wrong around the controller, by switches.
+//! Faults around the controller, by switches.
 
 use nalgebra::Vector3;
 
@@ -23,11 +23,11 @@ pub struct Faults {
     pub noise: f64,
     /// Probability that a joint is missing in a frame; frames are missing in proportion. Default 0.02.
     pub lost: f64,
-    /// How much later than usual frames arrive \[s\], 0 to 2. Default 0.
+    /// Delay of frames beyond the usual one \[s\], 0 to 2. Default 0.
     pub latency: f64,
     /// Something stands between the camera and the people. Default false.
     pub occluded: bool,
-    /// What the tool carries that nobody told the robot of \[kg\], 0 to 5. Default 0.
+    /// Mass at the tool that the robot was not told of \[kg\], 0 to 5. Default 0.
     pub payload: f64,
     /// Force on the tool \[N, world\], each axis −200 to 200. Default none.
     pub push_tool: Vector3<f64>,
@@ -94,7 +94,7 @@ impl Faults {
         }
     }
 
-    /// Whether the robot may be moved out of its command by something else than the controller.
+    /// True if the robot may be moved out of its command by something else than the controller.
     pub(super) fn disturb_the_robot(&self) -> bool {
         let forces = self.push_tool.norm() + self.push_elbow.norm();
         self.cable || self.measurements || self.payload > 0.0 || forces > 0.0

@@ -57,7 +57,7 @@ impl Judge {
         self.separation.carry(tool, std::slice::from_ref(object));
     }
 
-    /// How far trunk, head and legs of somebody are from the robot, up to a distance that is enough \[m\].
+    /// Distance of a person's trunk, head and legs from the robot, up to a distance that is enough \[m\].
     pub(super) fn gap(&self, joints: &Joints, enough: f64) -> f64 {
         self.separation.gap(joints, enough)
     }

@@ -1,4 +1,4 @@
-//! What happened, to be played again.
+//! Memory of a workcell, to be played again.
 
 use std::collections::VecDeque;
 use std::io::Write;
@@ -9,7 +9,7 @@ use vision_models::{Body, Confidence, Keypoint, Percept};
 
 use crate::people::{FRAME_RATE, Joints};
 
-/// How long is remembered \[s\].
+/// Length of the memory \[s\].
 const SPAN: f64 = 300.0;
 
 /// A camera frame as it arrived.
@@ -93,5 +93,5 @@ impl Memory {
     }
 }
 
-/// How often the truth is remembered \[Hz\].
+/// Rate at which the truth is remembered \[Hz\].
 pub(super) const TRUE_RATE: f64 = 50.0;

@@ -1,4 +1,4 @@
-//! What a workcell begins with.
+//! Setup with which a workcell begins.
 
 use ergo_map::{ErgonomicsMap, ErgonomicsQuadratic, FitOptions};
 use moca_model::ControllerSettings;
@@ -6,7 +6,7 @@ use moca_model::ControllerSettings;
 use crate::Error;
 use crate::plant::PlantSettings;
 
-/// Where the camera is that looks at what the robot holds, in the base's frame \[m\].
+/// Place of the camera that looks at the held object, in the base's frame \[m\].
 const ON_BOARD_CAMERA: [f64; 3] = [0.35, 0.0, 1.15];
 
 /// The robot, controller and person that a workcell begins with.
@@ -14,11 +14,11 @@ const ON_BOARD_CAMERA: [f64; 3] = [0.35, 0.0, 1.15];
 pub struct Setup {
     /// The person's map, which scores the postures and says how tall the person is.
     pub map: ErgonomicsMap,
-    /// What the controller minimises.
+    /// Quadratic that the controller minimises.
     pub ergonomics: ErgonomicsQuadratic,
     /// The robot, its controller and the loop of torques below it.
     pub robot: PlantSettings,
-    /// Whether the person brings the object; the robot holds it from the beginning otherwise.
+    /// True if the person brings the object; the robot holds it from the beginning otherwise.
     pub hands_over: bool,
     /// Seed of everything random.
     pub seed: u64,

@@ -32,7 +32,7 @@ def main():
 
 
 def install(folder):
-    """Where the wheels' headers and libraries are."""
+    """Folders of the wheels' headers and libraries."""
     python = folder / "bin/python"
     if not python.exists():
         venv.create(folder, with_pip=True)

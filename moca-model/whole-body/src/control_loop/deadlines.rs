@@ -1,4 +1,4 @@
-//! How well a loop keeps its deadlines.
+//! Statistics of a loop's deadlines.
 
 /// Width of a bin \[s\].
 const WIDTH: f64 = 1e-6;

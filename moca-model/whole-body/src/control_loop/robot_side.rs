@@ -20,15 +20,15 @@ pub struct JointMeasurement {
 /// The status that a robot reports. `None` stands for what it does not report.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct RobotStatus {
-    /// Whether the robot takes commands, or why it does not.
+    /// Mode of the robot: it takes commands, or the reason why it does not.
     pub mode: Option<RobotMode>,
-    /// Whether the robot took the last command before this measurement.
+    /// True if the robot took the last command before this measurement.
     pub took_command: Option<bool>,
-    /// Whether the gripper holds something.
+    /// True if the gripper holds something.
     pub holds: Option<bool>,
 }
 
-/// What the gripper is to do.
+/// Order to the gripper.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Grip {
     /// It opens, or stays open.
@@ -37,7 +37,7 @@ pub enum Grip {
     Close,
 }
 
-/// Whether a robot takes commands, or why it does not.
+/// Mode of a robot: it takes commands, or the reason why it does not.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum RobotMode {
@@ -67,7 +67,7 @@ pub struct JointCommand {
     pub velocity: Vec<f64>,
     /// τ* \[N or Nm\]. Zero for joints that take no torque.
     pub torque: Vec<f64>,
-    /// What the gripper is to do; `None` leaves it as it is.
+    /// Order to the gripper; `None` leaves it as it is.
     pub grip: Option<Grip>,
 }
 
@@ -111,7 +111,7 @@ impl JointCommand {
     }
 }
 
-/// Whether a measurement has come.
+/// Result of a look for a measurement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Received {
     /// A measurement newer than the last one.

@@ -7,7 +7,7 @@ use super::robot_side::{JointCommand, JointMeasurement, Received, RobotSide};
 use super::settings::LoopSettings;
 use crate::error::Error;
 
-/// Why a loop stopped.
+/// Reason why a loop stopped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum StopCause {
@@ -19,17 +19,17 @@ pub enum StopCause {
     PerceptionSilent,
 }
 
-/// How a loop ended.
+/// Ending of a loop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LoopEnding {
-    /// Why it stopped.
+    /// Reason why it stopped.
     pub cause: StopCause,
-    /// Whether the robot was measured at rest when it was halted; `None` if that was not known. If it was not at rest,
+    /// True if the robot was measured at rest when it was halted; `None` if that was not known. If it was not at rest,
     /// the time allowed for stopping had passed.
     pub at_rest: Option<bool>,
 }
 
-/// Why a loop failed.
+/// Reason why a loop failed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LoopError<R, L> {
@@ -42,7 +42,7 @@ pub enum LoopError<R, L> {
     /// The robot has sent no measurement since the loop began.
     #[error("the robot has measured nothing for {waited} s; check that it is on and connected")]
     NoMeasurement {
-        /// How long the loop waited \[s\].
+        /// Time for which the loop waited \[s\].
         waited: f64,
     },
     /// The robot measures too seldom for this control law.
@@ -150,7 +150,7 @@ struct Progress {
     /// When the run began, and when the last measurement came \[s\].
     begun: f64,
     fresh: f64,
-    /// Why the run is stopping, and since when \[s\].
+    /// Reason why the run is stopping, and the time since which it is \[s\].
     stopping: Option<(StopCause, f64)>,
 }
 
@@ -348,7 +348,7 @@ impl ControlLoop {
 /// Share by which measurements may come less often than the law needs them, since some are lost.
 const JITTER: f64 = 0.15;
 
-/// How the wait for the first measurement ended.
+/// Ending of the wait for the first measurement.
 enum First {
     At(f64),
     StopRequested,

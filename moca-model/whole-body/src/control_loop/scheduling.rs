@@ -21,7 +21,7 @@ pub struct Scheduling {
     /// Priority of the thread under SCHED_FIFO, 1 to 99, above every thread without one. It needs CAP_SYS_NICE or a
     /// limit `rtprio`. Default `None`, which leaves the scheduling as it is.
     pub priority: Option<u8>,
-    /// Whether all memory of the process, present and future, stays in memory and is never paged out. It needs
+    /// True if all memory of the process, present and future, stays in memory and is never paged out. It needs
     /// CAP_IPC_LOCK or a limit `memlock`. Default false.
     pub lock_memory: bool,
 }

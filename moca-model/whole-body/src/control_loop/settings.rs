@@ -14,9 +14,9 @@ use crate::error::Error;
 pub struct LoopSettings {
     /// The control period \[s\]. Default 0.001.
     pub period: f64,
-    /// How long the loop waits for the first measurement before it gives up \[s\]. Default 5.
+    /// Longest wait for the first measurement \[s\]. Default 5.
     pub first_measurement: f64,
-    /// How long the loop then measures how often measurements come \[s\]; see
+    /// Time for which the loop then measures the interval of measurements \[s\]; see
     /// [`ControlLaw::longest_interval`](crate::control_loop::ControlLaw::longest_interval). Default 0.05.
     pub listening: f64,
     /// The loop stops and ends after this time without a measurement \[s\]. Default 0.02.

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-/// What is wrong with a URDF, on which line, and what would be right.
+/// Error of a URDF with its line, and what would be right.
 ///
 /// Lines count from 1.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
@@ -13,7 +13,7 @@ pub enum UrdfError {
     Xml {
         /// The line.
         line: usize,
-        /// What the XML reader reported.
+        /// Report of the XML reader.
         reason: String,
     },
 
@@ -31,25 +31,25 @@ pub enum UrdfError {
     NotAUrdf {
         /// The line.
         line: usize,
-        /// What stands there.
+        /// Content that stands there.
         found: String,
     },
 
     /// The file is not UTF-8 text.
     #[error("the file is {found} text; save it as UTF-8")]
     Encoding {
-        /// What it is.
+        /// Encoding of the file.
         found: &'static str,
     },
 
     /// A required element or attribute is missing.
     #[error("line {line}: {owner} has no {missing}")]
     Missing {
-        /// Where the owner begins.
+        /// Line on which the owner begins.
         line: usize,
         /// The element that should have it.
         owner: String,
-        /// What it should have.
+        /// Part that it should have.
         missing: &'static str,
     },
 
@@ -58,11 +58,11 @@ pub enum UrdfError {
     Attribute {
         /// The line.
         line: usize,
-        /// Which attribute of which element.
+        /// Attribute and its element.
         what: String,
-        /// Its value.
+        /// Value given.
         value: String,
-        /// What is expected.
+        /// Expected form.
         expected: &'static str,
     },
 
@@ -72,7 +72,7 @@ pub enum UrdfError {
          on one joint"
     )]
     TwoParents {
-        /// Where the second joint begins.
+        /// Line on which the second joint begins.
         line: usize,
         /// The link.
         link: String,
@@ -88,7 +88,7 @@ pub enum UrdfError {
          robot is a tree"
     )]
     Loop {
-        /// Where the joint begins.
+        /// Line on which the joint begins.
         line: usize,
         /// A link of the loop.
         link: String,
@@ -111,11 +111,11 @@ pub enum UrdfError {
     TwoRoots {
         /// A link without a parent.
         first: String,
-        /// Where it begins.
+        /// Line on which it begins.
         first_line: usize,
         /// Another one.
         second: String,
-        /// Where it begins.
+        /// Line on which it begins.
         second_line: usize,
     },
 
@@ -126,18 +126,18 @@ pub enum UrdfError {
          planar or floating base"
     )]
     UnsupportedJoint {
-        /// Where the joint begins.
+        /// Line on which the joint begins.
         line: usize,
         /// The joint.
         joint: String,
-        /// Its type in the URDF.
+        /// Type in the URDF.
         kind: String,
     },
 
     /// A joint mimics itself by way of others.
     #[error("line {line}: joint `{joint}` mimics itself; a mimic joint follows a joint that moves")]
     MimicLoop {
-        /// Where the joint begins.
+        /// Line on which the joint begins.
         line: usize,
         /// The joint.
         joint: String,
@@ -149,7 +149,7 @@ pub enum UrdfError {
          xyz=\"0 0 1\""
     )]
     ZeroAxis {
-        /// Where the joint begins.
+        /// Line on which the joint begins.
         line: usize,
         /// The joint.
         joint: String,
@@ -161,11 +161,11 @@ pub enum UrdfError {
          effort=…/> to the URDF, or give the limit in the description"
     )]
     LimitsMissing {
-        /// Where the joint begins.
+        /// Line on which the joint begins.
         line: usize,
         /// The joint.
         joint: String,
-        /// Which limit is missing.
+        /// Name of the missing limit.
         missing: &'static str,
     },
 }

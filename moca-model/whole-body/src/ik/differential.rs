@@ -75,7 +75,7 @@ pub struct Ik {
     data: Data,
     pub(super) settings: IkSettings,
     pub(super) stack: TaskStack,
-    /// Whether the first level is that of hard limits.
+    /// True if the first level is that of hard limits.
     has_limits: bool,
     pub(super) intervals: JointIntervals,
     pub(super) velocity: Vec<f64>,
@@ -109,7 +109,7 @@ pub(super) struct AskedRows {
     /// The places of the rows among those that are damped.
     span: Range<usize>,
     counts: bool,
-    /// Whether rows of curvature follow them.
+    /// True if rows of curvature follow them.
     bends: bool,
 }
 

@@ -19,7 +19,7 @@ const KEPT: f64 = 0.5;
 pub(crate) struct Anticipation {
     /// Half the time in which the acceleration of each entry of q̇ ends \[s\].
     ends: Vec<f64>,
-    /// Whether each row anticipates by itself.
+    /// True if each row anticipates by itself.
     done: Vec<bool>,
     /// Largest growth of each entry of q̇ until then \[rad/s or m/s\].
     growth: Vec<f64>,

@@ -96,7 +96,7 @@ fn rounding(row: &[f64], point: &[f64]) -> f64 {
     ROUNDING * row.iter().zip(point).map(|(a, b)| (a * b).abs()).sum::<f64>()
 }
 
-/// Whether a point is within all rows, up to rounding.
+/// True if a point is within all rows, up to rounding.
 fn admits(rows: &Rows, point: &[f64], values: &mut [f64]) -> bool {
     rows.multiply_into(0, point, values).is_ok()
         && rows.iter().zip(values).all(|((row, lower, upper), value)| {

@@ -50,7 +50,7 @@ impl Joint {
         if limit < FREE_VELOCITY { limit } else { f64::INFINITY }
     }
 
-    /// Whether its position has a limit at this end.
+    /// True if its position has a limit at this end.
     fn has_end(&self, end: End) -> bool {
         let (Some(limits), Some(_)) = (self.limits, self.position) else { return false };
         match end {

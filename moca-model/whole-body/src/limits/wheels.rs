@@ -93,7 +93,7 @@ impl WheelLimit {
 /// Half the number of sides of the polygon that approximates a circle. Each row has two sides.
 const SIDES: u32 = 8;
 
-/// Whether joints of the base have jerk limits.
+/// True if joints of the base have jerk limits.
 fn has_jerk_limits(model: &Model) -> bool {
     model.limits().iter().take(3).any(|limits| limits.jerk.is_finite())
 }

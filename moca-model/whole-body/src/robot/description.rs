@@ -25,7 +25,7 @@ use super::limits::{LimitOverride, MissingAcceleration, UnusableLimits};
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Description {
-    /// How the root link moves in the world.
+    /// Motion of the root link in the world.
     pub base: Base,
     /// The link to start from, whose frame is the world or the moving base. `None` takes the URDF's root link. Links
     /// that are not below it are left out.
@@ -93,7 +93,7 @@ impl Default for Description {
     }
 }
 
-/// How the root link moves in the world.
+/// Motion of the root link in the world.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Base {
     /// The root link is fixed in the world.
@@ -113,10 +113,10 @@ pub enum Base {
 /// A frame besides the links, such as a tool, a sensor or a contact.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AddedFrame {
-    /// Its name, different from all links'.
+    /// Name, different from all links'.
     pub name: String,
     /// The link, or an earlier added frame, that carries it.
     pub on: String,
-    /// Its pose on that link or frame \[m\].
+    /// Pose on that link or frame \[m\].
     pub pose: Isometry3<f64>,
 }

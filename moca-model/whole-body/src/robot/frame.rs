@@ -14,6 +14,6 @@ pub struct FrameId {
 pub(crate) struct Frame {
     pub(crate) name: String,
     pub(crate) body: usize,
-    /// Its pose in the body's frame.
+    /// Pose in the body's frame.
     pub(crate) pose: Pose,
 }

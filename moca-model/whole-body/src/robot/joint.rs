@@ -12,10 +12,10 @@ pub struct JointId {
 /// A joint with its own entries of q and q̇.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Joint {
-    /// Its name in the URDF; `base_x`, `base_y` and `base_yaw` for a planar base, `floating_base` for a
+    /// Name in the URDF; `base_x`, `base_y` and `base_yaw` for a planar base, `floating_base` for a
     /// floating one.
     pub name: String,
-    /// How it moves.
+    /// Kind of motion.
     pub kind: JointKind,
     /// The link that it carries.
     pub child: FrameId,
@@ -57,7 +57,7 @@ impl JointKind {
 /// that it follows, with a [`Warning`](crate::robot::Warning).
 #[derive(Debug, Clone, PartialEq)]
 pub struct MimicJoint {
-    /// Its name in the URDF.
+    /// Name in the URDF.
     pub name: String,
     /// The joint that it follows.
     pub follows: JointId,

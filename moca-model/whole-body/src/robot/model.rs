@@ -183,7 +183,7 @@ impl Model {
         names.collect()
     }
 
-    /// All frames with their names: the links from the root down, then the added ones.
+    /// Frames with their names: the links from the root down, then the added ones.
     pub fn frames(&self) -> impl Iterator<Item = (FrameId, &str)> {
         let model = self.tag;
         let names = self.frames.iter().map(|frame| frame.name.as_str());

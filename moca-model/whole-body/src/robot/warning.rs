@@ -10,9 +10,9 @@ pub enum Warning {
     NotAnInertia {
         /// The link.
         link: String,
-        /// Where its `<inertial>` begins.
+        /// Line on which its `<inertial>` begins.
         line: usize,
-        /// Why not.
+        /// Reason why not.
         fault: InertiaFault,
     },
     /// A joint moves no inertia, so that forward dynamics are not defined.
@@ -25,9 +25,9 @@ pub enum Warning {
     LimitIgnored {
         /// The joint.
         joint: String,
-        /// Where it begins.
+        /// Line on which it begins.
         line: usize,
-        /// Which limit.
+        /// Name of the limit.
         limit: &'static str,
     },
     /// A limit of a mimic joint is narrower than that of the joint that it follows, and in force.
@@ -36,7 +36,7 @@ pub enum Warning {
         joint: String,
         /// The joint that it follows, which takes over the limit.
         follows: String,
-        /// Which limit.
+        /// Name of the limit.
         limit: &'static str,
     },
     /// The range of a mimic joint excludes the whole range of the joint that it follows, and is not kept.
@@ -45,12 +45,12 @@ pub enum Warning {
         joint: String,
         /// The joint that it follows.
         follows: String,
-        /// Where it begins.
+        /// Line on which it begins.
         line: usize,
     },
 }
 
-/// Why no rigid body has an inertia.
+/// Reason why no rigid body has an inertia.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum InertiaFault {
     /// A principal moment is negative \[kg m²\].

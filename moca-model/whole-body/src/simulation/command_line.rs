@@ -74,7 +74,7 @@ impl CommandLine {
         Ok((!self.stopped).then_some(&self.obeyed[..]))
     }
 
-    /// Whether the robot has stopped by itself.
+    /// True if the robot has stopped by itself.
     pub fn is_stopped(&self) -> bool {
         self.stopped
     }

@@ -27,9 +27,9 @@ pub struct Contact {
     pub damping: f64,
     /// m \[kg\]; infinite for a wall.
     pub mass: f64,
-    /// Where the surface is along n \[m\].
+    /// Place of the surface along n \[m\].
     pub position: f64,
-    /// Its speed along n \[m/s\].
+    /// Speed of the surface along n \[m/s\].
     pub velocity: f64,
     /// F at the end of the last step \[N\].
     pub force: f64,

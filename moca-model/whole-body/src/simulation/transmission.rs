@@ -19,7 +19,7 @@ use crate::error::{Error, check_size};
 pub struct Transmission {
     /// Packets in transit.
     ring: Vec<Vec<f64>>,
-    /// Whether each of them will arrive.
+    /// True if each of them will arrive.
     arrives: Vec<bool>,
     next: usize,
     loss: f64,

@@ -61,12 +61,12 @@ impl LevelTasks {
         self.rows.rows_with_curvature()
     }
 
-    /// Whether each constraint leaves accelerations the time to fade.
+    /// True if each constraint leaves accelerations the time to fade.
     pub(crate) fn anticipating_constraints(&self) -> impl Iterator<Item = bool> {
         self.constraints.anticipating()
     }
 
-    /// Whether its constraints restrict a planar base to motion along its heading.
+    /// True if its constraints restrict a planar base to motion along its heading.
     pub(crate) fn keeps_heading(&self) -> bool {
         self.constraints.keeps_heading()
     }
@@ -109,7 +109,7 @@ impl LevelTasks {
         Ok(())
     }
 
-    /// Whether all its tasks add their curvature.
+    /// True if all its tasks add their curvature.
     pub(crate) fn bends(&self) -> bool {
         self.rows.bends()
     }
@@ -144,7 +144,7 @@ impl LevelTasks {
         self.rows.rows_of(number)
     }
 
-    /// Whether a task is alone among the minimised rows, or alone among the constraints.
+    /// True if a task is alone among the minimised rows, or alone among the constraints.
     pub(super) fn has_block(&self, number: u64) -> bool {
         self.rows.is_only(number) || self.constraints.is_only(number)
     }

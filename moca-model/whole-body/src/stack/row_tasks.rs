@@ -20,7 +20,7 @@ pub(super) struct RowTasks {
     count: usize,
     /// Weights of all rows, with those of the curvature.
     weights: Vec<f64>,
-    /// Whether rows of curvature follow those of the tasks.
+    /// True if rows of curvature follow those of the tasks.
     bends: bool,
 }
 
@@ -68,7 +68,7 @@ impl RowTasks {
         self.weights.len()
     }
 
-    /// Whether each row leaves accelerations the time to fade.
+    /// True if each row leaves accelerations the time to fade.
     pub(super) fn anticipating(&self) -> impl Iterator<Item = bool> {
         self.entries
             .iter()
@@ -128,7 +128,7 @@ impl RowTasks {
         Ok(())
     }
 
-    /// Whether all its tasks add their curvature.
+    /// True if all its tasks add their curvature.
     pub(super) fn bends(&self) -> bool {
         self.bends
     }
@@ -161,7 +161,7 @@ impl RowTasks {
         Some(entry.named.task.as_mut())
     }
 
-    /// Whether a task is the only one.
+    /// True if a task is the only one.
     pub(super) fn is_only(&self, number: u64) -> bool {
         matches!(&self.entries[..], [entry] if entry.named.number == number)
     }

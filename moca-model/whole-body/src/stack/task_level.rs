@@ -116,12 +116,12 @@ impl TaskLevel {
         id
     }
 
-    /// Its name.
+    /// Name of the level.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// Whether it has neither tasks nor constraints.
+    /// True if it has neither tasks nor constraints.
     pub fn is_empty(&self) -> bool {
         self.rows.is_empty() && self.quadratics.is_empty() && self.constraints.is_empty()
     }

@@ -20,7 +20,7 @@ use crate::spatial::{Pose, Spatial};
 #[derive(Debug, Clone)]
 pub struct Data {
     pub(crate) model: u64,
-    /// Whether a configuration was set.
+    /// True if a configuration was set.
     pub(crate) is_posed: bool,
     pub(crate) q: Vec<f64>,
     pub(crate) v: Vec<f64>,

@@ -61,7 +61,7 @@ impl Model {
         }
     }
 
-    /// Whether an entry of q̇ is one of a floating base.
+    /// True if an entry of q̇ is one of a floating base.
     pub(crate) fn is_base_entry(&self, entry: usize) -> bool {
         self.base() == Base::Floating && entry < 6
     }

@@ -54,25 +54,25 @@ pub trait Task: Any + CloneTask + Debug + Send + Sync {
         Ok(())
     }
 
-    /// Whether its rows may become dependent at singular configurations, on each other or on rows of levels above.
+    /// True if its rows may become dependent at singular configurations, on each other or on rows of levels above.
     /// Targets of such rows are damped there. The default is true.
     fn is_damped(&self) -> bool {
         true
     }
 
-    /// Whether its rows, as hard limits, leave accelerations the time to fade under jerk limits. Rows of other limits
+    /// True if its rows, as hard limits, leave accelerations the time to fade under jerk limits. Rows of other limits
     /// are narrowed so that they do.
     fn anticipates(&self) -> bool {
         false
     }
 
-    /// Whether its rows, as hard limits, restrict a planar base to motion along its heading. The base then stays able
+    /// True if its rows, as hard limits, restrict a planar base to motion along its heading. The base then stays able
     /// to stop without sliding.
     fn keeps_heading(&self) -> bool {
         false
     }
 
-    /// Whether it [adds its curvature](Self::add_curvature). A level whose tasks all do so distinguishes the ends of
+    /// True if it [adds its curvature](Self::add_curvature). A level whose tasks all do so distinguishes the ends of
     /// its reach from other singular configurations. Other levels treat all singular configurations alike.
     fn has_curvature(&self) -> bool {
         false
@@ -92,7 +92,7 @@ pub trait Task: Any + CloneTask + Debug + Send + Sync {
         Ok(())
     }
 
-    /// Whether it writes every coefficient, bound and weight of rows over this number of variables. Rows may then have
+    /// True if it writes every coefficient, bound and weight of rows over this number of variables. Rows may then have
     /// any content when [`write`](Self::write) is called. The default is false.
     fn writes_all(&self, _variables: usize) -> bool {
         false

@@ -50,7 +50,7 @@ pub trait VectorQuantity: Clone + Debug + Send + Sync + 'static {
         rows: &mut TaskRows<'_>,
     ) -> Result<(), Error>;
 
-    /// Whether it adds its curvature; see [`Task::has_curvature`].
+    /// True if it adds its curvature; see [`Task::has_curvature`].
     const HAS_CURVATURE: bool = false;
 
     /// Adds its curvature to that of the level, for the residual to the target \[m or rad\].

@@ -148,7 +148,7 @@ impl TorqueControl {
         self.law.fault()
     }
 
-    /// Whether the robot followed in the last tick. If it does not, bring q̇* to rest.
+    /// Following of the robot in the last tick. If it does not follow, bring q̇* to rest.
     pub fn following(&self) -> Following {
         self.following
     }

@@ -71,10 +71,10 @@ pub struct JointState<'a> {
 /// The way in which the changes of torques are limited.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum RateLimit {
-    /// Each torque changes at most at the torque rate.
+    /// Limit of each torque's change by the torque rate.
     #[default]
     Each,
-    /// All changes are scaled by the same factor. Torques of coupled joints that balance each other then do so while
+    /// Scaling of all changes by the same factor. Torques of coupled joints that balance each other then do so while
     /// they fade.
     Together,
 }

@@ -283,7 +283,7 @@ impl TorqueLaw {
         self.prediction.weight()
     }
 
-    /// Whether confidence is below 1; see [`StatePrediction::is_recovering`].
+    /// True if confidence is below 1; see [`StatePrediction::is_recovering`].
     pub fn is_recovering(&self) -> bool {
         self.prediction.is_recovering()
     }

@@ -55,7 +55,7 @@ pub struct MeasurementWatch {
     motion: Vec<f64>,
     /// Number of measurements so far, up to those that are judged.
     seen: u32,
-    /// Whether each of these differed from the one before.
+    /// True if each of these differed from the one before.
     differs: bool,
     /// Longest interval between the first measurements that differed \[s\], and their number.
     usual: f64,

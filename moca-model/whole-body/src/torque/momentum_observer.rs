@@ -72,7 +72,7 @@ pub struct MomentumObserver {
     /// Entry of q̇ and rate of each joint.
     joints: Vec<(usize, f64)>,
     friction: ObservedFriction,
-    /// Whether there has been an update.
+    /// True if there has been an update.
     began: bool,
     /// Momentum of the whole robot, now and at the last update.
     momentum: [Vec<f64>; 2],

@@ -69,21 +69,21 @@ pub struct StatePrediction {
     acceleration: Vec<f64>,
     /// The part of â that the model provides.
     modelled: Vec<f64>,
-    /// Whether each joint has a torque drive.
+    /// True if each joint has a torque drive.
     driven: Vec<bool>,
     /// Changes of q̇* in the last ticks.
     changes: Vec<Vec<f64>>,
     /// Index of the newest change.
     newest: usize,
-    /// Whether q̇* of an earlier tick is known.
+    /// True if q̇* of an earlier tick is known.
     began: bool,
     /// Age of the measurement \[s\].
     age: f64,
-    /// Whether the next measurement is overdue.
+    /// True if the next measurement is overdue.
     is_overdue: bool,
     /// The confidence c, an upper bound of the weight.
     trust: f64,
-    /// Whether the robot did not take the last commands.
+    /// True if the robot did not take the last commands.
     is_unheard: bool,
 }
 
@@ -237,7 +237,7 @@ impl StatePrediction {
         weight(self.age).min(self.trust)
     }
 
-    /// Whether c is below 1, because measurements were overdue or commands lost. The desired position should then
+    /// True if c is below 1, because measurements were overdue or commands lost. The desired position should then
     /// restart from the measured one in each tick, so that no error of that time is corrected.
     pub fn is_recovering(&self) -> bool {
         self.trust < 1.0

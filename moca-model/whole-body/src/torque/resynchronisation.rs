@@ -4,7 +4,7 @@ use crate::error::{Error, check_size};
 use crate::robot::joint::JointKind;
 use crate::robot::model::Model;
 
-/// Whether a robot follows its desired position.
+/// Relation of a robot to its desired position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Following {
     /// The robot follows.

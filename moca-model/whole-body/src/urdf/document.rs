@@ -96,7 +96,7 @@ pub(crate) fn read(text: &str) -> Result<Document, Error> {
     Ok(robot)
 }
 
-/// Whether a missing limit means that there is none, as since URDF 1.2.
+/// True if a missing limit means that there is none, as since URDF 1.2.
 fn says_unlimited(root: &Element) -> Result<bool, Error> {
     let version = root.attribute("version")?.unwrap_or_default();
     let mut parts = version.trim().split('.').map(str::parse::<u32>);

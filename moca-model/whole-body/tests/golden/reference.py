@@ -1,4 +1,4 @@
-"""What Pinocchio computes of a robot, in the conventions of whole-body.
+"""Values that Pinocchio computes of a robot, in the conventions of whole-body.
 
 Both differ in four things. Pinocchio orders joints by name; values go by name here. It writes a
 continuous joint as cosine and sine. Its floating base has velocities in the base's own axes, and
@@ -111,7 +111,7 @@ class Robot:
         return q
 
     def _expansion(self, joints):
-        """What makes Pinocchio's joint velocities from the base's and those of `joints`."""
+        """Matrix that makes Pinocchio's joint velocities from the base's and those of `joints`."""
         size = BASES[self.base][1]
         expansion = np.zeros((self.model.nv, size + len(joints)))
         expansion[:size, :size] = np.eye(size)
@@ -124,7 +124,7 @@ class Robot:
         return np.array(state.get("base_" + of, []) + [state[of][name] for name in joints])
 
     def values(self, state, frames, joints):
-        """All values of a state; joint-wise ones in the order of `joints`, behind the base's."""
+        """Values of a state; joint-wise ones in the order of `joints`, behind the base's."""
         model, data = self.model, self.data
         q = self._configuration(state)
         # What takes whole-body's q̇ to Pinocchio's.

@@ -27,7 +27,7 @@ struct Loop {
     sensors: Sensors,
     commands: Transmission,
     noise: Noise,
-    /// Whether the robot did not follow. It then stays where it is.
+    /// True if the robot did not follow. It then stays where it is.
     held: bool,
     torque: Vec<f64>,
 }

@@ -35,7 +35,7 @@ pub struct ActionModel {
     pub head: LinearHead,
     /// The frames of a clip that are one input of the network.
     pub window: Window,
-    /// Which weights the network had.
+    /// Identity of the network's weights.
     pub weights: WeightsIdentity,
     /// The part of each clip in the training's folder, by its name.
     pub parts: BTreeMap<String, Part>,

@@ -17,7 +17,7 @@ const PROGRAM: &str = "ffmpeg";
 /// The longest side and the most pixels of an image.
 const MAX_SIDE: usize = 16_384;
 const MAX_PIXELS: usize = 64 << 20;
-/// So much of what the program says about an error is kept (bytes).
+/// Length of what is kept of a program's messages about an error (bytes).
 const SAID: u64 = 2000;
 
 /// The images of a film, one after the other: the JPEG and PNG files of a folder by their names, or the images of a video
@@ -38,7 +38,7 @@ struct Video {
     path: PathBuf,
     program: Child,
     images: BufReader<ChildStdout>,
-    /// What the program says.
+    /// Messages of the program.
     said: File,
 }
 

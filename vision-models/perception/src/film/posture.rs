@@ -11,20 +11,20 @@ use super::view::View;
 use crate::error::Error;
 use crate::percepts::{Assessor, MeasuredAssessment, PostureSettings};
 
-/// How much legs differ for a stature, as a part of it.
+/// Standard deviation of leg length among people of one stature, as a part of it.
 const PROPORTIONS: f64 = 0.04;
 
 /// A person goes no farther from one image to the next (m).
 const FAR: f64 = 1.0;
 
-/// How people on film are placed and scored.
+/// Settings by which people on film are placed and scored.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct FilmSettings {
-    /// How one camera places people.
+    /// Placement of people by one camera.
     pub monocular: MonocularSettings,
-    /// How several cameras place people.
+    /// Placement of people by several cameras.
     pub triangulation: TriangulationSettings,
-    /// What is known of the person beside.
+    /// Other facts about the person.
     pub posture: PostureSettings,
 }
 

@@ -1,4 +1,4 @@
-//! What a camera sees of people, image by image.
+//! View of people by a camera, image by image.
 
 use std::path::Path;
 
@@ -96,7 +96,7 @@ impl View {
         Ok(Self { source: Source::Joints { frames }, number, rate })
     }
 
-    /// How large the images are, if there are images (pixels).
+    /// Size of the images, if there are images (pixels).
     pub fn size(&self) -> Option<[usize; 2]> {
         match self.source {
             Source::Images { size, .. } => Some(size),

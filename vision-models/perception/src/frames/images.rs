@@ -40,7 +40,7 @@ impl Picture {
     }
 }
 
-/// All images of a frame.
+/// Images of a frame.
 ///
 /// ```
 /// use human_perception::frames::{FrameEntry, FrameImages, Picture};

@@ -27,7 +27,7 @@ pub struct Sample {
 /// The report of a created data set.
 #[derive(Clone, Debug, Serialize)]
 pub struct CutOut {
-    /// Its folder.
+    /// Folder of the data set.
     pub output: PathBuf,
     /// Number of samples.
     pub samples: u64,

@@ -21,7 +21,7 @@ use crate::{error::Error, frames::FrameImages};
 /// Largest age of an action's or a surface's images (s). Older results are not reported.
 const OLDEST: f64 = 2.0;
 
-/// All processing of frames: joints in each frame, surface and action in some frames.
+/// Processing of frames: joints in each frame, surface and action in some frames.
 #[derive(Debug)]
 pub struct Pipeline {
     perceiver: Perceiver,

@@ -56,7 +56,7 @@ pub struct SkeletonFolder {
     prefix: String,
     /// Number of digits in the first file.
     digits: usize,
-    /// What stands behind it.
+    /// Ending of names behind the number.
     end: &'static str,
 }
 

@@ -32,7 +32,7 @@ struct Scene {
     turn: [f64; 2],
     /// Foreshortening along its axes, due to its tilt.
     shortening: [f64; 2],
-    /// Its middle, in parts of the image's side.
+    /// Middle of the surface, in parts of the image's side.
     middle: [f64; 2],
     /// Half its sides, in parts of the image's side.
     half: [f64; 2],

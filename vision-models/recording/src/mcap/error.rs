@@ -2,7 +2,7 @@
 
 use crate::RecordingError;
 
-/// Why a file cannot be read or written.
+/// Reason why a file cannot be read or written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum McapError {

@@ -40,7 +40,7 @@ struct Mark {
     confidence: Confidence,
 }
 
-/// Whether a text is the array of one person's landmarks.
+/// True if a text is the array of one person's landmarks.
 pub(super) fn is_person(text: &RawValue) -> bool {
     let first = serde_json::from_str::<Bounded<'_, 1>>(text.get()).ok();
     let first = first.and_then(|array| array.first.first().copied());
@@ -80,7 +80,7 @@ pub(super) fn people(
     Ok(people)
 }
 
-/// What one of landmarks in the image is (pixels): the image's sides, or one where they are pixels already.
+/// Unit of landmarks in the image (pixels): the image's sides, or one where they are pixels already.
 fn pixels(marks: &[Mark], size: Option<[usize; 2]>) -> Result<[f64; 2], Error> {
     let is_part = |mark: &Mark| mark.place.xy().iter().all(|part| part.abs() <= FARTHEST);
     match size {

@@ -13,7 +13,7 @@ use crate::body::{ImageKeypoint, ObservedBody};
 
 use crate::error::Error;
 
-/// From so many joints on it is told that they are scaled.
+/// Least number of joints by which it is told that they are scaled.
 const FEW: usize = 3;
 
 /// A person: versions of OpenPose before 1.3 leave `_2d` out.
@@ -61,7 +61,7 @@ pub(super) fn of_triples(numbers: &RawValue) -> Result<ObservedBody, String> {
     };
     Ok(ObservedBody { image, metric: None })
 }
-/// Whether joints were scaled to the image's size: with `--keypoint_scale` 3 they lie in 0 to 1, with 4 in −1 to 1.
+/// True if joints were scaled to the image's size: with `--keypoint_scale` 3 they lie in 0 to 1, with 4 in −1 to 1.
 fn is_scaled(keypoints: &[Option<ImageKeypoint>]) -> bool {
     let mut seen = keypoints.iter().flatten().map(|keypoint| keypoint.position).peekable();
     let first = seen.peek().copied();

@@ -16,7 +16,7 @@ use crate::excerpt::Excerpt;
 /// The most values that are kept of a name: none that is read has more.
 const MOST: usize = 16;
 
-/// What stands behind each name of the outermost mapping: all scalars, but of a matrix those of its `data` alone.
+/// Values behind each name of the outermost mapping: all scalars, but of a matrix those of its `data` alone.
 type Values = BTreeMap<String, Vec<String>>;
 
 /// The camera of a text, whose name is the one in the text if there is one.
@@ -69,7 +69,7 @@ fn distortion(values: &Values) -> Result<Distortion, Error> {
     }
 }
 
-/// Where the camera is, if it is told: OpenCV's motion is from the world to the camera.
+/// Pose of the camera, if it is told: OpenCV's motion is from the world to the camera.
 fn world_from_camera(values: &Values) -> Result<Option<nalgebra::Isometry3<f64>>, Error> {
     let named =
         |names: &[&'static str]| names.iter().copied().find(|name| values.contains_key(*name));

@@ -15,7 +15,7 @@ pub(crate) struct Expected {
     optional: Vec<String>,
 }
 
-/// All differences between a checkpoint and a network; see [`Error::Weights`].
+/// Differences between a checkpoint and a network; see [`Error::Weights`].
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Misfit {
     pub(crate) missing: Vec<String>,

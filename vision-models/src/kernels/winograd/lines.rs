@@ -92,7 +92,7 @@ impl Line<6, 4> for Four {
     }
 }
 
-/// How the output is divided into tiles.
+/// Division of the output into tiles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Tiling {
     /// 1×3×3 kernels, 2×2 outputs per tile: 2.25 times fewer multiplications.

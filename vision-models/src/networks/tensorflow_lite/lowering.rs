@@ -29,7 +29,7 @@ pub(super) struct Lowering<'a> {
     pub(super) outputs: Vec<Shape>,
     /// The meaning of each tensor that is written.
     written: Vec<Option<Box<Written>>>,
-    /// How often each tensor is read.
+    /// Number of reads of each tensor.
     reads: Vec<usize>,
     /// Bytes of all activations.
     activations: usize,

@@ -78,7 +78,7 @@ fn transposed(values: &[f32], rows: usize, columns: usize) -> Vec<f32> {
     turned
 }
 
-/// All weights, read from the file on demand.
+/// Weights that are read from the file on demand.
 pub(super) struct Weights {
     file: Vec<u8>,
     weights: BTreeMap<String, Weight>,

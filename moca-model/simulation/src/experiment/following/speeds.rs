@@ -50,7 +50,7 @@ pub struct Speeds {
 pub struct SpeedResult {
     /// The speed \[m/s\].
     pub(super) speed: f64,
-    /// Whether distances from people are kept, which slows the robot near them.
+    /// True if distances from people are kept, which slows the robot near them.
     pub(super) separation: bool,
     cases: usize,
     /// Distance of the hand from its nominal place at this speed while the person walks evenly \[m\].

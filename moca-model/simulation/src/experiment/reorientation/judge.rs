@@ -16,11 +16,11 @@ const TOLERANCE: f64 = 0.05;
 /// A turn of the object.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Turn {
-    /// Whether the robot has the object.
+    /// True if the robot has the object.
     pub grasped: bool,
-    /// Whether the robot began to turn it.
+    /// True if the robot began to turn it.
     pub recognised: bool,
-    /// Whether the right surface is in front of the person when they stop working.
+    /// True if the right surface is in front of the person when they stop working.
     pub right: bool,
     /// Rotation of the tool from the middle of the room for orientations at that time, as a rotation vector \[rad\].
     pub off: [f64; 3],

@@ -98,9 +98,9 @@ impl Body {
 pub struct Verdict {
     /// The pair of capsules that the robot is to blame for.
     pub violation: Option<Blame>,
-    /// Whether there is a breach that is the person's own.
+    /// True if there is a breach that is the person's own.
     pub person_caused: bool,
-    /// Whether the robot approaches a part that it may touch.
+    /// True if the robot approaches a part that it may touch.
     pub contact: bool,
     /// Largest contact speed of parts within 5 cm \[m/s\]; `None` if there is none. It is the robot's speed towards the
     /// part minus the speed at which the part moves away.

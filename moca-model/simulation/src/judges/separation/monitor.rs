@@ -19,7 +19,7 @@ pub struct Moment<'a> {
     pub person: (&'a Joints, Option<&'a Joints>),
     /// Joints in the newest frame that shows the person and has arrived \[m\].
     pub known: Option<(&'a Joints, Option<&'a Joints>)>,
-    /// Whether all parts except the head may touch the robot.
+    /// True if all parts except the head may touch the robot.
     pub contact: bool,
 }
 
@@ -110,7 +110,7 @@ impl SeparationMonitor {
         Ok(verdict)
     }
 
-    /// How far trunk, head and legs of somebody are from the robot, as in the last tick, up to a distance that is
+    /// Distance of a person's trunk, head and legs from the robot, as in the last tick, up to a distance that is
     /// enough \[m\].
     pub(crate) fn gap(&self, joints: &Joints, enough: f64) -> f64 {
         let parts = body::capsules(joints);

@@ -21,7 +21,7 @@ pub struct Step<'a> {
 /// A level of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LevelReport<'a> {
-    /// Its name.
+    /// Name of the level.
     pub name: &'a str,
     /// √(Σ wᵢ dᵢ²), where dᵢ is the distance of row i to its range. Zero where all tasks get the velocities that they
     /// ask for; near singular configurations tasks may get less. Zero for quadratics.
@@ -35,9 +35,9 @@ pub struct ActiveLimit<'a> {
     pub entry: usize,
     /// The joint whose limit it is: that of the entry, or one that mimics it.
     pub name: &'a str,
-    /// Which limit.
+    /// Kind of the limit.
     pub kind: LimitKind,
-    /// Whether the velocity is at the lower or the upper end of what the limit allows.
+    /// End of the allowed interval at which the velocity is.
     pub end: End,
 }
 
@@ -78,7 +78,7 @@ impl<'a> Step<'a> {
         self.ik.period
     }
 
-    /// Whether every level is at its optimum. Otherwise the budget ran out, limits still hold, and the next step
+    /// Status: solved if every level is at its optimum. Otherwise the budget ran out, limits still hold, and the next step
     /// continues from there.
     pub fn status(&self) -> Status {
         self.ik.stack.solution().map_or(Status::Solved, ahqp_core::Solution::status)
@@ -89,7 +89,7 @@ impl<'a> Step<'a> {
         self.ik.stack.solution().map_or(0, ahqp_core::Solution::iterations)
     }
 
-    /// All variables: q̇, then those of [`IkBuilder::variables`](crate::ik::IkBuilder::variables).
+    /// Variables: q̇, then those of [`IkBuilder::variables`](crate::ik::IkBuilder::variables).
     pub fn variables(&self) -> &'a [f64] {
         self.ik.stack.solution().map_or(&[], ahqp_core::Solution::best)
     }
@@ -169,7 +169,7 @@ impl<'a> Step<'a> {
     }
 }
 
-/// Whether a value is at a bound, up to rounding. An infinite bound is none.
+/// True if a value is at a bound, up to rounding. An infinite bound is none.
 fn is_near(value: f64, bound: f64) -> bool {
     bound.is_finite() && (value - bound).abs() <= 1e-9 * (1e-3 + bound.abs())
 }
