@@ -55,6 +55,13 @@ pub enum Error {
         tool: String,
     },
 
+    /// A link of a pair of own bodies has no body.
+    #[error("no capsule is on link `{link}`, which is to stay away from another link; give it one")]
+    NoBody {
+        /// The link.
+        link: String,
+    },
+
     /// The object has no side to work on.
     #[error("the object has no face to work on; give it at least one")]
     NoFace,

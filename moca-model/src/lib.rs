@@ -95,6 +95,7 @@ pub use robot::moca::{
     MOCA_URDF, MOCA_WHEEL_LEVER, MOCA_WHEEL_SPEED, moca, moca_description,
 };
 pub use robot::moca_safety::moca_safety;
+pub use robot::self_collision::SelfCollisionLimit;
 pub use scene::Scene;
 pub use settings::{ControllerSettings, DesiredMotion, Goal, SpaceSettings};
 pub use shared_space::SharedSpace;

@@ -5,3 +5,5 @@ mod inertia;
 pub(crate) mod kinematics;
 pub(crate) mod moca;
 pub(crate) mod moca_safety;
+pub(crate) mod self_collision;
+mod stopping;

@@ -22,6 +22,7 @@ mod misplaced_head;
 mod person_speed;
 mod properties;
 mod safety;
+mod self_collision;
 mod several_people;
 mod shared;
 mod silence;

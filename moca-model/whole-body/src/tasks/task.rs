@@ -131,6 +131,6 @@ impl<T: Task + Clone> CloneTask for T {
     }
 }
 
-/// A task whose rows always admit rest, lower ≤ 0 ≤ upper. It can therefore also be a hard limit; see
-/// [`IkBuilder::limit`](crate::ik::IkBuilder::limit).
+/// A task whose rows always admit rest, lower ≤ 0 ≤ upper, or that all joints brake. It can therefore also be a hard
+/// limit; see [`IkBuilder::limit`](crate::ik::IkBuilder::limit).
 pub trait Limit: Task {}
