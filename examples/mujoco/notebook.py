@@ -31,8 +31,10 @@ def findings(names, lines, seconds):
     """Gives what is wrong."""
     hand, person, base = np.array(names["paths"]).transpose(1, 0, 2)
     commands = names["commands"]
-    distance = np.linalg.norm(hand - person, axis=1)[2000:]
-    walk, drive = person[-1] - person[0], base[-1] - base[0]
+    # What the base drives before is its way to the person.
+    begun = np.argmax(np.linalg.norm(np.diff(person, axis=0), axis=1) > 1e-5)
+    distance = np.linalg.norm(hand - person, axis=1)[begun:]
+    walk, drive = person[-1] - person[begun], base[-1] - base[begun]
     phases = list(dict.fromkeys(command.phase for command in commands))
     faults = {command.fault for command in commands} - {None}
     states = {command.safety for command in commands} - {"normal", "reduced"}

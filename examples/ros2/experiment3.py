@@ -28,11 +28,11 @@ def main() -> int:
     parser.add_argument("--drive", required=True, help="the program, built with the feature ros2")
     parser.add_argument("--recording", required=True, help="somebody who offers an object")
     parser.add_argument("--duration", type=float, default=24.0, help="how long [s]; default 24")
-    parser.add_argument("--priority", type=int, help="real-time priority of both, on a machine that does more")
+    parser.add_argument("--priority", type=int, help="real-time priority of loop and robot, on a machine that does more")
     options = parser.parse_args()
-    if options.priority:
-        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(options.priority))
     both = [options.drive, "--ros2", "--recording", options.recording, "--object", "offered-drilled", "--quiet"]
+    # Camera, gripper and planning have none, as beside a robot.
+    both += [f"--priority={options.priority}"] if options.priority else []
     robot = subprocess.Popen([*both, "--serve"], stdout=subprocess.PIPE, text=True)
     drive = [*both, "--compensation", "nothing", "--json", f"--duration={options.duration}"]
     drive = subprocess.run(drive, stdout=subprocess.PIPE, text=True, check=False)

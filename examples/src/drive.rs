@@ -2,6 +2,8 @@
 
 mod alone;
 mod attendant;
+#[cfg(feature = "ros2")]
+mod beneath;
 mod cameras;
 #[cfg(feature = "ros2")]
 mod interface;
@@ -15,6 +17,8 @@ mod served;
 
 pub use alone::alone;
 pub use attendant::{Attendant, acknowledge_by_keys};
+#[cfg(feature = "ros2")]
+pub use beneath::beneath;
 pub use cameras::recorded;
 #[cfg(feature = "ros2")]
 pub use cameras::seen_by_others;

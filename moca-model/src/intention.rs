@@ -59,6 +59,8 @@ pub struct IntentionFilter {
     present: Intention,
     candidate: Intention,
     since: Option<f64>,
+    /// Time from which on the candidate has had its tool \[s\].
+    tool_since: f64,
 }
 
 impl IntentionFilter {
@@ -69,7 +71,7 @@ impl IntentionFilter {
     pub fn new(settings: IntentionSettings) -> Result<Self, Error> {
         settings.validate()?;
         let apart = Intention::Apart;
-        Ok(Self { settings, present: apart, candidate: apart, since: None })
+        Ok(Self { settings, present: apart, candidate: apart, since: None, tool_since: 0.0 })
     }
 
     /// The person's intention.
@@ -97,19 +99,28 @@ impl IntentionFilter {
         if confidence < self.settings.enter {
             return;
         }
-        // A change of walking direction does not reset the evidence that work has begun.
+        // A change of walking direction or tool does not reset the evidence that work has begun.
         let begins = seen.is_together() && !self.present.is_together();
         let since = match self.since {
             Some(since) if seen == self.candidate => since,
             Some(since) if begins && self.candidate.is_together() => since,
             _ => time,
         };
+        if self.since.is_none() || seen.tool() != self.candidate.tool() {
+            self.tool_since = time;
+        }
         self.candidate = seen;
         self.since = Some(since);
         let ends = self.present.is_together() && !seen.is_together();
         let wait = if ends { self.settings.release } else { self.settings.dwell };
         if time - since >= wait {
-            self.present = seen;
+            // The object turns for a tool, which must therefore itself be seen for the time.
+            self.present = match seen {
+                Intention::Together { walking, .. } if time - self.tool_since < wait => {
+                    Intention::Together { walking, tool: None }
+                }
+                _ => seen,
+            };
             self.since = None;
         }
     }

@@ -15,7 +15,7 @@ use examples::drive::{
     watch_percepts,
 };
 #[cfg(feature = "ros2")]
-use examples::drive::{FollowedBy, seen_by_others, serve_on_ros2};
+use examples::drive::{FollowedBy, beneath, seen_by_others, serve_on_ros2};
 use examples::maps::{build_map, read_map};
 use examples::program::{self, Ending, Json, Program, Quiet, RealTime, Session};
 use examples::settings::{RobotSettings, SettingsFile};
@@ -325,15 +325,15 @@ impl Options {
         };
         if let Some(address) = &self.serve {
             ensure!(address.is_none(), "--ros2 --serve: give no address");
-            serve_on_ros2(session, scenario, &topics, self.real_time, &mut clock)?;
+            serve_on_ros2(session, scenario, &topics, (&mut clock, self.real_time.scheduling()))?;
             return Ok(Ending::Complete);
         }
-        let (mut robot, people) = Ros2Side::join(
-            RosDomain::of_environment()?,
-            &topics,
-            DrivenRobot::from(scenario).ros2_joints()?,
-            self.interface.into(),
-        )?;
+        let (domain, joints) =
+            (RosDomain::of_environment()?, DrivenRobot::from(scenario).ros2_joints()?);
+        let joined = beneath(self.real_time.scheduling(), || {
+            Ros2Side::join(domain, &topics, joints, self.interface.into())
+        })?;
+        let (mut robot, people) = joined?;
         let tracker = People::new(PeopleSettings::untracked(), TrackerSettings::default())?;
         let driven = self.drive(session, scenario, &mut robot, clock, |attendant, ended, clock| {
             seen_by_others(&people, tracker, attendant, ended, clock);

@@ -1,6 +1,7 @@
 //! Options that have the same meaning in every program.
 
 use std::path::PathBuf;
+use std::thread;
 
 use clap::{Args, builder::RangedI64ValueParser};
 use moca_model::whole_body;
@@ -64,10 +65,17 @@ impl RealTime {
     /// [`whole_body::Error::Refused`] says what the system does not grant; [`whole_body::Error::Value`] for a priority
     /// out of range. The default priority is no error where it is not granted.
     pub fn apply(self) -> Result<(), whole_body::Error> {
-        if self.priority.is_none() {
-            let _ = Scheduling { priority: Some(PRIORITY), lock_memory: false }.apply();
-        }
-        Scheduling { priority: self.priority, lock_memory: self.lock_memory }.apply()
+        self.scheduling().apply()
+    }
+
+    /// Returns the scheduling of the loop's thread, with the default priority only where the system permits that.
+    pub fn scheduling(self) -> Scheduling {
+        let default = Scheduling { priority: Some(PRIORITY), lock_memory: false };
+        // A thread of its own tries it, so that the calling one keeps its priority.
+        let is_permitted =
+            || thread::spawn(move || default.apply().is_ok()).join().unwrap_or(false);
+        let priority = self.priority.or_else(|| default.priority.filter(|_| is_permitted()));
+        Scheduling { priority, lock_memory: self.lock_memory }
     }
 }
 

@@ -21,7 +21,7 @@ _Task: TypeAlias = (
     | JointCouplingTask
     | VelocityTask
 )
-_Limit: TypeAlias = WheelLimit | FrameVelocityLimit | VelocityTask
+_Limit: TypeAlias = WheelLimit | FrameVelocityLimit | SelfCollisionLimit | VelocityTask
 
 __all__ = [
     "AxisTask",
@@ -37,6 +37,7 @@ __all__ = [
     "PositionTask",
     "PostureTask",
     "RelativeFrameTask",
+    "SelfCollisionLimit",
     "Step",
     "VelocityTask",
     "WheelLimit",
@@ -215,6 +216,16 @@ class FrameVelocityLimit:
     def __new__(
         cls, frame: str, linear: ArrayLike, angular: ArrayLike, *, local: bool = False
     ) -> FrameVelocityLimit: ...
+
+@final
+class SelfCollisionLimit:
+    def __new__(
+        cls,
+        bodies: Sequence[tuple[str, ArrayLike, ArrayLike, float]],
+        pairs: Sequence[tuple[str, str]],
+        *,
+        distance: float = 0.03,
+    ) -> SelfCollisionLimit: ...
 
 @final
 class Ik:

@@ -60,7 +60,7 @@ mod _ahqp {
     #[pymodule_export]
     use crate::whole_body::ik::{Ik, Step};
     #[pymodule_export]
-    use crate::whole_body::limits::{FrameVelocityLimit, WheelLimit};
+    use crate::whole_body::limits::{FrameVelocityLimit, SelfCollisionLimit, WheelLimit};
     #[pymodule_export]
     use crate::whole_body::model::Model;
     #[pymodule_export]

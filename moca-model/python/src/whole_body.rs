@@ -1,5 +1,6 @@
 //! `ahqp.whole_body`: any robot by its URDF.
 
+pub(crate) mod bodies;
 pub(crate) mod data;
 pub(crate) mod description;
 pub(crate) mod ik;

@@ -21,6 +21,7 @@ from ahqp.whole_body import (
     PositionTask,
     PostureTask,
     RelativeFrameTask,
+    SelfCollisionLimit,
     VelocityTask,
     WheelLimit,
 )
@@ -212,3 +213,26 @@ def test_joints_stand_where_they_are_asked_to():
         ik.step(q, 1e-3, within={"panda_joint1": (1.0, 0.0)})
     with pytest.raises(ahqp.Error, match="elbow"):
         ik.step(q, 1e-3, within={"elbow": (0.0, 0.0)})
+
+
+def test_the_hand_stays_away_from_the_base():
+    model = panda()
+    at, size = np.array([0.0, 0.0, 0.15]), np.array([0.12, 0.08])
+    bodies = [("panda_link0", at, at, size[0]), ("panda_hand", [0.0] * 3, [0.0] * 3, size[1])]
+    pairs = [("panda_link0", "panda_hand")]
+
+    def least(limits):
+        """The least distance of the two spheres while the hand is drawn into the base."""
+        ik = Ik(model, {"hand": PositionTask("panda_hand")}, START, limits=limits)
+        ik.set_target("hand", at)
+        q, nearest = START, np.inf
+        for _ in range(2000):
+            q = ik.step(q, 2e-3).q
+            nearest = min(nearest, np.linalg.norm(ik.pose(q, "panda_hand")[:3, 3] - at) - size.sum())
+        return nearest
+
+    assert least(None) < 0.0
+    assert 0.029 < least({"own": SelfCollisionLimit(bodies, pairs)}) < 0.04
+    assert 0.099 < least({"own": SelfCollisionLimit(bodies, pairs, distance=0.1)}) < 0.11
+    with pytest.raises(ahqp.Error, match="no capsule is on link `panda_link5`"):
+        Ik(model, {"hand": PositionTask("panda_hand")}, START, limits={"own": SelfCollisionLimit(bodies, [("panda_link0", "panda_link5")])})

@@ -55,6 +55,21 @@ proptest! {
         prop_assert!(filter.intention().is_together());
     }
 
+    /// A recogniser confuses two hand tools for a moment as the person begins to work.
+    #[test]
+    fn work_begins_with_the_tool_seen_long_enough(frames in 1_u32..8, confused in 1_u32..4) {
+        let mut filter = filter();
+        let drill = action(Action::Using(Tool::Drill), 0.9);
+        let polisher = action(Action::Using(Tool::Polisher), 0.7);
+        for frame in 0..20 {
+            let is_confused = (frames..frames + confused).contains(&frame);
+            let seen = if is_confused { &polisher } else { &drill };
+            filter.update(0.05 * f64::from(frame), Some(seen));
+            prop_assert_ne!(filter.intention().tool(), Some(Tool::Polisher));
+        }
+        prop_assert_eq!(filter.intention().tool(), Some(Tool::Drill));
+    }
+
     #[test]
     fn low_confidence_never_changes_the_intention(
         shown in prop::collection::vec((0_usize..30, 0.0..0.59_f64), 1..60),

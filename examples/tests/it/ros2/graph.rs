@@ -14,7 +14,7 @@ use moca_drivers::{RecordedCamera, SimulatedSide, TopicNames};
 use moca_model::MOCA_HOME;
 use moca_model::whole_body::control_loop::{
     ControlLaw, ControlLoop, Grip, JointCommand, JointMeasurement, LoopSettings, MonotonicClock,
-    StopCause,
+    Scheduling, StopCause,
 };
 use moca_simulation::plant::RobotNoise;
 use vision_models::{Confidence, Percept, RecognisedSurface, Surface};
@@ -71,7 +71,13 @@ fn a_loop_moves_a_robot_on_ros2() {
             let percept = Percept { time: 0.0, body: None, action: None, surface: Some(surface) };
             let camera = RecordedCamera::new(vec![percept.into()]);
             server
-                .serve(1e-3, camera, |frame, _| frame, &mut MonotonicClock::default(), stop)
+                .serve(
+                    1e-3,
+                    camera,
+                    |frame, _| frame,
+                    (&mut MonotonicClock::default(), Scheduling::default()),
+                    stop,
+                )
                 .unwrap();
         });
         let (mut side, people) = Ros2Side::join(

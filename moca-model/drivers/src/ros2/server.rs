@@ -1,11 +1,15 @@
 //! Simulated robot behind ROS 2, with a recorded person in front of its camera.
 
 use std::fmt;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
 use std::time::SystemTime;
 
 use moca_model::MOCA_BASE_JOINTS;
 use moca_model::Scene;
-use moca_model::whole_body::control_loop::{Clock, JointCommand, JointMeasurement, RobotSide};
+use moca_model::whole_body::control_loop::{
+    Clock, JointCommand, JointMeasurement, RobotSide, Scheduling,
+};
 use nalgebra::UnitQuaternion;
 use ros2_client::Publisher;
 
@@ -20,7 +24,8 @@ use super::messages::{
     TwistStamped, TwistWithCovariance, Vector3,
 };
 use super::node::{Peers, RosNode};
-use super::people_publisher::{PeoplePublisher, PublishedPeople};
+use super::people_publisher::PeoplePublisher;
+use super::recorded_people::{RecordedPeople, ServedRobot, ShownRobot, show_robot};
 use super::statistics::TopicStatistics;
 use super::topic::{JointInterface, Topic};
 use super::{BASE_FRAME, WORLD_FRAME};
@@ -34,9 +39,16 @@ const ENDS: u64 = 1000;
 const SAYS: u64 = 50;
 
 /// A robot on the ROS graph. It measures and publishes once a period and follows the newest commands of base and arm.
-/// It stands still until both have come. Its camera sees a recorded person. Its gripper serves the action
-/// `control_msgs/GripperCommand`.
+/// It stands still until both have come. Its camera sees a recorded person, in a thread of its own. Its gripper serves the
+/// action `control_msgs/GripperCommand`.
+#[derive(Debug)]
 pub struct Ros2Server {
+    robot: ServedSide,
+    people: PeoplePublisher,
+}
+
+/// The robot without its camera.
+struct ServedSide {
     _node: RosNode,
     peers: Peers,
     twists: Inbox<TwistStamped>,
@@ -44,7 +56,6 @@ pub struct Ros2Server {
     joint_states: Publisher<JointState>,
     odometry: Publisher<Odometry>,
     modes: Publisher<Text>,
-    people: PeoplePublisher,
     gripper: GripperServer,
     joints: RobotJoints,
     robot: SimulatedSide,
@@ -57,9 +68,9 @@ pub struct Ros2Server {
     moved: bool,
 }
 
-impl fmt::Debug for Ros2Server {
+impl fmt::Debug for ServedSide {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Ros2Server").field("robot", &self.robot).finish_non_exhaustive()
+        f.debug_struct("ServedSide").field("robot", &self.robot).finish_non_exhaustive()
     }
 }
 
@@ -78,14 +89,14 @@ impl Ros2Server {
         let joints = RobotJoints::moca();
         let measured = JointMeasurement::resting(start.to_vec(), start.len());
         let efforts = Topic::JointCommands(JointInterface::Effort);
-        Ok(Self {
+        let people = PeoplePublisher::new(&mut node)?;
+        let robot = ServedSide {
             peers: node.peers(vec![Topic::BaseTwist, efforts]),
             twists: node.inbox(Topic::BaseTwist)?,
             efforts: node.inbox(efforts)?,
             joint_states: node.publisher(Topic::JointStates)?,
             odometry: node.publisher(Topic::Odometry)?,
             modes: node.publisher(Topic::RobotMode)?,
-            people: PeoplePublisher::new(&mut node)?,
             gripper: GripperServer::new(&mut node)?,
             commands: Commands::new(joints.arm().len()),
             command: JointCommand::at_rest(&measured),
@@ -95,19 +106,54 @@ impl Ros2Server {
             joints,
             robot,
             measured,
-        })
+        };
+        Ok(Self { robot, people })
     }
 
-    /// Runs until `stop` returns true, and plays camera frames in a loop from the first command on. `see` makes of each
-    /// what the cameras see beside the robot.
+    /// Runs until `stop` returns true, with the calling thread as `scheduling` says. A thread without priority plays
+    /// camera frames in a loop from the first command on. `see` makes of each what the cameras see beside the robot.
     ///
     /// # Errors
-    /// Errors of reading a topic, and commands that the simulation refuses.
+    /// Errors of reading a topic, commands that the simulation refuses, and a priority that the system refuses.
     pub fn serve(
         &mut self,
         period: f64,
-        mut camera: RecordedCamera,
-        mut see: impl FnMut(Scene, &mut SimulatedSide) -> Scene,
+        camera: RecordedCamera,
+        see: impl FnMut(Scene, &ServedRobot) -> Scene + Send,
+        (clock, scheduling): (&mut impl Clock, Scheduling),
+        stop: impl FnMut() -> bool,
+    ) -> Result<(), Ros2Error> {
+        let Self { robot, people } = self;
+        let (mut shown, seen) = show_robot();
+        let ended = AtomicBool::new(false);
+        thread::scope(|scope| {
+            let camera = RecordedPeople::new(camera, seen, people);
+            scope.spawn(|| camera.play(see, &ended));
+            let applied = scheduling.apply();
+            let applied = applied.map_err(|error| Ros2Error::create("the robot's thread", &error));
+            let served = applied.and_then(|()| robot.run(period, &mut shown, clock, stop));
+            ended.store(true, Ordering::Release);
+            served
+        })
+    }
+
+    /// Returns the statistics of the two topics of commands.
+    pub fn statistics(&self) -> [TopicStatistics; 2] {
+        let robot = &self.robot;
+        [&robot.twists.statistics, &robot.efforts.statistics].map(|topic| {
+            let mut topic = topic.clone();
+            robot.peers.count(&mut topic);
+            topic
+        })
+    }
+}
+
+impl ServedSide {
+    /// Runs until `stop` returns true.
+    fn run(
+        &mut self,
+        period: f64,
+        shown: &mut ShownRobot,
         clock: &mut impl Clock,
         mut stop: impl FnMut() -> bool,
     ) -> Result<(), Ros2Error> {
@@ -116,20 +162,19 @@ impl Ros2Server {
         while !stop() {
             due = (due + period).max(clock.now() - period);
             clock.sleep_until(due);
-            self.listen()?;
             self.robot.receive(&mut self.measured)?;
+            self.publish_measured();
+            self.listen()?;
             if tick.is_multiple_of(SAYS) {
                 let mode = self.measured.robot.mode.map_or("stopped", mode_name);
                 let _ = self.modes.publish(Text { data: mode.to_owned() });
             }
             tick += 1;
-            self.publish_measured();
             self.act()?;
             self.silent.iter_mut().for_each(|silent| *silent = silent.saturating_add(1));
-            let Self { robot, people, .. } = self;
             met |= self.moved;
             if met {
-                camera.show(due, |frame| publish(people, &see(frame, robot)));
+                shown.show(&mut self.robot);
             }
         }
         Ok(())
@@ -156,15 +201,6 @@ impl Ros2Server {
             self.moved = false;
         }
         Ok(())
-    }
-
-    /// Returns the statistics of the two topics of commands.
-    pub fn statistics(&self) -> [TopicStatistics; 2] {
-        [&self.twists.statistics, &self.efforts.statistics].map(|topic| {
-            let mut topic = topic.clone();
-            self.peers.count(&mut topic);
-            topic
-        })
     }
 
     fn yaw(&self) -> f64 {
@@ -213,20 +249,4 @@ impl Ros2Server {
             twist: TwistWithCovariance { twist, ..TwistWithCovariance::default() },
         });
     }
-}
-
-/// Publishes a camera frame.
-fn publish(people: &PeoplePublisher, frame: &Scene) {
-    let percept = &frame.percept;
-    // What nobody can be told, the next frame says.
-    let _ = people.publish(&PublishedPeople {
-        stamp: SystemTime::now().into(),
-        frame: WORLD_FRAME,
-        person: percept.body.as_ref(),
-        others: frame.others(),
-        places: &[],
-        action: percept.action,
-        surface: percept.surface,
-        delays: [f64::NAN; 6],
-    });
 }

@@ -11,7 +11,7 @@ use vision_models::{People, PeopleSettings, Percept, TrackerSettings};
 
 use super::command::Command;
 use super::object::GraspedObject;
-use super::robot::{BodyOfLink, Robot};
+use super::robot::Robot;
 use super::scene::Scene;
 use super::settings::{Settings, compensation};
 use super::tables;

@@ -1,17 +1,18 @@
 //! The robot of a controller, and the person beside it.
 
 use ergo_map::{ErgonomicsQuadratic, FitOptions, MapOptions, Side};
-use hrsw_safety::{Capsule, LinkCapsule};
+use hrsw_safety::LinkCapsule;
 use moca_model::{ControllerSettings, MOCA_HOME, MecanumBase, TorqueLoopSettings, moca};
 use pyo3::prelude::*;
 use whole_body::Base;
 use whole_body::torque::Compensation;
 
 use super::settings::Settings;
-use crate::arrays::{numbers, vector_of};
+use crate::arrays::vector_of;
 use crate::ergo::map::ErgonomicsMap;
 use crate::ergo::person::Person;
 use crate::failure::{Failure, Result};
+use crate::whole_body::bodies::{BodyOfLink, body};
 
 /// Model, start and settings of a robot.
 #[derive(Debug)]
@@ -20,9 +21,6 @@ pub(super) struct Robot {
     pub(super) start: Vec<f64>,
     pub(super) settings: Settings,
 }
-
-/// A capsule on a link, as Python gives it: link, start, end, radius.
-pub(super) type BodyOfLink<'py> = (String, Bound<'py, PyAny>, Bound<'py, PyAny>, f64);
 
 impl Robot {
     /// Returns MOCA, at its home or at `start`.
@@ -73,12 +71,6 @@ impl Robot {
         self.settings.controller.space = space.for_person(&person, side);
         Ok(ergonomics)
     }
-}
-
-fn body((link, start, end, radius): BodyOfLink<'_>) -> Result<LinkCapsule> {
-    let ends = [numbers::<3>("bodies", &start)?, numbers::<3>("bodies", &end)?];
-    let [start, end] = ends.map(Into::into);
-    Ok(LinkCapsule { link, capsule: Capsule::new(start, end, radius)? })
 }
 
 /// Returns the pairs of capsules of two links, by index.

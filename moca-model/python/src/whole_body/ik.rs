@@ -33,7 +33,7 @@ use crate::shared::Shared;
 ///     Tasks by their names, highest priority first. A dict in place of a task is a level of several tasks.
 /// hold : array_like, shape (position_count,), optional
 ///     The configuration of the robot at rest: tasks without a target hold the state there.
-/// limits : dict of str to WheelLimit, FrameVelocityLimit or VelocityTask, optional
+/// limits : dict of str to WheelLimit, FrameVelocityLimit, SelfCollisionLimit or VelocityTask, optional
 ///     Hard limits in addition to those of the joints.
 /// singularity_threshold : float
 ///     Singular value below which directions are damped, from 0 (never) to 1.

@@ -1,9 +1,11 @@
 //! Hard limits in addition to those of the joints.
 
+use hrsw_safety::LinkCapsule;
 use nalgebra::Vector3;
 use pyo3::prelude::*;
 use whole_body::ik::IkBuilder;
 
+use super::bodies::{BodyOfLink, body};
 use super::targets::Target;
 use super::tasks::VelocityTask;
 use crate::arrays::{numbers, vector, with_slice};
@@ -66,11 +68,52 @@ impl FrameVelocityLimit {
     }
 }
 
+/// Keeps pairs of links apart: bodies on them stay at least `distance` from each other, whatever the tasks ask for.
+///
+/// `SelfCollisionLimit(bodies, pairs, *, distance=0.03)`
+///
+/// Parameters
+/// ----------
+/// bodies : sequence of (str, array_like, array_like, float)
+///     Capsules: link, start and end in the link's frame, (3,) [m], radius [m]. A sphere has equal ends. A link may have
+///     several.
+/// pairs : sequence of (str, str)
+///     Links that stay apart, each capsule on one from each on the other.
+/// distance : float
+///     Least distance of the surfaces [m].
+///
+/// All joints can brake before it within their limits of acceleration and jerk.
+///
+/// >>> from ahqp.whole_body import SelfCollisionLimit
+/// >>> hand, base = ("panda_hand", [0, 0, 0], [0, 0, 0.1], 0.08), ("panda_link0", [-0.1, 0, 0.1], [0, 0, 0.1], 0.1)
+/// >>> limit = SelfCollisionLimit([hand, base], [("panda_hand", "panda_link0")])
+#[pyclass(frozen, module = "ahqp.whole_body")]
+pub(crate) struct SelfCollisionLimit {
+    bodies: Vec<LinkCapsule>,
+    pairs: Vec<(String, String)>,
+    distance: f64,
+}
+
+#[pymethods]
+impl SelfCollisionLimit {
+    #[new]
+    #[pyo3(signature = (bodies, pairs, *, distance=0.03))]
+    fn new(
+        bodies: Vec<BodyOfLink<'_>>,
+        pairs: Vec<(String, String)>,
+        distance: f64,
+    ) -> Result<Self> {
+        let bodies = bodies.into_iter().map(body).collect::<Result<Vec<_>>>()?;
+        Ok(Self { bodies, pairs, distance })
+    }
+}
+
 /// A limit of any kind.
 #[derive(FromPyObject)]
 pub(crate) enum Limit<'py> {
     Wheels(PyRef<'py, WheelLimit>),
     Frame(PyRef<'py, FrameVelocityLimit>),
+    OwnBodies(PyRef<'py, SelfCollisionLimit>),
     Rows(PyRef<'py, VelocityTask>),
 }
 
@@ -95,6 +138,11 @@ impl Limit<'_> {
                 let task =
                     whole_body::limits::FrameVelocityLimit::new(frame, limit.linear, limit.angular);
                 builder.limit(name, if limit.local { task.in_local_axes() } else { task });
+            }
+            Self::OwnBodies(limit) => {
+                let SelfCollisionLimit { bodies, pairs, distance } = &**limit;
+                let limit = moca_model::SelfCollisionLimit::new(model, bodies, pairs, *distance)?;
+                builder.limit(name, limit);
             }
         }
         Ok(None)
