@@ -20,6 +20,7 @@ use crate::ergo::keywords::word;
 use crate::ergo::map::Quadratic;
 use crate::failure::{Failure, Result};
 use crate::shared::Shared;
+use crate::whole_body::bodies::BodyOfLink;
 use crate::whole_body::model::Model;
 
 /// Ergonomic collaboration with a person. The robot follows the person, and brings their hand to where work is easy. It
