@@ -207,7 +207,7 @@ try {
 
   // Random dragging, for as long as it was asked for.
   const first = memory();
-  const { pace: before } = await picture();
+  const { pace: undragged } = await picture();
   const end = Date.now() + 1000 * Number(soak);
   await click("use drill");
   while (Date.now() < end) {
@@ -240,7 +240,7 @@ try {
       ticks: pace.ticks,
       late: pace.late,
       lost: pace.lost,
-      random_dragging: { ticks: pace.ticks - before.ticks, late: pace.late - before.late, lost: pace.lost - before.lost },
+      random_dragging: { ticks: pace.ticks - undragged.ticks, late: pace.late - undragged.late, lost: pace.lost - undragged.lost },
       tick_us: { p50: Math.round(pace.median), p99: Math.round(pace.p99) },
       memory_mib: [first, memory()].map(Math.round),
       counts: { limits: last.limits, too_near: last.too_near, unsolved: last.unsolved, by_the_person: last.by_the_person },
