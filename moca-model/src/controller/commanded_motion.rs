@@ -59,7 +59,7 @@ pub(super) struct CommandedMotion {
     pub(super) braking: Vec<f64>,
     /// Joint velocities of an emergency stop, which may accelerate more.
     pub(super) stopping: Vec<f64>,
-    /// Joint velocities of an emergency stop whose accelerations may not be held.
+    /// Joint velocities of the hardest stop: those of `stopping` without the bound on held accelerations.
     pub(super) least: Vec<f64>,
     /// Velocities to which joints may go so that a stop recedes. The base's do not get faster, as its wheels share a
     /// limit.
