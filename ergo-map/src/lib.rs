@@ -19,10 +19,8 @@
 //! Units are SI and angles are in radians. The origin of the person's frame H is on the floor below
 //! the pelvis of the person standing upright. x points forward, y left, and z up.
 //!
-//! The tables and the mathematics are tested against independent implementations. Postures, weights
-//! and scores have
-//! **not** been validated on people. [`ErgonomicsMap::validate`] compares a map with your
-//! recordings.
+//! The tables and the mathematics are tested against independent implementations. Postures, weights and scores have
+//! **not** been validated on people. [`ErgonomicsMap::validate`] compares a map with your recordings.
 //!
 //! ```
 //! use ergo_map::nalgebra::Vector3;

@@ -1,5 +1,5 @@
 // Films the live page while its person is dragged, as an animated PNG: node film.mjs ADDRESS FILE [frames].
-// `browser.sh film.mjs …` runs it; the program must run: live --port 8000, say.
+// `. browser.sh; in_browser film.mjs …` runs it; the program must run: live --port 8000, say.
 
 import { writeFileSync } from "node:fs";
 import { deflateSync, inflateSync } from "node:zlib";

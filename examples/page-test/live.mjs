@@ -82,6 +82,7 @@ const status = (fields, path = "/") =>
 const memory = () => Number(/VmRSS:\s+(\d+)/.exec(readFileSync(`/proc/${program}/status`, "utf8"))[1]) / 1024;
 
 try {
+  const opened = Date.now() - Number(started);
   await page.goto(address);
   await until(() => window.live?.picture);
   assert.equal(await page.locator("#flat").textContent(), "", "the scene is drawn");
@@ -234,6 +235,7 @@ try {
   const { pace } = last;
   console.log(
     JSON.stringify({
+      opened_after_ms: opened,
       moves_after_ms: moves,
       pictures_a_second: Math.round(10 * rate) / 10,
       drag_to_picture_ms: { p50: quantile(0.5), p95: quantile(0.95) },

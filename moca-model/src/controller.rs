@@ -315,7 +315,7 @@ impl Controller {
         &self.stack
     }
 
-    /// Where the person may be by now, and what they want, as the last tick saw it.
+    /// Returns the situation of the last tick: where the person may be, and what they want.
     pub fn situation(&self) -> &Situation {
         &self.situation
     }

@@ -7,7 +7,7 @@ use crate::grasped_object::GraspedObject;
 use crate::interaction::Phase;
 use crate::torque::TorqueController;
 
-/// When the gripper closes.
+/// Time at which the gripper closes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum GripTime {
     /// In the first tick: the object is between the fingers.

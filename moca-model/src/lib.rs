@@ -49,8 +49,8 @@
 //!
 //! - **Your robot** is any [`Model`](whole_body::Model) without a floating base, with
 //!   [`ControllerSettings::of_robot`]. Its capsules keep distances from people; without them it keeps none.
-//! - **Your task** is a level of [`CollaborationStack`]. The book in the repository, `docs/src/contributing.md`, has
-//!   the steps.
+//! - **Your task** needs a change of this crate: a level in `src/stack.rs`. The book in the repository,
+//!   `docs/src/contributing.md`, has the steps. A stack of your own is an [`Ik`](whole_body::Ik).
 //! - **What holds:** `docs/src/guarantees.md` lists what is guaranteed and what is not.
 //!
 //! This is not safety-rated software.

@@ -21,7 +21,7 @@ pub struct Confidence(f64);
 impl Confidence {
     /// Certainty.
     pub const ONE: Self = Self(1.0);
-    /// No evidence at all.
+    /// Probability zero: no evidence.
     pub const ZERO: Self = Self(0.0);
 
     /// Creates a confidence from a probability.

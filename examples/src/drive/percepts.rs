@@ -45,8 +45,10 @@ pub fn watch_percepts(
         attendant.attend();
         match frames.recv_timeout(WAKES) {
             Ok((taken, mut frame)) => {
+                // In this order a pause between the two readings makes the frame older, never of the future.
+                let now = clock.now();
                 let age = SystemTime::now().duration_since(taken).unwrap_or_default();
-                frame.percept.time = clock.now() - age.as_secs_f64();
+                frame.percept.time = now - age.as_secs_f64();
                 attendant.see(frame);
             }
             Err(RecvTimeoutError::Timeout) => {}

@@ -120,7 +120,7 @@ impl Packet {
         self.seal();
     }
 
-    /// Becomes a command.
+    /// Writes a command into the packet.
     pub fn write_command(&mut self, head: PacketHead, command: &JointCommand) {
         self.begin(head);
         let JointCommand { position, velocity, torque, grip } = command;
@@ -131,7 +131,7 @@ impl Packet {
         self.seal();
     }
 
-    /// Becomes a measurement.
+    /// Writes a measurement into the packet.
     pub fn write_measurement(&mut self, head: PacketHead, measured: &JointMeasurement) {
         self.begin(head);
         let JointMeasurement { position, velocity, torque, robot, .. } = measured;

@@ -22,7 +22,9 @@
 //! refer to a frame's origin, in axes parallel to the world's unless [`Axes::Local`] is given. The size of q is
 //! [`Model::position_count`], that of q̇ [`Model::velocity_count`]. They differ only for a floating base.
 //!
-//! - **Your robot** is read by [`Model::from_urdf_file`]. A [`Description`] adds what a URDF cannot hold.
+//! - **Your robot** is read by [`Model::from_urdf_file`]. A [`Description`] adds what a URDF cannot hold. A joint that
+//!   states no velocity limit is refused, unless it is continuous and has no `<limit>`. A missing acceleration limit is
+//!   set so that the joint reaches its velocity limit in 0.25 s. Jerk is unlimited until you state it.
 //! - **Your task** implements [`Task`], whose page has an example, and is pushed like the others.
 //! - **What holds:** position, velocity, acceleration and jerk limits of all joints, in every step and for any target.
 //!   A lower task never costs a higher one anything. The book in the repository, `docs/src/guarantees.md`, has the

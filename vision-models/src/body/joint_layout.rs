@@ -197,7 +197,7 @@ static TABLE: [Row; 10] = [
 ];
 
 impl JointLayout {
-    /// Every layout.
+    /// Lists all layouts.
     pub fn all() -> impl Iterator<Item = Self> {
         TABLE.iter().map(|row| row.layout)
     }
@@ -281,7 +281,7 @@ impl Middle {
     pub const SHOULDERS: Self = Self { joint: Neck, sides: [LeftShoulder, RightShoulder] };
     /// The mid hip, between the hips.
     pub const HIPS: Self = Self { joint: MidHip, sides: [LeftHip, RightHip] };
-    /// Both.
+    /// The neck and the mid hip.
     pub const ALL: [Self; 2] = [Self::SHOULDERS, Self::HIPS];
 }
 

@@ -138,7 +138,7 @@ impl Triangulator {
         &self.cameras
     }
 
-    /// One person's joints, each with its covariance, from what each camera sees of them. Neck and mid hip that a network
+    /// Triangulates the joints of one person, each with its covariance. Neck and mid hip that a network
     /// does not see are the middles of shoulders and hips, with their covariances.
     pub fn body(&self, views: &[Option<&ImageBody>]) -> Body {
         let views: Vec<_> = self

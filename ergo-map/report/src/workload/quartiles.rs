@@ -13,11 +13,11 @@ use serde::Serialize;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Quartiles {
-    /// A quarter of the numbers is below.
+    /// Lower quartile.
     pub lower: f64,
-    /// Half of the numbers is below.
+    /// Median.
     pub median: f64,
-    /// Three quarters of the numbers are below.
+    /// Upper quartile.
     pub upper: f64,
 }
 

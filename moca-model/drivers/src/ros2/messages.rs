@@ -31,7 +31,7 @@ pub struct Text {
 /// `std_msgs/Empty`, which DDS gives a byte without meaning
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Empty {
-    /// Nothing.
+    /// Byte without a meaning.
     pub structure_needs_at_least_one_member: u8,
 }
 

@@ -25,7 +25,7 @@ pub struct ServedRobot {
     pub base: [f64; MOCA_BASE_JOINTS],
     /// Pose of the tool in the world.
     pub tool: Isometry3<f64>,
-    /// Whether the robot holds an object.
+    /// True if the robot holds an object.
     pub holds: bool,
 }
 

@@ -3,8 +3,7 @@
 //! A simulated person, and the reports of a simulated camera and recogniser. `record` writes them, `follow` plays them,
 //! and `soak` moves them into the robot's way.
 //!
-//! [`Person`] is the body. It goes to goals within the limits of a [`Gait`], turns, steps and moves its hands. Three
-//! minds move it:
+//! [`Person`] is the body. It goes to goals within the limits of a [`Gait`], turns, steps and moves its hands. Three behaviours move it:
 //!
 //! - [`LedPerson`] does what somebody outside says.
 //! - [`Walker`] acts out the paper's Experiments 3 and 4. It brings the object to the robot, picks a tool up, leads the

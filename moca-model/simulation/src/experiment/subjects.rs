@@ -170,7 +170,7 @@ pub struct Subject {
 /// The result of the experiment.
 #[derive(Clone, Debug, Serialize)]
 pub struct SubjectsResult {
-    /// Each person.
+    /// Results of each person.
     pub subjects: Vec<Subject>,
     /// The own map against the average one, case by case.
     pub own_against_average: Duel,

@@ -7,7 +7,7 @@ use serde::{Serialize, Serializer};
 use super::spread::{Duel, Spread};
 use crate::run::Summary;
 
-/// Each case with ergonomics on the third level, and with the benchmark min ‖ẋ_d‖² there.
+/// Pairs of runs of each case: ergonomics on the third level, and the benchmark min ‖ẋ_d‖² there.
 #[derive(Clone, Debug, Default)]
 pub struct Versus {
     pairs: Vec<[Summary; 2]>,

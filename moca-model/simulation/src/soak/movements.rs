@@ -17,7 +17,7 @@ use crate::plant::PlantSettings;
 /// Ticks with each person.
 const TICKS: u64 = 8_000;
 
-/// Each movement of so many people. The same seed gives the same ticks.
+/// Settings of a run in which people make each movement. The same seed gives the same ticks.
 #[derive(Clone, Debug)]
 pub struct Movements {
     /// Seed of everything random.

@@ -19,7 +19,7 @@ pub struct Remembered {
     pub percept: Percept,
     /// Other people.
     pub others: Vec<Body>,
-    /// When it arrived \[s\].
+    /// Time of arrival \[s\].
     pub arrived: f64,
 }
 

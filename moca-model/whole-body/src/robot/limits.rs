@@ -23,7 +23,7 @@ impl JointLimits {
     /// The effort limit of a joint whose URDF states 0 or none. Features that use torques require a known limit.
     pub const UNKNOWN_EFFORT: f64 = 0.0;
 
-    /// No limits.
+    /// Limits of a joint without any: all infinite.
     pub const UNLIMITED: Self = Self {
         lower: f64::NEG_INFINITY,
         upper: f64::INFINITY,

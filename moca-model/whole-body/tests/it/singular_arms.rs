@@ -19,10 +19,19 @@ fn apart(target: &Isometry3<f64>, now: &Isometry3<f64>) -> f64 {
     (target.translation.vector - now.translation.vector).norm()
 }
 
-fn ik(model: &Model, q: &[f64], target: Isometry3<f64>) -> Ik {
+/// Motion that the pose leaves open.
+#[derive(Clone, Copy, PartialEq)]
+enum Rest {
+    Still,
+    Posture,
+}
+
+fn ik(model: &Model, q: &[f64], target: Isometry3<f64>, rest: Rest) -> Ik {
     let mut builder = Ik::builder(model);
     let task = builder.push("pose", FrameTask::new(last_frame(model)));
-    builder.push("posture", PostureTask::new());
+    if rest == Rest::Posture {
+        builder.push("posture", PostureTask::new());
+    }
     let mut ik = builder.build_at(q).unwrap();
     ik.task_mut(task).unwrap().set_target(target).unwrap();
     ik
@@ -30,9 +39,9 @@ fn ik(model: &Model, q: &[f64], target: Isometry3<f64>) -> Ik {
 
 /// Returns the time at which the tool is within 1 mm of its place, and the speed of the fastest joint a second later.
 /// `None` if it is not there in ten seconds or does not stay. Limits hold on the way.
-fn arrival(model: &Model, start: &[f64], target: Isometry3<f64>) -> Option<[f64; 2]> {
+fn arrival(model: &Model, start: &[f64], target: Isometry3<f64>, rest: Rest) -> Option<[f64; 2]> {
     let (tool, mut q) = (last_frame(model), start.to_vec());
-    let mut ik = ik(model, start, target);
+    let mut ik = ik(model, start, target, rest);
     let mut monitor = Monitor::new(model, &q);
     let mut arrived = None;
     for tick in 0..10_000_u32 {
@@ -52,12 +61,14 @@ fn arrival(model: &Model, start: &[f64], target: Isometry3<f64>) -> Option<[f64;
 
 /// The three arms that do not arrive do not arrive without damping either: on the way a wrist joint comes to its limit,
 /// and another turn of the wrist would be needed. Bounded least squares by a trust region (SciPy) from the same starts
-/// stay at the same limits, 12, 34 and 5 mm away. The targets are reached on another branch. Joints that still move
-/// after a second are redundant ones on their way to the posture.
+/// stay at the same limits, 12, 34 and 5 mm away. The targets are reached on another branch.
+///
+/// A second after they have arrived the arms rest, but for one joint at 0.012 rad/s. A posture below the pose still draws
+/// redundant joints, as slowly as its feedback says; arms without such joints rest with it, too.
 #[test]
 fn nearly_all_singular_starts_arrive() {
     let arms = arms();
-    let (mut missed, mut late, mut moving) = (Vec::new(), Vec::new(), 0);
+    let (mut missed, mut late, mut moving, mut fastest) = (Vec::new(), Vec::new(), 0, 0.0_f64);
     for (number, line) in STARTS.lines().enumerate() {
         let (arm, numbers) = line.split_once(' ').unwrap();
         let model = &arms[arm.parse::<usize>().unwrap()];
@@ -68,11 +79,18 @@ fn nearly_all_singular_starts_arrive() {
             UnitQuaternion::new_unchecked(turn),
         );
         let undamped = numbers[7];
-        if let Some([time, speed]) = arrival(model, &numbers[8..], target) {
+        let start = &numbers[8..];
+        if let Some([time, speed]) = arrival(model, start, target, Rest::Posture) {
             if time > 1.5 * undamped.max(0.1) {
                 late.push(number);
             }
-            moving += usize::from(speed > 0.01 && model.velocity_count() == 6);
+            let alone = if model.velocity_count() == 6 {
+                speed
+            } else {
+                arrival(model, start, target, Rest::Still).unwrap()[1]
+            };
+            moving += usize::from(alone > 0.01);
+            fastest = alone.max(fastest);
         } else {
             assert!(undamped.is_infinite(), "{number} is reached without damping");
             missed.push(number);
@@ -80,7 +98,7 @@ fn nearly_all_singular_starts_arrive() {
     }
     assert!(missed.len() <= 3, "not reached: {missed:?}");
     assert!(late.len() <= 1, "late: {late:?}");
-    assert!(moving <= 1, "{moving} arms without joints left over move on");
+    assert!(moving <= 1 && fastest < 0.013, "{moving} arms move on, at up to {fastest} rad/s");
 }
 
 /// An ABB IRB 1600 in the middle of its range moves 3 cm down.
@@ -90,7 +108,7 @@ fn an_elbow_over_the_first_axis_comes_back() {
     let q = vec![0.0; 6];
     let mut target = pose(&model, &q, last_frame(&model));
     target.translation.vector.z -= 0.03;
-    let [time, speed] = arrival(&model, &q, target).unwrap();
+    let [time, speed] = arrival(&model, &q, target, Rest::Posture).unwrap();
     assert!(time < 0.3 && speed < 0.01, "{time} s, {speed} rad/s");
 }
 
@@ -102,7 +120,7 @@ fn lost_direction_does_not_slow_other_motion() {
         let q = vec![0.0, -0.6, elbow, 0.2, wrist, 0.0];
         let mut target = pose(&model, &q, last_frame(&model));
         target.translation.vector.x -= 0.1;
-        let [time, speed] = arrival(&model, &q, target).unwrap();
+        let [time, speed] = arrival(&model, &q, target, Rest::Posture).unwrap();
         assert!(time < 0.7 && speed < 0.01, "{wrist} {elbow}: {time} s, {speed} rad/s");
     }
 }
@@ -114,7 +132,7 @@ fn a_panda_arrives_far_away() {
     let there = [1.3003, -0.7164, 1.533, -1.6466, 1.2488, 2.6647, 1.6661];
     let target = pose(&model, &there, last_frame(&model));
     let mut q = vec![0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785];
-    let mut ik = ik(&model, &q, target);
+    let mut ik = ik(&model, &q, target, Rest::Posture);
     for _ in 0..5000 {
         ik.step(&q, PERIOD).unwrap().integrate(&mut q).unwrap();
     }

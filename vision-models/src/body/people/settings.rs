@@ -30,7 +30,7 @@ pub struct PeopleSettings {
     pub keep: f64,
     /// Largest movement of a person between two frames (m). Default 0.6.
     pub reach: f64,
-    /// Two bodies closer than this are one person (m). Default 0.25.
+    /// Distance below which two bodies count as one person (m). Default 0.25.
     pub separate: f64,
     /// Largest number of people who are followed. Default 8.
     pub most: usize,
