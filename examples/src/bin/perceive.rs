@@ -239,8 +239,14 @@ impl Options {
             source.check_surfaces()?;
             pipeline = pipeline.with_surface(network, self.surface.surface_interval);
         }
-        if let Some(network) = self.action.network(threads, watch)? {
-            pipeline = pipeline.with_action(network);
+        // While the camera goes on the action is recognised beside the joints, which need cores, too.
+        let action_threads = if self.live { threads.div_ceil(2) } else { threads };
+        if let Some(network) = self.action.network(action_threads, watch)? {
+            pipeline = if self.live {
+                pipeline.with_action_beside(network)
+            } else {
+                pipeline.with_action(network)
+            };
         }
         Ok(pipeline)
     }

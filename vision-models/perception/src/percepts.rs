@@ -1,6 +1,7 @@
 //! Converts camera frames to percepts: the sources of joints in the image, and their processing.
 
 mod action_network;
+mod action_thread;
 mod chain;
 mod pipeline;
 mod pose_network;

@@ -58,14 +58,13 @@ impl SlowOnlyStream {
         Ok(Self { network, frame, window, frames, seen: 0, features, logits })
     }
 
-    /// Adds the next normalised frame, 3 × height × width. Returns the scores of the window if it
-    /// is full.
+    /// Adds the next normalised frame, 3 × height × width, without scoring the window. This takes
+    /// only the first half of the network, for streams whose frames come faster than scores.
     ///
     /// # Errors
     /// - [`Error::Size`] if the frame's size is not the stream's. The window is then unchanged.
     /// - [`Error::Value`] if a value is NaN or infinite. The window is then unchanged.
-    /// - [`Error::Overflow`] as long as the window holds a frame whose activations overflow.
-    pub fn push(&mut self, frame: ArrayView3<'_, f32>) -> Result<Option<Scores<'_>>, Error> {
+    pub fn add(&mut self, frame: ArrayView3<'_, f32>) -> Result<(), Error> {
         let (to, memory) = self.frame.input(0);
         let [_, rows, columns] = to.layout.size;
         let expected = [3, rows, columns];
@@ -75,21 +74,32 @@ impl SlowOnlyStream {
         }
         copy_frame(&frame, [0, 0], 0, (to, memory))?;
         let Network { threads, weights, .. } = &self.network;
-        let mut pool = threads.lock();
-        self.frame.run(&mut pool, &weights.layers);
+        self.frame.run(&mut threads.lock(), &weights.layers);
         let (to, window) = self.window.plan.input(0);
         if let Some(from) = self.frame.outputs().next() {
             slide(from, (to, window));
         }
         self.seen = (self.seen + 1).min(self.frames);
+        Ok(())
+    }
+
+    /// Adds the next normalised frame, 3 × height × width. Returns the scores of the window if it
+    /// is full.
+    ///
+    /// # Errors
+    /// Those of [`add`](Self::add), and [`Error::Overflow`] as long as the window holds a frame whose
+    /// activations overflow.
+    pub fn push(&mut self, frame: ArrayView3<'_, f32>) -> Result<Option<Scores<'_>>, Error> {
+        self.add(frame)?;
         if self.seen < self.frames {
             return Ok(None);
         }
-        self.window.run(&mut pool, weights, &mut self.features, &mut self.logits);
+        let Network { threads, weights, .. } = &self.network;
+        self.window.run(&mut threads.lock(), weights, &mut self.features, &mut self.logits);
         check_finite(0, &self.features, &self.logits)?;
         let view = |data| {
             ArrayView2::from_shape((1, <[f32]>::len(data)), data)
-                .map_err(|_| wrong_input(&expected))
+                .map_err(|_| wrong_input(frame.shape()))
         };
         Ok(Some(Scores { logits: view(&self.logits)?, features: view(&self.features)? }))
     }

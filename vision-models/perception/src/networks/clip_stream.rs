@@ -1,6 +1,6 @@
 //! A network for clips on the newest frames of a camera.
 
-use ndarray::Axis;
+use ndarray::{Array4, Axis};
 use vision_models::{LinearHead, Preprocessing, SlowOnly, SlowOnlyForm, SlowOnlyStream};
 
 use super::clip_classifier::probabilities;
@@ -46,11 +46,23 @@ impl ClipStream {
     /// # Errors
     /// Names an image that cannot be used.
     pub fn push(&mut self, image: &Picture) -> Result<Option<Vec<f32>>, Error> {
-        let pixels = image.read()?;
-        let of_image = Error::content(image.name());
-        let image = self.preprocessing.image(pixels.view()).map_err(of_image)?;
+        let image = self.prepared(image)?;
         let Some(scores) = self.stream.push(image.index_axis(Axis(0), 0))? else { return Ok(None) };
         probabilities(self.head.as_ref(), &scores, 0).map(Some)
+    }
+
+    /// Adds a frame to the window without evaluating it, which takes less time.
+    ///
+    /// # Errors
+    /// Names an image that cannot be used.
+    pub fn add(&mut self, image: &Picture) -> Result<(), Error> {
+        let image = self.prepared(image)?;
+        Ok(self.stream.add(image.index_axis(Axis(0), 0))?)
+    }
+
+    fn prepared(&self, image: &Picture) -> Result<Array4<f32>, Error> {
+        let pixels = image.read()?;
+        self.preprocessing.image(pixels.view()).map_err(Error::content(image.name()))
     }
 
     /// Forgets all frames.

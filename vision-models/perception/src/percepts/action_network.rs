@@ -67,7 +67,7 @@ impl ActionNetwork {
             return Err(Error::unfit(weights.display(), found, wanted));
         }
         let stream = ClipStream::new(network, length, preprocessing, None)?;
-        Ok(Self { stream, actions, interval: interval.max(1), newest: None })
+        Ok(Self::new(stream, actions, interval))
     }
 
     /// Loads a model trained by `actions train`, on the network with which it was trained.
@@ -85,9 +85,18 @@ impl ActionNetwork {
         let actions = classes.collect::<Result<_, _>>();
         let actions = actions.map_err(Error::content(folder))?;
         let weights = model.weights.weights(weights, watch)?;
-        let interval = (model.window.interval as u64).max(1);
+        let interval = model.window.interval as u64;
         let stream = model.stream(weights, threads, watch)?;
-        Ok(Self { stream, actions, interval, newest: None })
+        Ok(Self::new(stream, actions, interval))
+    }
+
+    pub(super) fn new(stream: ClipStream, actions: Vec<Action>, interval: u64) -> Self {
+        Self { stream, actions, interval: interval.max(1), newest: None }
+    }
+
+    /// Number of camera frames from one frame of the window to the next.
+    pub fn interval(&self) -> u64 {
+        self.interval
     }
 
     /// Returns true if the frame of this number belongs to the window.
@@ -101,13 +110,26 @@ impl ActionNetwork {
     /// # Errors
     /// An error if the image cannot be used.
     pub fn push(&mut self, frame: u64, image: &Picture) -> Result<Option<RecognisedAction>, Error> {
-        let missed = self.newest.is_some_and(|newest| frame - newest > GAPS * self.interval);
-        if missed {
-            self.stream.clear();
-        }
-        self.newest = Some(frame);
+        self.follow(frame);
         let Some(probabilities) = self.stream.push(image)? else { return Ok(None) };
         self.decide(&probabilities)
+    }
+
+    /// Adds a colour image to the window without recognising the action, which takes less time.
+    ///
+    /// # Errors
+    /// An error if the image cannot be used.
+    pub fn add(&mut self, frame: u64, image: &Picture) -> Result<(), Error> {
+        self.follow(frame);
+        self.stream.add(image)
+    }
+
+    /// Empties the window if this frame comes too long after the newest in it.
+    fn follow(&mut self, frame: u64) {
+        let newest = self.newest.replace(frame);
+        if newest.is_some_and(|newest| frame.saturating_sub(newest) > GAPS * self.interval) {
+            self.stream.clear();
+        }
     }
 
     /// Returns the most probable action of the most probable intention, with the probability of

@@ -10,6 +10,7 @@ use vision_models::{
 
 use super::{
     action_network::ActionNetwork,
+    action_thread::ActionThread,
     chain::Perceiver,
     pose_source::{Frame, PoseSource},
     posture::{Assessor, MeasuredAssessment, PostureSettings},
@@ -29,7 +30,7 @@ pub struct Pipeline {
     surface: Option<SurfaceNetwork>,
     /// Number of camera frames between two images of the surface.
     surface_interval: u64,
-    action: Option<ActionNetwork>,
+    action: Option<ActionSource>,
     seen_surface: Option<Seen<RecognisedSurface>>,
     seen_action: Option<Seen<RecognisedAction>>,
     /// Number of the next frame for the surface.
@@ -38,6 +39,15 @@ pub struct Pipeline {
     assessor: Option<(PersonId, Assessor)>,
     sightings: Sightings,
     stature: Option<StatureEstimate>,
+}
+
+/// Place where the action is recognised.
+#[derive(Debug)]
+enum ActionSource {
+    /// Between two frames, which wait for it.
+    Between(ActionNetwork),
+    /// Beside the frames.
+    Beside(ActionThread),
 }
 
 /// A recognition result and its times.
@@ -107,10 +117,18 @@ impl Pipeline {
         self
     }
 
-    /// Adds recognition of the action.
+    /// Adds recognition of the action. Frames wait for it, so that equal frames give equal percepts.
     #[must_use]
     pub fn with_action(mut self, network: ActionNetwork) -> Self {
-        self.action = Some(network);
+        self.action = Some(ActionSource::Between(network));
+        self
+    }
+
+    /// Adds recognition of the action in a thread of its own, for a camera that goes on. No frame
+    /// waits: a percept has the last action that was found.
+    #[must_use]
+    pub fn with_action_beside(mut self, network: ActionNetwork) -> Self {
+        self.action = Some(ActionSource::Beside(ActionThread::new(network)));
         self
     }
 
@@ -196,12 +214,23 @@ impl Pipeline {
             self.next_surface = entry.frame.saturating_add(self.surface_interval);
             times.surface = Some(begun.elapsed());
         }
-        if let Some(network) = self.action.as_mut().filter(|network| network.wants(entry.frame)) {
-            let begun = Instant::now();
-            if let Some(what) = network.push(entry.frame, colour).map_err(Error::of_frame)? {
-                self.seen_action = Some(Seen { what, stamp: stamp() });
-                times.action = Some(begun.elapsed());
+        match &mut self.action {
+            Some(ActionSource::Between(network)) if network.wants(entry.frame) => {
+                let begun = Instant::now();
+                if let Some(what) = network.push(entry.frame, colour).map_err(Error::of_frame)? {
+                    self.seen_action = Some(Seen { what, stamp: stamp() });
+                    times.action = Some(begun.elapsed());
+                }
             }
+            Some(ActionSource::Beside(thread)) => {
+                thread.offer(entry.frame, entry.time, colour);
+                while let Some(found) = thread.found().map_err(Error::of_frame)? {
+                    let stamp = Stamp { captured: Some(found.captured), ..stamp() };
+                    self.seen_action = Some(Seen { what: found.action, stamp });
+                    times.action = Some(found.taken);
+                }
+            }
+            _ => {}
         }
         let surface = self.seen_surface.filter(|seen| seen.is_recent(entry.time));
         let action = self.seen_action.filter(|seen| seen.is_recent(entry.time));
