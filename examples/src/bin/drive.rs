@@ -40,7 +40,8 @@ use vision_models::{People, PeopleSettings, TrackerSettings};
 
 /// Stature of a person whose recording gives none \[m\].
 const DEFAULT_STATURE: f64 = 1.75;
-/// Moves MOCA in real time at 1 kHz beside a recorded person, and prints how well the deadlines were kept.
+/// Moves MOCA, or the robot of `--settings`, in real time at 1 kHz beside a recorded person. Prints how well the
+/// deadlines were kept.
 ///
 /// The robot is simulated, in this process or behind UDP. `drive --serve` is such a robot, and shows what a driver of a
 /// real one has to do. If built with the feature `ros2`, `--ros2` moves a robot on the ROS 2 graph and sees the person

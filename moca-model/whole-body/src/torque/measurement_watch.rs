@@ -9,7 +9,8 @@ const SELDOM: f64 = 4e-3;
 /// Time beyond the usual interval for which a measurement is awaited before the robot brakes \[s\]. A fault comes
 /// later.
 const AWAITED: f64 = 2e-3;
-/// Number of first measurements that decide whether noise makes each one differ from the one before.
+/// Number of first measurements that decide whether noise makes each one differ from the one before. A change of at most
+/// twice the commanded motion may be motion.
 const JUDGED: u32 = 20;
 /// Number of equal measurements in a row that cannot be explained by repeated ones for lost packets.
 const EQUAL: u32 = 6;
@@ -55,7 +56,7 @@ pub struct MeasurementWatch {
     motion: Vec<f64>,
     /// Number of measurements so far, up to those that are judged.
     seen: u32,
-    /// True if each of these differed from the one before.
+    /// True if noise made each of these differ from the one before.
     differs: bool,
     /// Longest interval between the first measurements that differed \[s\], and their number.
     usual: f64,
@@ -116,7 +117,7 @@ impl MeasurementWatch {
 
     /// Takes a measurement that has just come.
     fn take(&mut self, measured: JointState<'_>) {
-        let (mut equal, mut moved) = (true, 0.0_f64);
+        let (mut equal, mut noisy, mut moved) = (true, false, 0.0_f64);
         let last = self.position.iter_mut().zip(&mut self.velocity).zip(&mut self.motion);
         let new = measured.position.iter().zip(measured.velocity);
         for (((position, velocity), motion), (new, new_velocity)) in last.zip(new) {
@@ -125,12 +126,14 @@ impl MeasurementWatch {
                 moved = moved.max(*motion);
             } else {
                 equal = false;
+                let moves = *motion > 0.0 && (new - *position).abs() <= 2.0 * *motion;
+                noisy |= !moves;
                 *motion = 0.0;
                 (*position, *velocity) = (*new, *new_velocity);
             }
         }
         if self.seen < JUDGED {
-            self.differs &= !equal;
+            self.differs &= noisy;
             self.seen += 1;
         }
         let is_old = equal && ((self.differs && self.seen == JUDGED) || moved > MOTION);
@@ -174,6 +177,67 @@ impl MeasurementWatch {
             Some(MeasurementFault::Missing)
         } else {
             None
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    const PERIOD: f64 = 1e-3;
+
+    /// Watches a robot for so many periods: its command [rad/s] and its measured position [rad] in each.
+    fn watch(ticks: u32, mut robot: impl FnMut(u32) -> (f64, f64)) -> Option<MeasurementFault> {
+        let mut watch = MeasurementWatch::new(1);
+        let (mut commanded, mut last) = (0.0, None);
+        for tick in 0..ticks {
+            let (next, position) = robot(tick);
+            let velocity = last.map_or(0.0, |last| (position - last) / PERIOD);
+            let measured = JointState { position: &[position], velocity: &[velocity] };
+            watch.update(measured, &[commanded], 0.0, PERIOD);
+            (commanded, last) = (next, Some(position));
+            if watch.fault().is_some() {
+                break;
+            }
+        }
+        watch.fault()
+    }
+
+    proptest! {
+        /// A simulated robot without noise that moves from its first tick on may rest.
+        #[test]
+        fn a_robot_without_noise_may_rest(
+            speed in 1e-4..2.0_f64, moves in 60..400_u32, lag in prop::option::of(2e-3..0.05_f64),
+        ) {
+            let (mut wanted, mut position) = (0.3, 0.3);
+            let fault = watch(2 * moves + 600, |tick| {
+                let share = lag.map_or(1.0, |lag| PERIOD / (lag + PERIOD));
+                position += (wanted - position) * share;
+                // It speeds up within 50 ms, moves, and stands.
+                let command = if tick < moves { speed * f64::from((tick + 1).min(50)) / 50.0 } else { 0.0 };
+                wanted += command * PERIOD;
+                (command, position)
+            });
+            prop_assert_eq!(fault, None);
+        }
+
+        /// Noise shows that measurements freeze, also of a robot that creeps at first.
+        #[test]
+        fn noise_tells_frozen_from_still(
+            speed in 0.0..1e-3_f64, noise in 1e-5..1e-4_f64, frozen in 30..200_u32,
+        ) {
+            let mut shown = 0.0;
+            let fault = watch(frozen + 20, |tick| {
+                if tick < frozen {
+                    let sign = if tick % 2 == 0 { noise } else { -noise };
+                    shown = speed * PERIOD * f64::from(tick) + sign;
+                }
+                (if tick < frozen { speed } else { 0.0 }, shown)
+            });
+            prop_assert_eq!(fault, Some(MeasurementFault::Frozen));
         }
     }
 }

@@ -45,7 +45,7 @@ pub struct Pipeline {
 #[derive(Debug)]
 enum ActionSource {
     /// Between two frames, which wait for it.
-    Between(ActionNetwork),
+    Between(Box<ActionNetwork>),
     /// Beside the frames.
     Beside(ActionThread),
 }
@@ -120,7 +120,7 @@ impl Pipeline {
     /// Adds recognition of the action. Frames wait for it, so that equal frames give equal percepts.
     #[must_use]
     pub fn with_action(mut self, network: ActionNetwork) -> Self {
-        self.action = Some(ActionSource::Between(network));
+        self.action = Some(ActionSource::Between(Box::new(network)));
         self
     }
 
