@@ -122,8 +122,11 @@ mod tests {
     }
 
     fn image(frame: u64) -> Picture {
+        let shift = 53 * usize::try_from(frame).unwrap();
         let pixel = |(row, column, colour): (usize, usize, usize)| {
-            (37 * row + 11 * column + 91 * colour + 53 * frame as usize * (row + 1)) as u8
+            let [byte, ..] =
+                (37 * row + 11 * column + 91 * colour + shift * (row + 1)).to_le_bytes();
+            byte
         };
         Picture::Pixels(Array3::from_shape_fn((64, 64, 3), pixel))
     }
