@@ -106,7 +106,7 @@ fn thresholds_are_those_of_the_defaults() {
         ("noticed only at {} N at the tool", supervisor.contact_force),
         ("a clamping is noticed at {} N at the tool", supervisor.contact_force),
         ("at most {} m/s as measured", safety.contact_speed),
-        ("nearer than {} m plus what is not known of its speed times its age", unknown),
+        ("nearer than {} m plus the uncertainty of its speed times its age", unknown),
         ("where none is measured at {} m/s", separation.human_speed),
         ("After {} s the loop halts the robot", limits.blind_within),
     ] {
@@ -119,7 +119,7 @@ fn thresholds_are_those_of_the_defaults() {
         ("leaves at {} of its speeds", Supervisor::RETREAT_SCALE),
         ("there have been {} m more room", Supervisor::HYSTERESIS),
         ("the cause has been gone for {} s |", Supervisor::DWELL),
-        ("nearer than {} m plus what is not known of its speed times its age", unknown),
+        ("nearer than {} m plus the uncertainty of its speed times its age", unknown),
     ] {
         let text = text.replace("{}", &number.to_string());
         assert!(model.contains(&text), "{text}");
