@@ -114,13 +114,20 @@ impl Chain {
         let on = |link: usize| bodies.iter().filter(move |body| body.link == link);
         let placed =
             |body: &Body| body.ends.map(|end| (poses[body.link] * Point3::from(end)).coords);
-        let apart = |one: &Body, other: &Body| {
-            apart(placed(one), placed(other)) - one.radius - other.radius
-        };
-        let pairs = pairs.iter().flat_map(|&(one, other)| {
-            on(one).flat_map(move |one| on(other).map(move |other| apart(one, other)))
-        });
-        pairs.fold(f64::INFINITY, f64::min)
+        let mut least = f64::INFINITY;
+        for &(one, other) in pairs {
+            for (one, other) in on(one).flat_map(|one| on(other).map(move |other| (one, other))) {
+                let (first, second, radii) =
+                    (placed(one), placed(other), one.radius + other.radius);
+                // The search takes long, and no point is nearer than the spheres around both.
+                let [(centre, half), (other_centre, other_half)] = [first, second]
+                    .map(|[start, end]| (0.5 * (start + end), 0.5 * (end - start).norm()));
+                if (other_centre - centre).norm() - half - other_half - radii < least {
+                    least = least.min(apart(first, second) - radii);
+                }
+            }
+        }
+        least
     }
 
     fn configuration(&self, draw: &mut ChaCha8Rng) -> Vec<f64> {
@@ -128,7 +135,8 @@ impl Chain {
     }
 }
 
-/// Distance of two segments \[m\]: that of two points in closed form, and of others by a search over convex functions.
+/// Distance of two segments \[m\]: that of two points in closed form, and of others by a search over convex functions,
+/// to a millionth of their lengths.
 fn apart(first: [Vector3<f64>; 2], second: [Vector3<f64>; 2]) -> f64 {
     let of_point = |point: Vector3<f64>, [start, end]: [Vector3<f64>; 2]| {
         let along = end - start;
@@ -140,7 +148,7 @@ fn apart(first: [Vector3<f64>; 2], second: [Vector3<f64>; 2]) -> f64 {
         return at(0.0);
     }
     let (mut lower, mut upper) = (0.0, 1.0);
-    for _ in 0..50 {
+    for _ in 0..30 {
         let (left, right) = (lower + (upper - lower) / 3.0, upper - (upper - lower) / 3.0);
         if at(left) < at(right) { upper = right } else { lower = left }
     }
