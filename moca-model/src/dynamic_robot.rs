@@ -55,18 +55,6 @@ impl Default for DynamicRobotSettings {
 }
 
 impl DynamicRobotSettings {
-    /// Creates settings without noise, delay and losses.
-    pub fn ideal() -> Self {
-        Self {
-            position_noise: [0.0; 2],
-            velocity_noise: [0.0; 2],
-            torque_noise: 0.0,
-            delay: 0,
-            loss: 0.0,
-            ..Self::default()
-        }
-    }
-
     fn sensors(&self, joints: usize) -> SensorSettings {
         let base = |index: usize| index < self.base_joints;
         let each = |[of_base, of_arm]: [f64; 2]| -> Vec<f64> {

@@ -106,8 +106,6 @@ impl PoseAxes {
     pub const ALL: Self = Self { chosen: [true; 6] };
     /// x, y and z.
     pub const POSITION: Self = Self { chosen: [true, true, true, false, false, false] };
-    /// The rotations about x, y and z.
-    pub const ORIENTATION: Self = Self { chosen: [false, false, false, true, true, true] };
     /// x, y and the rotation about z.
     pub const PLANAR: Self = Self { chosen: [true, true, false, false, false, true] };
 

@@ -40,6 +40,8 @@ use vision_models::{People, PeopleSettings, TrackerSettings};
 
 /// Stature of a person whose recording gives none \[m\].
 const DEFAULT_STATURE: f64 = 1.75;
+/// Distance between nodes of the map where nobody comes, in statures.
+const COARSE: f64 = 0.1;
 /// Moves MOCA, or the robot of `--settings`, in real time at 1 kHz beside a recorded person. Prints how well the
 /// deadlines were kept.
 ///
@@ -299,7 +301,10 @@ impl Options {
             (Person::new(map.stature())?, map)
         } else {
             let person = Person::new(header.stature.unwrap_or(DEFAULT_STATURE))?;
-            let map = build_map(session, &person, &MapOptions::default(), None)?;
+            // Nobody comes to the circle, so the map need not be fine.
+            let spacing = if self.circle { COARSE } else { MapOptions::default().spacing };
+            let options = MapOptions { spacing, ..MapOptions::default() };
+            let map = build_map(session, &person, &options, None)?;
             (person, map)
         };
         let scenario = Scenario::new(percepts, &person, map)?.among(others)?;

@@ -86,6 +86,15 @@ impl DrivenRobot {
             torque: TorqueLoopSettings::of_robot(&model, base.torque.compensation),
             ..base
         };
+        let joints = base.torque.joints.len();
+        for gains in ["stiffness", "damping"] {
+            let setting = format!("torque.impedance.{gains}");
+            ensure!(
+                file.has(&setting) || joints == base.torque.impedance.stiffness.len(),
+                "{setting} is missing: its default is a Panda's, and this robot has {joints} joints driven by torque; \
+                 give one number for each"
+            );
+        }
         Ok(Self { settings: file.over(&base)?, model, start })
     }
 

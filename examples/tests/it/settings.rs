@@ -199,6 +199,12 @@ fn an_arm_of_six_joints_takes_its_gains() {
     assert_eq!(robot.settings.torque.joints, joints);
     let error = format!("{:#}", read("[60, 50, 40, 30, 20, 10, 5]").unwrap_err());
     assert!(error.contains("stiffness has 7 elements; the robot needs 6"), "{error}");
+    let gainless = text("[]", "[]").replace("[torque.impedance]\nstiffness = []\ndamping = []", "");
+    let file = SettingsFile::parse(&gainless).unwrap();
+    let error = DrivenRobot::read(RobotSettings::default(), Some((Path::new("arm.toml"), &file)));
+    let error = format!("{:#}", error.unwrap_err());
+    assert!(error.contains("torque.impedance.stiffness is missing"), "{error}");
+    assert!(error.contains("6 joints"), "{error}");
     let file = tempfile::NamedTempFile::new().unwrap();
     let text = text("[600, 600, 600, 600, 250, 150]", "[50, 50, 50, 20, 20, 20]");
     fs::write(file.path(), text).unwrap();

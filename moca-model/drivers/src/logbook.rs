@@ -73,7 +73,9 @@ impl Logbook {
         let begins = |state| tick.safety == state && self.state != state;
         let is_asked = tick.cause == Some(Cause::Fault(Fault::StopRequested));
         self.protective_stops += u64::from(begins(SafetyState::ProtectiveStop) && !is_asked);
-        self.retreats += u64::from(begins(SafetyState::Retreat));
+        // Recovery from a stop goes through the same state.
+        let is_near = matches!(tick.cause, Some(Cause::TooClose(_)));
+        self.retreats += u64::from(begins(SafetyState::Retreat) && is_near);
         self.ticks_together += u64::from(tick.row.collaborating);
         self.state = tick.safety;
         let changed = match (tick.transition, is_new) {
@@ -88,5 +90,52 @@ impl Logbook {
             ""
         };
         Some(format!("{time:>8.3} s  {label}{waits}"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use hrsw_safety::Nearest;
+    use moca_model::Phase;
+    use moca_replay::report::TickRow;
+    use nalgebra::{Isometry3, Vector6};
+
+    use super::*;
+
+    /// Returns what the book counts of these states: protective stops, and retreats.
+    fn counted(states: &[(SafetyState, Option<Cause>)]) -> (u64, u64) {
+        let mut book = Logbook::default();
+        for (index, &(safety, cause)) in states.iter().enumerate() {
+            book.push(&LoopTick {
+                row: TickRow { time: index as f64, ..TickRow::default() },
+                tool: Isometry3::identity(),
+                desired_twist: Vector6::zeros(),
+                phase: Phase::Apart,
+                transition: None,
+                safety,
+                cause,
+                waits: false,
+                person: None,
+                holds: false,
+            });
+        }
+        (book.protective_stops, book.retreats)
+    }
+
+    #[test]
+    fn recovery_from_a_fault_is_no_retreat() {
+        use SafetyState::{Normal, ProtectiveStop, Reduced, Retreat};
+        let fault = Some(Cause::Fault(Fault::MissingMeasurement));
+        let near = Nearest { robot: 0, other: 0, distance: 0.1, required: 0.4, approach: 0.0 };
+        let near = Some(Cause::TooClose(near));
+        let recovery =
+            [(Normal, None), (ProtectiveStop, fault), (Retreat, fault), (Reduced, fault)];
+        assert_eq!(counted(&recovery), (1, 0));
+        assert_eq!(
+            counted(&[(Normal, None), (Retreat, near), (Retreat, near), (Normal, None)]),
+            (0, 1)
+        );
+        let asked = Some(Cause::Fault(Fault::StopRequested));
+        assert_eq!(counted(&[(Normal, None), (ProtectiveStop, asked)]), (0, 0));
     }
 }

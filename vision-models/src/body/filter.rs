@@ -95,6 +95,19 @@ impl<const D: usize> Measurement<D> {
         let position = covariance * (one.solve(&self.position) + two.solve(&other.position));
         Some(Self { position, covariance, lasting: self.lasting })
     }
+
+    /// Returns the squared Mahalanobis distance from a position with this covariance. Infinite if
+    /// the covariances are invalid.
+    pub(super) fn distance_squared(
+        &self,
+        position: SVector<f64, D>,
+        covariance: SMatrix<f64, D, D>,
+    ) -> f64 {
+        let innovation = self.position - position;
+        (covariance + self.covariance)
+            .cholesky()
+            .map_or(f64::INFINITY, |factor| innovation.dot(&factor.solve(&innovation)))
+    }
 }
 
 impl<const D: usize> PointFilter<D> {
@@ -200,13 +213,9 @@ impl<const D: usize> PointFilter<D> {
         }
     }
 
-    /// Returns the squared Mahalanobis distance of a measurement from the position. Infinite if its
-    /// covariance is invalid.
+    /// See [`Measurement::distance_squared`].
     pub(super) fn distance_squared(&self, measured: &Measurement<D>) -> f64 {
-        let innovation = measured.position - self.position();
-        (self.position_covariance() + measured.covariance)
-            .cholesky()
-            .map_or(f64::INFINITY, |factor| innovation.dot(&factor.solve(&innovation)))
+        measured.distance_squared(self.position(), self.position_covariance())
     }
 
     pub(super) fn position(&self) -> SVector<f64, D> {

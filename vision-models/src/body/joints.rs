@@ -115,29 +115,12 @@ impl JointFilter {
 }
 
 /// The velocity of a joint.
-///
-/// ```
-/// use nalgebra::{Matrix3, Vector3};
-/// use vision_models::JointVelocity;
-///
-/// let covariance = Matrix3::identity() * 0.1_f64.powi(2);
-/// let at_rest = JointVelocity { mean: Vector3::zeros(), covariance };
-/// assert!((at_rest.deviation() - 0.1).abs() < 1e-12);
-/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointVelocity {
     /// Mean in the world frame (m/s).
     pub mean: Vector3<f64>,
     /// Covariance (m²/s²).
     pub covariance: Matrix3<f64>,
-}
-
-impl JointVelocity {
-    /// Returns the standard deviation in the direction in which the velocity is least certain
-    /// (m/s).
-    pub fn deviation(&self) -> f64 {
-        self.covariance.symmetric_eigenvalues().max().max(0.0).sqrt()
-    }
 }
 
 impl Followed {

@@ -25,8 +25,6 @@ use super::freshness::Freshness;
 /// // Half a metre in front of the person is half a metre closer to the origin.
 /// let hand = person.world_from_person() * Point3::new(0.5, 0.0, 1.0);
 /// assert!((hand - Point3::new(1.5, 0.0, 1.0)).norm() < 1e-12);
-/// // The person walks forwards.
-/// assert!((person.velocity_in_person() - Vector2::new(0.5, 0.0)).norm() < 1e-12);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TrackedPerson {
@@ -58,10 +56,5 @@ impl TrackedPerson {
             Translation3::new(self.floor.x, self.floor.y, 0.0),
             UnitQuaternion::from_axis_angle(&Vector3::z_axis(), self.heading),
         )
-    }
-
-    /// Returns the velocity in the person's own frame: x forwards, y to the left (m/s).
-    pub fn velocity_in_person(&self) -> Vector2<f64> {
-        nalgebra::Rotation2::new(-self.heading) * self.velocity
     }
 }

@@ -43,10 +43,6 @@ impl BodySegment {
     /// The number of segments.
     pub const COUNT: usize = 6;
 
-    /// Segments in the order of their index.
-    pub const ALL: [Self; Self::COUNT] =
-        [Self::Thigh, Self::Shank, Self::Trunk, Self::UpperArm, Self::Forearm, Self::Shoulders];
-
     /// Returns the length as a fraction of stature (Drillis & Contini 1966; for the shoulder joints
     /// ANSUR II 2012).
     pub fn fraction(self) -> f64 {

@@ -62,12 +62,9 @@ impl<const D: usize> TwoModels<D> {
         Self { moving, standing, stands: likely / (likely + 1.0 - stands) }
     }
 
-    /// See [`PointFilter::distance_squared`].
+    /// See [`Measurement::distance_squared`].
     pub(super) fn distance_squared(&self, measured: &Measurement<D>) -> f64 {
-        let innovation = measured.position - self.position();
-        (self.position_covariance() + measured.covariance)
-            .cholesky()
-            .map_or(f64::INFINITY, |factor| innovation.dot(&factor.solve(&innovation)))
+        measured.distance_squared(self.position(), self.position_covariance())
     }
 
     pub(super) fn position(&self) -> SVector<f64, D> {

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 use ergo_map::{ErgonomicsMap, PersonFrame};
-use hrsw_safety::SafetyState;
+use hrsw_safety::{Cause, SafetyState};
 use human_perception::percepts::{Assessor, MeasuredAssessment};
 use moca_model::{Controller, ControllerSettings, Goal, GraspedObject, MOCA_BASE_JOINTS, Phase};
 use moca_replay::recorded::Recorder;
@@ -231,7 +231,11 @@ impl<'a> Run<'a> {
             row.reba = hand.reba;
         }
         let begins = |state| command.safety == state && self.state != state;
-        let (stops, retreats) = (begins(SafetyState::ProtectiveStop), begins(SafetyState::Retreat));
+        let stops = begins(SafetyState::ProtectiveStop);
+        // Recovery from a stop goes through the same state.
+        let cause = self.plant.controller().safety().supervisor().cause();
+        let is_near = matches!(cause, Some(Cause::TooClose(_)));
+        let retreats = begins(SafetyState::Retreat) && is_near;
         row.reba_measured = self.measured.map(|measured| measured.reba.reba);
         self.move_person(now, Some(actual).filter(|_| engaged));
         let too_near = self.is_too_near()?;

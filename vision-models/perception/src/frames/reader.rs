@@ -131,11 +131,6 @@ impl FramesReader {
         self.stature
     }
 
-    /// Returns true if the index is closed, so that no further frame comes.
-    pub fn is_ended(&self) -> bool {
-        self.ended
-    }
-
     /// Returns how many frame numbers were missing so far. These frames were lost by the camera.
     pub fn lost(&self) -> u64 {
         self.lost
