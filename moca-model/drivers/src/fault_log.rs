@@ -26,6 +26,8 @@ struct Episode {
 ///     log.push(now, fault);
 /// }
 /// assert_eq!(log.to_string(), "tick late from 0.001 to 0.001 s");
+/// log.push(6.0, Some(Fault::StopRequested));
+/// assert_eq!(log.to_string(), "tick late from 0.001 to 0.001 s; 1 × stop requested");
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct FaultLog {
@@ -78,9 +80,19 @@ impl std::fmt::Display for FaultLog {
         let Some((first, others)) = self.episodes.split_first() else { return write!(f, "none") };
         let Episode { fault, begin, end } = first;
         write!(f, "{fault} from {begin:.3} to {end:.3} s")?;
-        match others.len() as u64 + self.left_out {
+        let mut counts: Vec<(Fault, u64)> = Vec::new();
+        for Episode { fault, .. } in others {
+            match counts.iter_mut().find(|(known, _)| known == fault) {
+                Some((_, count)) => *count += 1,
+                None => counts.push((*fault, 1)),
+            }
+        }
+        for (fault, count) in counts {
+            write!(f, "; {count} × {fault}")?;
+        }
+        match self.left_out {
             0 => Ok(()),
-            more => write!(f, ", and {more} more"),
+            more => write!(f, "; {more} not listed"),
         }
     }
 }
