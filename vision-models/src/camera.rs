@@ -8,6 +8,7 @@ mod distortion;
 mod files;
 mod intrinsics;
 mod placed;
+mod placement;
 
 pub use calibration::CalibratedCamera;
 pub use depth_image::DepthImage;
@@ -17,3 +18,4 @@ pub use distortion::Distortion;
 pub use files::{decode_depth, read_depth};
 pub use intrinsics::Intrinsics;
 pub use placed::Camera;
+pub use placement::CameraPlacement;

@@ -17,6 +17,7 @@
 //! | joints of one person in the world | [`BodyTracker`] |
 //! | joints of several people | [`People`] |
 //! | joints in an image, and a depth image | [`Lifter`] |
+//! | the place of a camera, from points where a robot holds its tool | [`CameraPlacement`] |
 //! | joints in images of several calibrated cameras | [`Triangulator`] |
 //! | metric joints of one camera without depth | [`MonocularLifter`] |
 //! | images of people | [`BlazePose`], [`SimpleBaseline`], [`OpenPose`] |
@@ -100,7 +101,9 @@ pub use body::{
     JointLayout, JointVelocity, Keypoint, MetricBody, Middle, ObservedBody, People, PeopleSettings,
     PersonId, PersonTrack, SegmentLength, StatureEstimate, TrackedPerson, TrackerSettings,
 };
-pub use camera::{CalibratedCamera, Camera, DepthImage, DepthNoise, Distortion, Intrinsics};
+pub use camera::{
+    CalibratedCamera, Camera, CameraPlacement, DepthImage, DepthNoise, Distortion, Intrinsics,
+};
 #[cfg(feature = "inference")]
 pub use camera::{decode_depth, read_depth};
 pub use confidence::Confidence;

@@ -8,6 +8,7 @@
 )]
 
 mod actions;
+mod calibrate;
 mod chain;
 mod convert;
 mod drive;

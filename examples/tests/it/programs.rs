@@ -122,6 +122,7 @@ fn help_describes_each_program_and_its_status() {
         ("tlx", "Scores NASA-TLX questionnaires"),
         ("perceive", "Makes a recording, as `follow` plays it, of a folder of camera frames"),
         ("merge", "Merges the files that a program wrote with --shard I/N"),
+        ("calibrate", "Finds where a camera stands"),
         ("ergo_map", "Builds the ergonomics map of a person: how"),
     ] {
         let help = Runs::new(name).with(&["--help"]).run().done().output;

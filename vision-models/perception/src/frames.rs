@@ -3,11 +3,13 @@
 
 pub(crate) mod format;
 mod images;
+mod placing;
 pub(crate) mod reader;
 pub mod truth;
 mod writer;
 
 pub use format::FrameEntry;
 pub use images::{FrameImages, Picture};
+pub use placing::CameraToPlace;
 pub use reader::{FramesReader, PlacedCamera};
 pub use writer::{ColourImage, FramesWriter};

@@ -41,6 +41,7 @@ mod networks;
 #[cfg(feature = "inference")]
 mod part_grouping;
 #[cfg(feature = "inference")]
+mod placement;
 mod pose;
 #[cfg(feature = "inference")]
 mod prefixes;

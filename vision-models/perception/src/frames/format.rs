@@ -51,7 +51,7 @@ pub(super) struct End {
 }
 
 /// The camera's file.
-#[derive(Serialize, Deserialize)]
+#[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct CameraFile {
     format: String,
@@ -75,7 +75,7 @@ pub(super) struct CameraFile {
     pub(super) stature: Option<f64>,
 }
 
-#[derive(Serialize, Deserialize)]
+#[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Noise {
     constant: f64,
@@ -113,9 +113,19 @@ impl CameraFile {
         self.format == FORMAT && self.version == VERSION
     }
 
-    pub(super) fn camera(&self) -> Result<Camera, Error> {
+    pub(super) fn intrinsics(&self) -> Result<Intrinsics, Error> {
         let [fx, fy, cx, cy] = [self.fx, self.fy, self.cx, self.cy];
-        let intrinsics = Intrinsics::new([self.width, self.height], [fx, fy], [cx, cy])?;
+        Intrinsics::new([self.width, self.height], [fx, fy], [cx, cy])
+    }
+
+    /// Places the camera in the world.
+    pub(super) fn place(&mut self, world_from_camera: &Isometry3<f64>) {
+        self.position = world_from_camera.translation.vector.into();
+        self.quaternion = world_from_camera.rotation.coords.into();
+    }
+
+    pub(super) fn camera(&self) -> Result<Camera, Error> {
+        let intrinsics = self.intrinsics()?;
         let quaternion = Quaternion::from_vector(self.quaternion.into());
         // The length of quaternions that are written by hand is one only to some digits.
         if (quaternion.norm() - 1.0).abs() > 1e-3 {

@@ -52,16 +52,42 @@ impl PlacedCamera {
     /// Names the file, and the expected form.
     pub fn read(folder: &Path) -> Result<Self, Error> {
         let path = folder.join(CAMERA);
-        let text = read_text(&path, LARGEST).map_err(Error::read(&path))?;
-        let problem = |problem: String| Error::unfit(path.display(), problem, CAMERA_WANTED);
-        let file: CameraFile =
-            serde_json::from_str(&text).map_err(|error| problem(error.to_string()))?;
-        if !file.is_known() {
-            return Err(problem("it is of another format or version".to_owned()));
-        }
-        let camera = file.camera().map_err(|error| problem(error.to_string()))?;
+        let file = camera_file(&path)?;
+        let camera = file.camera().map_err(unfit_camera(&path))?;
         Ok(Self { camera, depth_scale: file.depth_scale, stature: file.stature })
     }
+}
+
+/// Reads a camera's file, whatever place it has.
+pub(super) fn camera_file(path: &Path) -> Result<CameraFile, Error> {
+    let text = read_text(path, LARGEST).map_err(Error::read(path))?;
+    let problem = |problem: String| Error::unfit(path.display(), problem, CAMERA_WANTED);
+    let file: CameraFile =
+        serde_json::from_str(&text).map_err(|error| problem(error.to_string()))?;
+    if !file.is_known() {
+        return Err(problem("it is of another format or version".to_owned()));
+    }
+    Ok(file)
+}
+
+/// Creates the error of a camera's file with this content.
+pub(super) fn unfit_camera(path: &Path) -> impl Fn(vision_models::Error) -> Error {
+    move |error| Error::unfit(path.display(), error, CAMERA_WANTED)
+}
+
+/// Reads the depth image in this PNG file, or in the array beside it.
+pub(super) fn depth_image(png: &Path, scale: f64) -> Result<DepthImage, Error> {
+    let array = png.with_extension("npy");
+    if !array.exists() {
+        return Ok(read_depth(png, scale)?);
+    }
+    let depths = npy::read_array(&array)?;
+    let &[height, width] = depths.shape() else {
+        let found = format!("its shape is {:?}, not rows × columns", depths.shape());
+        return Err(Error::at(array.display(), found));
+    };
+    let depths = depths.iter().copied().collect();
+    Ok(DepthImage::from_metres([width, height], depths)?)
 }
 
 /// A folder of frames.
@@ -179,18 +205,7 @@ impl FramesReader {
     /// # Errors
     /// Names the file that cannot be used.
     pub fn depth(&self, entry: &FrameEntry) -> Result<DepthImage, Error> {
-        let folder = self.folder.join("depth");
-        let array = entry.file(&folder, "npy");
-        if !array.exists() {
-            return Ok(read_depth(entry.file(&folder, "png"), self.scale)?);
-        }
-        let depths = npy::read_array(&array)?;
-        let &[height, width] = depths.shape() else {
-            let found = format!("its shape is {:?}, not rows × columns", depths.shape());
-            return Err(Error::at(array.display(), found));
-        };
-        let depths = depths.iter().copied().collect();
-        Ok(DepthImage::from_metres([width, height], depths)?)
+        depth_image(&entry.file(&self.folder.join("depth"), "png"), self.scale)
     }
 
     /// Returns the path of the colour image of a frame.
