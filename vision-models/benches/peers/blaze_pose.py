@@ -146,8 +146,8 @@ def compare(folder, infer):
             theirs = read(folder / f"theirs_{camera}_{25 if rate == 'step' else rate}.json")
             # Without a region there is nothing to compare.
             if rate == "step":
-                regions = read(folder / f"theirs_{camera}_25.regions.json")
-                theirs = [found if region else [] for found, region in zip(theirs, regions)]
+                followed = read(folder / f"theirs_{camera}_25.regions.json")
+                theirs = [found if region else [] for found, region in zip(theirs, followed)]
             if what.startswith("ours"):
                 seen = [np.array(found[0])[:, :2].tolist() if found else [] for found in ours(folder, camera, rate)]
             else:

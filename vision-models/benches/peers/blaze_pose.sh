@@ -31,4 +31,6 @@ for camera in "$folder"/frames/*/; do
             "$folder/frames/$camera"/*.png 2> /dev/null
     fi
 done
-"$folder/litert/bin/python" "$here/blaze_pose.py" compare "$folder" "$target/infer" 2> /dev/null
+# TensorFlow Lite says a lot there.
+"$folder/litert/bin/python" "$here/blaze_pose.py" compare "$folder" "$target/infer" 2> "$folder/errors" ||
+    { status=$?; tail -n 3 "$folder/errors" >&2; exit "$status"; }
