@@ -47,7 +47,7 @@ pub(crate) use network::check_finite;
 pub use network::{Inference, Network};
 pub use options::Options;
 pub(crate) use plan::Plan;
-pub(crate) use program::{Fitted, Misfit, Program};
+pub(crate) use program::{Fit, Fitted, Misfit, Program};
 pub use scores::{RankedClass, Scores};
 pub(crate) use session::{Session, copy_frame};
 pub use threads::{ThreadSettings, Threads};

@@ -127,8 +127,8 @@ pub use nalgebra;
 pub use ndarray;
 #[cfg(feature = "inference")]
 pub use networks::{
-    NetworkKind, OpenPoseForm, ResNet, ResNetDepth, ResNetForm, SimpleBaselineForm, SlowFast,
-    SlowFastForm, SlowOnly, SlowOnlyForm, SlowOnlyStream, TensorFlowLite,
+    InflatedResNet, NetworkKind, OpenPoseForm, ResNet, ResNetDepth, ResNetForm, SimpleBaselineForm,
+    SlowFast, SlowFastForm, SlowOnly, SlowOnlyForm, SlowOnlyStream, TensorFlowLite,
 };
 pub use percept::{Percept, RecognisedAction, RecognisedSurface};
 #[cfg(feature = "inference")]

@@ -4,6 +4,7 @@
 
 mod architecture;
 mod clips;
+mod inflated;
 mod kind;
 mod resnet;
 mod slow_fast;
@@ -14,6 +15,7 @@ mod tensorflow_lite;
 pub use architecture::{
     OpenPoseForm, ResNetDepth, ResNetForm, SimpleBaselineForm, SlowFastForm, SlowOnlyForm,
 };
+pub use inflated::InflatedResNet;
 pub use kind::NetworkKind;
 pub use resnet::ResNet;
 pub use slow_fast::SlowFast;

@@ -1,5 +1,6 @@
 //! The program that finds the place of a camera.
 
+use std::fmt::Write;
 use std::fs;
 
 use nalgebra::{Isometry3, Point3, Vector3};
@@ -97,7 +98,7 @@ fn depths_come_from_the_images() {
             image.put_pixel(column + aside, row + below, image::Luma([unit]));
         }
         image.save(folder.path(&format!("depth/{frame:06}.png"))).unwrap();
-        table += &format!("{frame}, {u}, {v}, {x}, {y}, {z}\n");
+        writeln!(table, "{frame}, {u}, {v}, {x}, {y}, {z}").unwrap();
     }
     let json = folder.calibrate(&table, &["--json"]).run().done().json();
     let place = Vector3::from_iterator(pose_of(&json));

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::engine::{Fitted, Graph, Misfit, Network, Options, Program, lower};
+use crate::engine::{Fit, Fitted, Graph, Misfit, Network, Options, Program, lower};
 use crate::error::Error;
 use crate::weights::TensorSource;
 
@@ -107,14 +107,18 @@ impl NetworkKind {
         options: Options,
     ) -> Result<Network, Error> {
         options.validate()?;
-        let program = self.program()?;
-        let fit = program.fit(&*tensors).map_err(|misfit| {
+        let fit = self.fit(&*tensors)?;
+        Network::of_program(self.program()?, Box::new(Fitted::new(tensors, fit)), size, options)
+    }
+
+    /// Finds the network's tensors in a checkpoint.
+    pub(super) fn fit(self, tensors: &dyn TensorSource) -> Result<Fit, Error> {
+        self.program()?.fit(tensors).map_err(|misfit| {
             let Misfit { missing, surplus, misshapen } = misfit;
             let [network, found] =
-                [Some(self), Self::of(&*tensors)].map(|kind| Some(kind?.to_string().into()));
+                [Some(self), Self::of(tensors)].map(|kind| Some(kind?.to_string().into()));
             Error::Weights { network, found, missing, surplus, misshapen }
-        })?;
-        Network::of_program(program, Box::new(Fitted::new(tensors, fit)), size, options)
+        })
     }
 
     fn program(self) -> Result<Program, Error> {

@@ -26,6 +26,8 @@ mod graphs;
 #[cfg(feature = "inference")]
 mod heads;
 #[cfg(feature = "inference")]
+mod inflated;
+#[cfg(feature = "inference")]
 mod joint_files;
 #[cfg(feature = "inference")]
 mod jpegs;

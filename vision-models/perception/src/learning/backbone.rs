@@ -4,7 +4,9 @@ use std::{fmt, path::PathBuf};
 
 use ndarray::{Array4, Array5};
 use serde::{Deserialize, Serialize};
-use vision_models::{NetworkKind, Options, ResNet, ResNetForm, SlowOnly, SlowOnlyForm};
+use vision_models::{
+    InflatedResNet, NetworkKind, Options, ResNet, ResNetForm, SlowOnly, SlowOnlyForm,
+};
 
 use super::{digest::Digest, random_network::random_network};
 use crate::{error::Error, networks::checkpoint::open_weights, watch::Watch};
@@ -172,15 +174,23 @@ impl ClipBackbone {
         Ok(network.infer(clips.view())?.features.iter().copied().collect())
     }
 
-    /// Loads the network.
+    /// Loads the network. Weights of a ResNet for images are inflated ([`InflatedResNet`]).
     ///
     /// # Errors
     /// Those of [`SlowOnly::load`].
     pub fn load(&self, watch: &mut Watch<'_>) -> Result<SlowOnly, Error> {
         match &self.weights {
             Weights::File(path) => {
-                SlowOnly::load(self.form, open_weights(path, watch)?, self.size, self.options)
-                    .map_err(Error::weights(path))
+                let weights = open_weights(path, watch)?;
+                let (form, size, options) = (self.form, self.size, self.options);
+                let of_images = matches!(NetworkKind::of(&weights), Some(NetworkKind::ResNet(_)));
+                let network = if of_images {
+                    InflatedResNet::new(form, weights)
+                        .and_then(|weights| SlowOnly::load(form, weights, size, options))
+                } else {
+                    SlowOnly::load(form, weights, size, options)
+                };
+                network.map_err(Error::weights(path))
             }
             Weights::Random(seed) => {
                 let tensors = random_network(NetworkKind::SlowOnly(self.form), *seed)?;

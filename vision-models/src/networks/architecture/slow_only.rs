@@ -20,22 +20,23 @@ pub enum SlowOnlyForm {
     PyTorchVideo,
 }
 
+impl SlowOnlyForm {
+    /// Returns the depth of its ResNet.
+    pub fn depth(self) -> ResNetDepth {
+        match self {
+            Self::MmAction2 | Self::PyTorchVideo => ResNetDepth::Fifty,
+            Self::MmAction2Depth18 => ResNetDepth::Eighteen,
+            Self::MmAction2Depth101 => ResNetDepth::OneHundredOne,
+        }
+    }
+}
+
 pub(in crate::networks) fn graph(form: SlowOnlyForm) -> Graph {
-    let mmaction2 = Naming::MmAction2("backbone.");
-    let (depth, naming, classifier, pooling) = match form {
-        SlowOnlyForm::MmAction2 => {
-            (ResNetDepth::Fifty, mmaction2, "cls_head.fc_cls", Pooling::Mean)
-        }
-        SlowOnlyForm::MmAction2Depth18 => {
-            (ResNetDepth::Eighteen, mmaction2, "cls_head.fc_cls", Pooling::Mean)
-        }
-        SlowOnlyForm::MmAction2Depth101 => {
-            (ResNetDepth::OneHundredOne, mmaction2, "cls_head.fc_cls", Pooling::Mean)
-        }
-        SlowOnlyForm::PyTorchVideo => {
-            let windows = Pooling::Windows([8, 7, 7]);
-            (ResNetDepth::Fifty, Naming::PyTorchVideo, "blocks.5.proj", windows)
-        }
+    let depth = form.depth();
+    let (naming, classifier, pooling) = if form == SlowOnlyForm::PyTorchVideo {
+        (Naming::PyTorchVideo, "blocks.5.proj", Pooling::Windows([8, 7, 7]))
+    } else {
+        (Naming::MmAction2("backbone."), "cls_head.fc_cls", Pooling::Mean)
     };
     let mut graph = Graph::new();
     let clip = graph.input(3);
