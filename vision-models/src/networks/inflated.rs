@@ -29,7 +29,7 @@ use super::kind::NetworkKind;
 /// ```
 pub struct InflatedResNet<'a> {
     images: Fitted<'a>,
-    /// For each tensor of the network for clips its name in the ResNet, and its shape.
+    /// Tensors of the network for clips: the name of each in the ResNet, and its shape.
     tensors: BTreeMap<String, (String, Vec<usize>)>,
 }
 

@@ -62,7 +62,7 @@ fn kernels_are_repeated_over_their_frames() {
 
 /// PyTorchVideo has other names for the same layers.
 #[test]
-fn names_of_pytorchvideo_are_those_of_the_same_layers() {
+fn pytorchvideo_names_the_same_layers() {
     let images = weights(ResNet::parameters(ResNetDepth::Fifty, 7));
     let mut found = InflatedResNet::new(SlowOnlyForm::PyTorchVideo, images.clone()).unwrap();
     for (clip, image) in [
