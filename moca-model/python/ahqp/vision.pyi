@@ -111,7 +111,7 @@ class LinearSvm:
     @staticmethod
     def train(
         samples: ArrayLike,
-        labels: Sequence[int],
+        labels: ArrayLike,
         classes: Sequence[str],
         *,
         loss: Literal["squared_hinge", "hinge"] = "squared_hinge",

@@ -39,8 +39,7 @@ pub(super) fn depth(value: &Bound<'_, PyAny>, unit: f64) -> Result<DepthImage> {
     if is_of::<u16>(&array) {
         let units = copy::<u16, Ix2>("depth", &array, "uint16", SHAPE)?;
         let (rows, columns) = units.dim();
-        let units: Vec<_> = units.into_iter().collect();
-        return Ok(DepthImage::from_units([columns, rows], &units, unit)?);
+        return Ok(DepthImage::from_units([columns, rows], &flat(units), unit)?);
     }
     let kind = array.dtype();
     if kind.kind() != b'f' {
@@ -50,7 +49,7 @@ pub(super) fn depth(value: &Bound<'_, PyAny>, unit: f64) -> Result<DepthImage> {
     }
     let metres = copy::<f32, Ix2>("depth", &array, "float32", SHAPE)?;
     let (rows, columns) = metres.dim();
-    Ok(DepthImage::from_metres([columns, rows], metres.into_iter().collect())?)
+    Ok(DepthImage::from_metres([columns, rows], flat(metres))?)
 }
 
 fn is_of<T: Element>(array: &Bound<'_, PyUntypedArray>) -> bool {
@@ -70,6 +69,14 @@ fn copy<T: Element, D: Dimension>(
         return Err(Failure::value(format!("{name} has shape {found}; it must be {shape}")));
     };
     Ok(array.to_owned_array())
+}
+
+/// Returns the entries of an array, the last axis fastest.
+pub(super) fn flat<T: Clone, D: Dimension>(array: Array<T, D>) -> Vec<T> {
+    let array =
+        if array.is_standard_layout() { array } else { array.as_standard_layout().into_owned() };
+    let (entries, _) = array.into_raw_vec_and_offset();
+    entries
 }
 
 /// Reads rows of N numbers each.

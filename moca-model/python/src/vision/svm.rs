@@ -51,7 +51,7 @@ impl LinearSvm {
     /// Parameters
     /// ----------
     /// samples : array_like, shape (N, features)
-    /// labels : sequence of int
+    /// labels : array_like of int, shape (N,)
     ///     The class of each sample, from 0.
     /// classes : sequence of str
     ///     Names of the classes.
@@ -79,7 +79,7 @@ impl LinearSvm {
     fn train(
         py: Python<'_>,
         samples: &Bound<'_, PyAny>,
-        labels: Vec<usize>,
+        labels: &Bound<'_, PyAny>,
         classes: Vec<String>,
         loss: &str,
         cost: f64,
@@ -89,6 +89,7 @@ impl LinearSvm {
         max_iterations: usize,
     ) -> Result<(Self, Vec<Training>)> {
         let samples = floats::<Ix2>("samples", samples, "(N, features)")?;
+        let labels = read_labels(labels)?;
         let losses = [("squared_hinge", Loss::SquaredHinge), ("hinge", Loss::Hinge)];
         let settings = SvmSettings {
             loss: word("loss", loss, &losses)?,
@@ -165,6 +166,19 @@ impl LinearSvm {
         let features = self.0.weights().ncols();
         format!("<ahqp.vision.LinearSvm: {} classes, {features} features>", self.0.classes().len())
     }
+}
+
+fn read_labels(labels: &Bound<'_, PyAny>) -> Result<Vec<usize>> {
+    let labels = vector("labels", labels)?;
+    let label = |label: &f64| {
+        if label.fract() == 0.0 && (0.0..1e9).contains(label) {
+            // The value is whole, and not negative.
+            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+            return Ok(*label as usize);
+        }
+        Err(Failure::value(format!("a label is {label}; labels are indices into classes, from 0")))
+    };
+    labels.as_array().iter().map(label).collect()
 }
 
 fn read_weights(weights: Option<&Bound<'_, PyAny>>) -> Result<ClassWeights> {

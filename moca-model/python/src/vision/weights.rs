@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use vision_models::{Checkpoint, Error, NetworkKind, Options, Tensor, TensorSource, Tensors};
 
-use super::arrays::floats;
+use super::arrays::{flat, floats};
 use crate::arrays::real;
 use crate::failure::{Failure, Result, check_file};
 
@@ -40,7 +40,7 @@ impl Weights {
             }
             let values = floats::<IxDyn>(&name, &values, "of any shape")?;
             let shape = values.shape().to_vec();
-            tensors.insert(name, Tensor::new(shape, values.into_iter().collect())?)?;
+            tensors.insert(name, Tensor::new(shape, flat(values))?)?;
         }
         Ok(Self::Given { tensors, counters })
     }
