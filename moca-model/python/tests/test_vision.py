@@ -1,6 +1,7 @@
 """Networks beside PyTorch, TensorFlow Lite and scikit-learn; images and weights in files."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -47,45 +48,48 @@ def weight(name, shape):
     return (shift + scale * numbers(name, shape)).astype(np.float32)
 
 
-def eighteen_layers(convolution, norm, shortcut, head, classes, prefix="", frames=None):
-    """The state dict of a ResNet-18; `frames` are those of the kernels of each stage."""
+@pytest.fixture(scope="module")
+def resnet18():
+    """The state dict of torchvision's ResNet-18 with twelve classes."""
     shapes = {}
 
-    def layer(place, short, outputs, inputs, side, length=1):
-        kernel = (outputs, inputs, side, side) if frames is None else (outputs, inputs, length, side, side)
-        shapes[place + (f"{short}.{convolution}" if convolution else short) + ".weight"] = kernel
+    def layer(convolution, norm, outputs, inputs, side):
+        shapes[f"{convolution}.weight"] = (outputs, inputs, side, side)
         for part in ("weight", "bias", "running_mean", "running_var"):
-            shapes[place + norm(short) + "." + part] = (outputs,)
-        # PyTorch's counter, which no layer reads.
-        shapes[place + norm(short) + ".num_batches_tracked"] = ()
+            shapes[f"{norm}.{part}"] = (outputs,)
 
-    layer(prefix, "conv1", 64, 3, 7)
+    layer("conv1", "bn1", 64, 3, 7)
     inputs = 64
-    for stage, outputs in enumerate((64, 128, 256, 512)):
+    for stage, outputs in enumerate((64, 128, 256, 512), 1):
         for block in range(2):
-            place = f"{prefix}layer{stage + 1}.{block}."
-            length = 1 if frames is None else frames[stage]
-            layer(place, "conv1", outputs, inputs, 3, length)
-            layer(place, "conv2", outputs, outputs, 3, length)
+            place = f"layer{stage}.{block}"
+            layer(f"{place}.conv1", f"{place}.bn1", outputs, inputs, 3)
+            layer(f"{place}.conv2", f"{place}.bn2", outputs, outputs, 3)
             if inputs != outputs:
-                layer(place, shortcut, outputs, inputs, 1)
+                layer(f"{place}.downsample.0", f"{place}.downsample.1", outputs, inputs, 1)
             inputs = outputs
-    shapes[f"{head}.weight"], shapes[f"{head}.bias"] = (classes, 512), (classes,)
-    weights = {name: weight(name, shape) for name, shape in shapes.items() if shape}
-    return weights | {name: np.int64(7) for name, shape in shapes.items() if not shape}
+    shapes |= {"fc.weight": (12, 512), "fc.bias": (12,)}
+    # PyTorch's counter, which no layer reads.
+    return {name: weight(name, shape) for name, shape in shapes.items()} | {"bn1.num_batches_tracked": np.int64(7)}
 
 
-def resnet18(classes):
-    def norm(short):
-        return {"conv1": "bn1", "conv2": "bn2"}.get(short, "downsample.1")
-
-    return eighteen_layers("", norm, "downsample.0", "fc", classes)
-
-
-def slow_only_18(classes):
-    return eighteen_layers(
-        "conv", lambda short: f"{short}.bn", "downsample", "cls_head.fc_cls", classes, "backbone.", (1, 1, 3, 3)
-    )
+def inflated(images):
+    """The weights of mmaction2's SlowOnly that see each frame as the ResNet does."""
+    clips = {}
+    for name, values in images.items():
+        if name.startswith("fc."):
+            clips[name.replace("fc.", "cls_head.fc_cls.")] = values
+            continue
+        # conv1.weight becomes conv1.conv.weight, bn1.bias conv1.bn.bias, and the parts of a shortcut likewise.
+        place = re.sub(r"(conv|bn)(\d)\.", r"conv\2.\1.", name)
+        place = place.replace("downsample.0", "downsample.conv").replace("downsample.1", "downsample.bn")
+        if values.ndim == 4:
+            later = name.startswith(("layer3", "layer4")) and ".conv" in name
+            frames = np.zeros((*values.shape[:2], 3 if later else 1, *values.shape[2:]), np.float32)
+            frames[:, :, frames.shape[2] // 2] = values
+            values = frames
+        clips[f"backbone.{place}"] = values
+    return clips
 
 
 def check(scores, golden):
@@ -94,36 +98,43 @@ def check(scores, golden):
     assert scores.features[0, ::16] == pytest.approx(golden["features"], abs=5e-6 * golden["largest_feature"])
 
 
-def test_a_resnet_agrees_with_pytorch():
+def test_a_resnet_agrees_with_pytorch(resnet18):
     expected = golden("networks.json")["resnet18"]
     _, _, height, width = expected["shape"]
     images = numbers("input", expected["shape"]).astype(np.float32)
-    network = ResNet(resnet18(12), height=height, width=width)
+    network = ResNet(resnet18, height=height, width=width)
     scores = network.infer(images)
     check(scores, expected)
     assert network.classes == 12 and network.operations > 6e8
-    # The same array in another order in memory, as doubles.
-    other = network.infer(np.asfortranarray(images.astype(np.float64)))
-    assert np.array_equal(other.logits, scores.logits)
     softmax = np.exp(scores.logits - scores.logits.max())
     assert scores.probabilities == pytest.approx(softmax / softmax.sum(), rel=1e-5)
+    # Arrays of any order and type, of another size.
+    small = images[:, :, :40, :48]
+    other = network.infer(np.asfortranarray(small.astype(np.float64)))
+    assert np.array_equal(other.logits, network.infer(small.copy()).logits)
 
 
-def test_slow_only_agrees_with_pytorch():
-    expected = golden("networks.json")["slowonly_r18_mm"]
-    _, _, frames, height, width = expected["shape"]
-    clips = numbers("input", expected["shape"]).astype(np.float32)
-    weights = slow_only_18(30)
-    network = SlowOnly(weights, frames=frames, height=height, width=width)
-    check(network.infer(clips), expected)
-    assert network.classes == 30
-    stream = SlowOnlyStream(weights, frames=frames, height=height, width=width)
-    stream.add(np.zeros((3, height, width)))
-    scores = [stream.push(clips[0, :, frame]) for frame in range(frames)]
-    assert [frame is None for frame in scores] == [True] * (frames - 2) + [False] * 2
-    check(scores[-1], expected)
+def test_slow_only_sees_frames_as_a_resnet_does(resnet18):
+    frames = numbers("frames", (3, 3, 32, 48)).astype(np.float32)
+    each = ResNet(resnet18, height=32, width=48).infer(frames)
+    # The head takes the mean over frames, and is linear.
+    weights, size = inflated(resnet18), {"frames": 2, "height": 32, "width": 48}
+    network = SlowOnly(weights, **size)
+    assert network.classes == 12 and network.operations > 1e8
+    clips = np.stack([frames[:2], frames[1:]]).transpose(0, 2, 1, 3, 4)
+    scores = network.infer(clips)
+    for clip in (0, 1):
+        for seen, expected in [(scores.logits, each.logits), (scores.features, each.features)]:
+            mean = expected[clip : clip + 2].mean(0)
+            assert seen[clip] == pytest.approx(mean, abs=5e-6 * float(np.abs(mean).max()))
+    stream = SlowOnlyStream(weights, **size)
+    stream.add(frames[2])
+    first, second, third = [stream.push(frame) for frame in frames]
+    assert np.array_equal(second.logits, scores.logits[:1]) and np.array_equal(third.logits, scores.logits[1:])
+    mean = each.logits[[2, 0]].mean(0)
+    assert first.logits[0] == pytest.approx(mean, abs=5e-6 * float(np.abs(mean).max()))
     stream.clear()
-    assert stream.push(clips[0, :, 0]) is None
+    assert stream.push(frames[0]) is None
 
 
 def test_every_operator_of_tensorflow_lite():
@@ -224,8 +235,8 @@ def test_weights_are_those_that_torch_wrote(file):
         assert weights[name].ravel() == pytest.approx(values, rel=1e-6)
 
 
-def test_a_network_is_told_by_its_weights():
+def test_a_network_is_told_by_its_weights(resnet18):
     with pytest.raises(ValueError, match="they are those of ResNet-18; give those of SlowOnly"):
-        SlowOnly({name: values for name, values in resnet18(2).items()})
+        SlowOnly(resnet18)
     with pytest.raises(ValueError, match="no network that is known"):
         ResNet(VISION / "plain.pth")
