@@ -7,7 +7,7 @@ body_from_image.py FOLDER COLOUR DEPTH: FOLDER has MediaPipe's networks, the ima
 import argparse
 import pathlib
 
-from ahqp.collaboration import Controller, Scene
+from ahqp.collaboration import Controller, FrameError, Scene
 from ahqp.vision import BlazePose, Camera, Lifter, People, read_depth, read_image
 
 NETWORKS = ("pose_solution_packed_assets.data", "pose_landmark_full.tflite")
@@ -28,18 +28,26 @@ focal = options.focal or 0.96 * width  # about that of a RealSense D435i
 matrix = [[focal, 0.0, (width - 1) / 2], [0.0, focal, (height - 1) / 2], [0.0, 0.0, 1.0]]
 camera = Camera.looking_at(width, height, matrix, [0.0, 0.0, 1.5], [2.5, 0.0, 1.2])
 network, lifter, people = BlazePose(*files), Lifter(camera), People()
-controller = Controller.moca()
+controller, problem = Controller.moca(), None
+q = controller.position
 for frame in range(10):  # a camera has a new image each time
     time = 0.05 * frame
     bodies = []
     for person in network.estimate(image, time):
         bodies.append(lifter.lift(person.body, depth, heading=lambda body: people.heading_near(body, time)))
     people.update(time, bodies)
-    controller.observe(Scene(people.body, others=people.others, time=time))
-    command = controller.step(controller.position, 0.05)
+    try:
+        controller.observe(Scene(people.body, others=people.others, time=time))
+    except FrameError as error:  # the controller goes on, and stops the robot if this lasts
+        problem = error
+    for _ in range(50):
+        command = controller.step(q, 1e-3)
+        q = q + command.velocity * 1e-3  # on a real robot, command.base_twist and command.position
 for person in people.tracks:
     print(f"person {person.id}: {len(person.measured.seen)} joints")
-    for name, place in zip(person.measured.JOINTS, person.measured.joints):
+    for name, (x, y, z) in zip(person.measured.JOINTS, person.measured.joints):
         if name in person.measured.seen:
-            print(f"  {name}: {place[0]:.3f} {place[1]:.3f} {place[2]:.3f} m")
+            print(f"  {name}: {x:.3f} {y:.3f} {z:.3f} m")
+if problem:
+    print(f"no data: {problem}")
 print(f"the robot: {command.phase}, {command.safety}")

@@ -47,7 +47,7 @@ pub(super) fn open(name: &str, file: &Bound<'_, PyAny>) -> Result<vision_models:
 /// >>> TensorFlowLite(b"no network")
 /// Traceback (most recent call last):
 ///     ...
-/// ahqp.Error: not a TensorFlow Lite file
+/// ahqp.Error: not a file of TensorFlow Lite: bytes 4 to 7 are not "TFL3"
 #[pyclass(frozen, module = "ahqp.vision")]
 pub(crate) struct TensorFlowLite {
     network: Shared<Network>,
