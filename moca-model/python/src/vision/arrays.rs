@@ -106,20 +106,20 @@ pub(super) fn each(
 }
 
 /// Converts points to rows, NaN for those that are missing.
-pub(super) fn points<'py, const N: usize>(
-    py: Python<'py>,
+pub(super) fn points<const N: usize>(
+    py: Python<'_>,
     points: impl IntoIterator<Item = Option<[f64; N]>>,
-) -> Bound<'py, PyArray2<f64>> {
+) -> Bound<'_, PyArray2<f64>> {
     let flat: Vec<f64> =
         points.into_iter().flat_map(|point| point.unwrap_or([f64::NAN; N])).collect();
     to_array(py, &nalgebra::DMatrix::from_row_iterator(flat.len() / N, N, flat))
 }
 
 /// Converts numbers, NaN for those that are missing.
-pub(super) fn optional<'py>(
-    py: Python<'py>,
+pub(super) fn optional(
+    py: Python<'_>,
     numbers: impl IntoIterator<Item = Option<f64>>,
-) -> Bound<'py, PyArray1<f64>> {
+) -> Bound<'_, PyArray1<f64>> {
     let numbers: Vec<f64> = numbers.into_iter().map(|number| number.unwrap_or(f64::NAN)).collect();
     to_vector(py, &numbers)
 }

@@ -31,8 +31,8 @@ use crate::failure::{Failure, Result};
 /// >>> joints = np.full((17, 2), np.nan)
 /// >>> joints[[5, 6]] = [[120, 80], [80, 84]]
 /// >>> body = ImageBody(joints, layout="COCO-17")
-/// >>> body.seen, body.joints[1].tolist()
-/// (['neck', 'right shoulder', 'left shoulder'], [100.0, 82.0])
+/// >>> ", ".join(body.seen), body.joints[1].tolist()
+/// ('neck, right shoulder, left shoulder', [100.0, 82.0])
 #[pyclass(frozen, module = "ahqp.vision")]
 pub(crate) struct ImageBody(pub(super) ObservedBody);
 

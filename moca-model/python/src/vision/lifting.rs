@@ -46,8 +46,8 @@ use crate::shared::Shared;
 /// >>> joints = np.full((25, 2), np.nan)
 /// >>> joints[0] = 31.5, 23.5
 /// >>> body = Lifter(camera).lift(ImageBody(joints), np.full((48, 64), 2000, np.uint16))
-/// >>> body.seen, body.joints[0].round(6).tolist()
-/// (['nose'], [2.0, 0.0, 1.5])
+/// >>> body.joints[0].round(6).tolist()
+/// [2.0, 0.0, 1.5]
 #[pyclass(frozen, module = "ahqp.vision")]
 pub(crate) struct Lifter(vision_models::Lifter);
 

@@ -25,9 +25,9 @@ use crate::failure::{Failure, Result, check_file};
 ///
 /// >>> from ahqp.vision import LinearSvm
 /// >>> samples = [[0.0, 1.0], [0.5, 2.0], [3.0, 1.0], [4.0, 0.5]]
-/// >>> svm, training = LinearSvm.train(samples, [0, 0, 1, 1], ["smooth", "drilled"])
-/// >>> [svm.classes[i] for i in svm.classify([[0.2, 1.5], [5.0, 1.0]])], training[0].converged
-/// (['smooth', 'drilled'], True)
+/// >>> svm, training = LinearSvm.train(samples, [0, 0, 1, 1], "smooth drilled".split())
+/// >>> svm.classify([[0.2, 1.5], [5.0, 1.0]]).tolist(), training[0].converged
+/// ([0, 1], True)
 #[pyclass(frozen, eq, module = "ahqp.vision")]
 #[derive(PartialEq)]
 pub(crate) struct LinearSvm(vision_models::LinearSvm);
