@@ -1,5 +1,5 @@
 # Types. What functions do, with shapes and units, is in their docstrings: help(ahqp.vision.Lifter).
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from os import PathLike
 from typing import ClassVar, Literal, TypeAlias, final
 
@@ -12,7 +12,7 @@ _Array: TypeAlias = NDArray[np.float64]
 _Floats: TypeAlias = NDArray[np.float32]
 _Path: TypeAlias = str | PathLike[str]
 _File: TypeAlias = _Path | bytes
-_Weights: TypeAlias = _Path | dict[str, ArrayLike]
+_Weights: TypeAlias = _Path | Mapping[str, ArrayLike]
 
 __all__ = [
     "BlazePose",

@@ -229,8 +229,8 @@ impl SlowOnlyStream {
         let frame = floats::<Ix3>("frame", frame, "(3, height, width)")?;
         let mut stream = self.0.lock()?;
         let stream = &mut *stream;
-        let push = || Ok(stream.push(frame.view())?.map(|scores| Scores::of(&scores)));
-        Ok(py.detach(push).map_err(|error: vision_models::Error| error)?)
+        let push = || stream.push(frame.view()).map(|full| full.map(|scores| Scores::of(&scores)));
+        Ok(py.detach(push)?)
     }
 
     /// Adds a frame without scoring the window, for frames that come faster than scores are needed.
