@@ -221,6 +221,14 @@ fn is_aligned<T: Element, D: numpy::ndarray::Dimension>(array: &Bound<'_, PyArra
 
 /// Converts anything that numpy takes for integers or real numbers to an array of doubles.
 fn doubles<'py>(name: &str, value: &Bound<'py, PyAny>) -> Result<Bound<'py, PyAny>> {
+    Ok(real(name, value)?.call_method1("astype", ("float64",))?)
+}
+
+/// Returns anything that numpy takes for integers or real numbers as an array of its own type.
+pub(crate) fn real<'py>(
+    name: &str,
+    value: &Bound<'py, PyAny>,
+) -> Result<Bound<'py, PyUntypedArray>> {
     static ASARRAY: PyOnceLock<Py<PyAny>> = PyOnceLock::new();
     let py = value.py();
     let asarray = ASARRAY.import(py, "numpy", "asarray")?;
@@ -248,7 +256,7 @@ fn doubles<'py>(name: &str, value: &Bound<'py, PyAny>) -> Result<Bound<'py, PyAn
             "{name} must be an array of real numbers; it is one of {kind}"
         )));
     }
-    Ok(array.call_method1("astype", ("float64",))?)
+    Ok(array)
 }
 
 /// Reads a vector that is not zero.

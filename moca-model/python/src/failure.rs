@@ -114,7 +114,11 @@ impl From<moca_model::Error> for Failure {
 
 impl From<vision_models::Error> for Failure {
     fn from(error: vision_models::Error) -> Self {
-        Self(Error::new_err(error.to_string()))
+        let text = error.to_string();
+        Self(match error {
+            vision_models::Error::File { .. } => PyOSError::new_err(text),
+            _ => Error::new_err(text),
+        })
     }
 }
 
@@ -145,6 +149,13 @@ impl From<RecordingError> for Failure {
             error => Self(Error::new_err(error.to_string())),
         }
     }
+}
+
+/// Checks that a file can be opened, for readers whose errors do not say why it cannot.
+pub(crate) fn check_file(path: &std::path::Path) -> Result<()> {
+    let refused =
+        |error: std::io::Error| os_error(error.kind(), &format!("{}: {error}", path.display()));
+    std::fs::File::open(path).map(drop).map_err(refused)
 }
 
 /// Returns `FileNotFoundError`, `PermissionError` or a similar exception, with the crate's text.

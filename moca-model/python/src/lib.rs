@@ -1,6 +1,6 @@
-//! Native half of the Python package `ahqp`: classes and functions over `ahqp-core`, `whole-body`, `ergo-map` and
-//! `moca-model`, and `simulated-people`. The modules `ahqp`, `ahqp.whole_body`, `ahqp.ergo`, `ahqp.collaboration` and
-//! `ahqp.simulation` re-export its contents.
+//! Native half of the Python package `ahqp`: classes and functions over `ahqp-core`, `whole-body`, `ergo-map`,
+//! `moca-model`, `simulated-people` and `vision-models`. The modules `ahqp`, `ahqp.whole_body`, `ahqp.ergo`,
+//! `ahqp.collaboration`, `ahqp.simulation` and `ahqp.vision` re-export its contents.
 
 mod arrays;
 mod collaboration;
@@ -9,6 +9,7 @@ mod failure;
 mod shared;
 mod simulation;
 mod solver;
+mod vision;
 mod whole_body;
 
 /// Everything that the package's modules re-export.
@@ -55,6 +56,28 @@ mod _ahqp {
     use crate::solver::solution::Solution;
     #[pymodule_export]
     use crate::solver::{Solver, solve};
+    #[pymodule_export]
+    use crate::vision::body::ImageBody;
+    #[pymodule_export]
+    use crate::vision::camera::{Camera, CameraPlacement};
+    #[pymodule_export]
+    use crate::vision::files::{read_depth, read_image, read_weights};
+    #[pymodule_export]
+    use crate::vision::lifting::{Lifter, MonocularLifter};
+    #[pymodule_export]
+    use crate::vision::networks::{ResNet, Scores, SlowOnly, SlowOnlyStream};
+    #[pymodule_export]
+    use crate::vision::people::{FollowedPerson, People};
+    #[pymodule_export]
+    use crate::vision::pose::{BlazePose, Landmarks, OpenPose, SimpleBaseline, nearest_person};
+    #[pymodule_export]
+    use crate::vision::preprocessing::Preprocessing;
+    #[pymodule_export]
+    use crate::vision::svm::{LinearSvm, Training};
+    #[pymodule_export]
+    use crate::vision::tensorflow_lite::TensorFlowLite;
+    #[pymodule_export]
+    use crate::vision::views::Triangulator;
     #[pymodule_export]
     use crate::whole_body::data::Data;
     #[pymodule_export]

@@ -2,8 +2,10 @@
 
 import os
 import pathlib
+import struct
 import subprocess
 import sys
+import zlib
 
 import numpy as np
 
@@ -11,6 +13,7 @@ import numpy as np
 WORKSPACE = pathlib.Path(os.environ.get("AHQP_WORKSPACE", pathlib.Path(__file__).parents[3]))
 PACKAGE = WORKSPACE / "moca-model/python"
 PANDA = WORKSPACE / "moca-model/whole-body/examples/urdf/panda.urdf"
+VISION = WORKSPACE / "vision-models/tests/data"
 
 
 def run_example(name, *options):
@@ -44,3 +47,17 @@ def lexicographic(levels, x):
     """The violation of each level at x."""
     distances = [np.maximum(np.maximum(low - a @ x, a @ x - high), 0.0) for a, low, high in levels]
     return [float(np.linalg.norm(distance)) for distance in distances]
+
+
+def png(pixels):
+    """The bytes of a PNG: colours of uint8, or grey of uint16."""
+    height, width = pixels.shape[:2]
+    bits, kind = (8, 2) if pixels.dtype == np.uint8 else (16, 0)
+    rows = pixels.astype(pixels.dtype.newbyteorder(">")).reshape(height, -1)
+    lines = b"".join(b"\0" + row.tobytes() for row in rows)
+
+    def chunk(name, data):
+        return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+
+    head = struct.pack(">IIBBBBB", width, height, bits, kind, 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(lines)) + chunk(b"IEND", b"")

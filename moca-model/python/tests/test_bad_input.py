@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from support import PANDA
+from support import PANDA, VISION
 
 import ahqp
-from ahqp import ergo, whole_body
+from ahqp import ergo, vision, whole_body
 
 NAN, INF = float("nan"), float("inf")
 HUGE = np.broadcast_to(np.float64(1.0), (10**9, 22))
@@ -26,6 +26,162 @@ def ik():
     tasks = {"tool": whole_body.PositionTask("panda_hand_tcp"), "posture": whole_body.PostureTask()}
     return whole_body.Ik(model, tasks, model.neutral())
 
+
+MATRIX = [[600.0, 0.0, 319.5], [0.0, 600.0, 239.5], [0.0, 0.0, 1.0]]
+JOINTS = np.full((25, 2), 100.0)
+DETECTOR, LANDMARKS = VISION / "blaze_detector.tflite", VISION / "blaze_landmarks.tflite"
+IMAGE = np.zeros((4, 4, 3), np.uint8)
+
+
+def camera(matrix=MATRIX, pose=None, **how):
+    return vision.Camera(640, 480, matrix, pose, **how)
+
+
+def placed(**how):
+    return vision.Camera.looking_at(640, 480, MATRIX, [0.0, 0.0, 1.0], [1.0, 0.0, 1.0], **how)
+
+
+def lift(depth, body=None, **how):
+    return vision.Lifter(placed()).lift(body or vision.ImageBody(JOINTS), depth, **how)
+
+
+def pose_of(image, time=0.0):
+    return vision.BlazePose(DETECTOR, LANDMARKS).estimate(image, time)
+
+
+def operators(images, **how):
+    return vision.TensorFlowLite(VISION / "operators.tflite", **how).infer(images)
+
+
+def trained(samples, labels=(0, 1), classes=("a", "b"), **how):
+    return vision.LinearSvm.train(samples, labels, classes, **how)[0]
+
+
+def people(*frames):
+    followed = vision.People()
+    for time, bodies in frames:
+        followed.update(time, bodies)
+
+
+VISION_CASES = [
+    (lambda: camera(np.eye(4)), ValueError, "matrix has shape"),
+    (lambda: camera(2.0 * np.eye(3)), ValueError, "fx, 0, cx"),
+    (lambda: camera([[600.0, 1.0, 0.0], [0.0, 600.0, 0.0], [0.0, 0.0, 1.0]]), ValueError, "skew"),
+    (lambda: camera([[NAN, 0.0, 0.0], [0.0, 600.0, 0.0], [0.0, 0.0, 1.0]]), ahqp.Error, "fx is NaN"),
+    (lambda: vision.Camera(0, 480, MATRIX), ahqp.Error, "width is 0"),
+    (lambda: vision.Camera(-1, 480, MATRIX), OverflowError, "negative"),
+    (lambda: camera(pose=np.ones((4, 4))), ValueError, "last row of pose"),
+    (lambda: camera(pose=[[1, 0, 0, NAN], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]), ValueError, "pose must be finite"),
+    (lambda: camera(distortion=[0.1] * 6), ValueError, "4, 5 or 8"),
+    (lambda: camera(distortion=[NAN] * 4), ValueError, "distortion must be finite"),
+    (lambda: camera(distortion=[0.1] * 5, model="fisheye"), ValueError, "fisheye"),
+    (lambda: camera(model="barrel"), ValueError, "model is \"barrel\""),
+    (lambda: placed(depth_noise=(-1.0, 0.0)), ahqp.Error, "noise.constant is -1"),
+    (lambda: placed().project([1.0, 2.0, 3.0]), ValueError, "points has shape"),
+    (lambda: placed().project([[1.0, 2.0]]), ValueError, "3 columns"),
+    (lambda: vision.Camera.looking_at(640, 480, MATRIX, [0, 0, 1], [0, 0, 2]), ahqp.Error, "the camera's pose"),
+    (lambda: vision.Camera.read("nowhere.yaml"), FileNotFoundError, "nowhere.yaml"),
+    (lambda: vision.Camera.read(PANDA), ValueError, "calibration"),
+    (lambda: vision.CameraPlacement([[0, 0, 1]], [[0, 0, 1]] * 2), ValueError, "seen has 1 points"),
+    (lambda: vision.CameraPlacement([[0, 0, 1]] * 2, [[0, 0, 1]] * 2), ahqp.Error, "three or more"),
+    (lambda: vision.CameraPlacement([[0, 0, 1]] * 3, [[0, 0, 1]] * 3), ahqp.Error, "common line"),
+    (lambda: vision.CameraPlacement([[NAN, 0, 1]] * 3, [[0, 0, 1]] * 3), ahqp.Error, "NaN"),
+    (lambda: vision.Lifter(camera()), ValueError, "no pose"),
+    (lambda: vision.Lifter(camera(pose=np.eye(4), distortion=[0.1] * 4)), ValueError, "rectified"),
+    (lambda: vision.Lifter(camera(pose=np.diag([1.0, -1.0, -1.0, 1.0])).at(np.eye(4)), window=NAN), ahqp.Error, "window"),
+    (lambda: vision.Lifter(placed(), range=(5.0, 1.0)), ahqp.Error, "range"),
+    (lambda: lift(np.zeros((4, 4))), ahqp.Error, "the depth image has 4 × 4 pixels"),
+    (lambda: lift(np.zeros(4)), ValueError, r"depth has shape \(4,\)"),
+    (lambda: lift(np.zeros((0, 0))), ahqp.Error, "depth image"),
+    (lambda: lift(np.zeros((480, 640), np.int64)), TypeError, "uint16 in units"),
+    (lambda: lift(None), TypeError, "depth must be an array of real numbers"),
+    (lambda: lift(np.zeros((480, 640), np.uint16), unit=NAN), ahqp.Error, "depth_scale is NaN"),
+    (lambda: lift(np.zeros((480, 640)), heading=INF), ValueError, "heading is inf"),
+    (lambda: lift(np.zeros((480, 640)), heading="north"), TypeError, "heading"),
+    (lambda: lift(np.zeros((480, 640)), heading=lambda body: "north"), TypeError, "heading"),
+    (lambda: vision.ImageBody(JOINTS[:24]), ValueError, "BODY_25 has 25 joints"),
+    (lambda: vision.ImageBody(JOINTS, layout="COCO"), ValueError, "layout is \"COCO\""),
+    (lambda: vision.ImageBody(JOINTS, 2.0), ahqp.Error, "confidence"),
+    (lambda: vision.ImageBody(JOINTS, NAN), ahqp.Error, "confidence"),
+    (lambda: vision.ImageBody(JOINTS, [1.0]), ValueError, "confidences has 1 entries"),
+    (lambda: vision.ImageBody(INF * JOINTS), ValueError, "finite, or NaN"),
+    (lambda: vision.ImageBody(JOINTS, metric=JOINTS), ValueError, "metric has shape"),
+    (lambda: vision.MonocularLifter(camera()), ahqp.Error, "place of the camera"),
+    (lambda: vision.MonocularLifter(placed(), stature=175.0), ahqp.Error, "stature is 175"),
+    (lambda: vision.MonocularLifter(placed()).lift(vision.ImageBody(JOINTS)), ValueError, "no metric joints"),
+    (lambda: vision.Triangulator([placed()]), ahqp.Error, "2 to 16"),
+    (lambda: vision.Triangulator([placed(), camera(name="left")]), ahqp.Error, "not known of left"),
+    (lambda: vision.Triangulator([placed()] * 2, outlier=NAN), ahqp.Error, "outlier"),
+    (lambda: vision.Triangulator([placed()] * 2).body([None]), ValueError, "2 cameras"),
+    (lambda: vision.Triangulator([placed()] * 2).people([[]] * 3), ValueError, "2 cameras"),
+    (lambda: vision.Triangulator([placed()] * 2).body([1, 2]), TypeError, "views"),
+    (lambda: vision.People(most=0), ahqp.Error, "most"),
+    (lambda: vision.People(place=[NAN, 0.0]), ahqp.Error, "place"),
+    (lambda: people((NAN, [])), ahqp.Error, "time"),
+    (lambda: people((1.0, []), (0.5, [])), ahqp.Error, "time"),
+    (lambda: people((0.0, [vision.ImageBody(JOINTS)])), TypeError, "bodies"),
+    (lambda: vision.nearest_person(placed(), np.zeros((4, 4))), ValueError, "640 × 480"),
+    (lambda: vision.BlazePose(LANDMARKS, DETECTOR), ahqp.Error, "no detector of BlazePose"),
+    (lambda: vision.BlazePose("nowhere.tflite", LANDMARKS), FileNotFoundError, "nowhere.tflite"),
+    (lambda: vision.BlazePose(DETECTOR, PANDA), ahqp.Error, "panda.urdf"),
+    (lambda: vision.BlazePose(DETECTOR, 3), TypeError, "landmarks must be a path"),
+    (lambda: vision.BlazePose(DETECTOR, LANDMARKS, most=0), ahqp.Error, "most is 0"),
+    (lambda: vision.BlazePose(DETECTOR, LANDMARKS, presence=NAN), ahqp.Error, "presence is NaN"),
+    (lambda: vision.BlazePose(DETECTOR, LANDMARKS, threads=0), ahqp.Error, "0 threads"),
+    (lambda: pose_of(IMAGE[:0]), ahqp.Error, "0 × 4 × 3"),
+    (lambda: pose_of(IMAGE[..., :1]), ahqp.Error, "4 × 4 × 1"),
+    (lambda: pose_of(IMAGE[0]), ValueError, r"must be \(height, width, 3\)"),
+    (lambda: pose_of(IMAGE / 255.0), TypeError, "one of uint8"),
+    (lambda: pose_of(np.zeros((4, 4, 3))), TypeError, "one of uint8"),
+    (lambda: pose_of([["a"]]), TypeError, "image must be an array of real numbers"),
+    (lambda: pose_of(IMAGE, NAN), ValueError, "time is NaN"),
+    (lambda: vision.SimpleBaseline({}), ahqp.Error, "conv1"),
+    (lambda: vision.OpenPose({}), ahqp.Error, "conv1_1"),
+    (lambda: vision.OpenPose({}, height=2**64 - 1), ahqp.Error, "too large"),
+    (lambda: vision.ResNet("nowhere.pth"), FileNotFoundError, "nowhere.pth"),
+    (lambda: vision.ResNet(PANDA.parent), OSError, "urdf"),
+    (lambda: vision.ResNet(PANDA), ahqp.Error, "panda.urdf: not a checkpoint"),
+    (lambda: vision.ResNet(None), TypeError, "weights must be a path, or a dict"),
+    (lambda: vision.ResNet({"fc.bias": "text"}), TypeError, "fc.bias must be an array"),
+    (lambda: vision.ResNet({3: [0.5]}), TypeError, "int"),
+    (lambda: vision.SlowOnlyStream(VISION / "plain.pth"), ahqp.Error, "give those of SlowOnly"),
+    (lambda: vision.read_weights(VISION / "trunc30.jpg"), ahqp.Error, "trunc30.jpg: not a checkpoint"),
+    (lambda: vision.read_image(VISION / "trunc30.jpg"), ahqp.Error, "trunc30.jpg"),
+    (lambda: vision.read_image(PANDA), ahqp.Error, "no JPEG or PNG"),
+    (lambda: vision.read_image("nowhere.png"), FileNotFoundError, "nowhere.png"),
+    (lambda: vision.read_depth(VISION / "trunc30.jpg"), ahqp.Error, "trunc30.jpg"),
+    (lambda: vision.TensorFlowLite(b""), ahqp.Error, "TensorFlow Lite"),
+    (lambda: vision.TensorFlowLite(LANDMARKS, outputs=[]), ValueError, "outputs is empty"),
+    (lambda: vision.TensorFlowLite(LANDMARKS, outputs=[9]), ahqp.Error, "output"),
+    (lambda: vision.TensorFlowLite(LANDMARKS, threads=10**6), ahqp.Error, "threads"),
+    (lambda: operators(np.zeros((13, 18, 3))), ValueError, "rows, columns, channels"),
+    (lambda: operators(np.zeros((0, 13, 18, 3))), ahqp.Error, "at least one"),
+    (lambda: operators(np.zeros((1, 13, 18, 4))), ahqp.Error, "channels"),
+    (lambda: operators(np.zeros((1, 1, 1, 3))), ahqp.Error, "small"),
+    (lambda: operators(np.full((1, 13, 18, 3), NAN)), ahqp.Error, "NaN"),
+    (lambda: operators(np.full((1, 13, 18, 3), 3e38)), ahqp.Error, "overflows"),
+    (lambda: vision.Preprocessing(), ValueError, "short_side and square"),
+    (lambda: vision.Preprocessing("keras", square=4), ValueError, "library is \"keras\""),
+    (lambda: vision.Preprocessing(square=0).image(IMAGE), ahqp.Error, "resize is 0"),
+    (lambda: vision.Preprocessing(square=8, crop=9).image(IMAGE), ahqp.Error, "9 × 9 for the crop"),
+    (lambda: vision.Preprocessing.SURFACE.clip([]), ahqp.Error, "no frames"),
+    (lambda: vision.Preprocessing.SURFACE.clip([IMAGE, IMAGE[:2]]), ahqp.Error, "first frame"),
+    (lambda: vision.Preprocessing.SURFACE.clip(3), TypeError, "int"),
+    (lambda: trained([[0.0], [1.0]], [0, 2]), ahqp.Error, "sample 1 is of class 2"),
+    (lambda: trained([[0.0], [1.0]], [0, 0.5]), ValueError, "a label is 0.5"),
+    (lambda: trained([[0.0], [1.0]], [0, -1]), ValueError, "a label is -1"),
+    (lambda: trained([[0.0], [NAN]]), ahqp.Error, "NaN"),
+    (lambda: trained(np.zeros((0, 1)), []), ahqp.Error, "sample"),
+    (lambda: trained([[0.0], [1.0]], cost=0.0), ahqp.Error, "cost is 0"),
+    (lambda: trained([[0.0], [1.0]], loss="log"), ValueError, "squared_hinge"),
+    (lambda: trained([[0.0], [1.0]], class_weights="even"), ValueError, "balanced"),
+    (lambda: trained([[0.0], [1.0]]).classify([0.0]), ValueError, "samples has shape"),
+    (lambda: trained([[0.0], [1.0]]).decide([[0.0, 1.0]]), ahqp.Error, "2 features"),
+    (lambda: vision.LinearSvm(["a", "b"], [[INF]], [0.0]), ahqp.Error, "inf"),
+    (lambda: vision.LinearSvm(["a"], [[1.0]], [0.0]), ahqp.Error, "class"),
+    (lambda: vision.LinearSvm.load(PANDA), ahqp.Error, "panda.urdf"),
+    (lambda: vision.LinearSvm.load("nowhere.svm"), FileNotFoundError, "nowhere.svm"),
+]
 
 CASES = [
     (lambda: ahqp.Hierarchy(0), ValueError, "no variables"),
@@ -101,7 +257,7 @@ CASES = [
 ]
 
 
-@pytest.mark.parametrize("call, kind, text", CASES)
+@pytest.mark.parametrize("call, kind, text", CASES + VISION_CASES)
 def test_bad_input_is_named(call, kind, text):
     with pytest.raises(kind, match=text) as caught:
         call()
@@ -133,6 +289,9 @@ def test_what_is_no_wrong_argument_comes_through(error):
 
 
 def test_a_file_without_an_end_is_refused():
+    for read in (vision.Camera.read, vision.read_weights, vision.ResNet):
+        with pytest.raises((OSError, ahqp.Error), match="/dev/zero"):
+            read("/dev/zero")
     with pytest.raises(OSError, match="larger than a URDF can be"):
         whole_body.Model.from_file("/dev/zero")
 

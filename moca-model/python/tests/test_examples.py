@@ -8,7 +8,7 @@ import pytest
 from support import PACKAGE, run_example
 
 import ahqp
-from ahqp import collaboration, ergo, simulation, whole_body
+from ahqp import collaboration, ergo, simulation, vision, whole_body
 
 
 def test_two_levels():
@@ -39,7 +39,7 @@ def test_a_population_is_the_same_on_dask(population):
     assert run_example("population", "--people", "2", "--workers", "2", "--on", "dask") == population
 
 
-@pytest.mark.parametrize("module", [ahqp, collaboration, ergo, simulation, whole_body])
+@pytest.mark.parametrize("module", [ahqp, collaboration, ergo, simulation, vision, whole_body])
 def test_everything_has_a_docstring_and_their_examples_run(module):
     runner = doctest.DocTestRunner()
     for name in module.__all__:
