@@ -24,6 +24,7 @@
 mod cell;
 mod eye;
 mod faults;
+mod guided;
 mod judge;
 mod memory;
 mod setup;

@@ -6,19 +6,19 @@ use human_perception::random;
 use moca_model::whole_body::FrameId;
 use moca_model::{Controller, DynamicRobotSettings, Goal, GraspedObject, MOCA_HOME, Phase, moca};
 use moca_replay::report::{TickRow, Together};
-use nalgebra::{Isometry3, Point2, Point3, Rotation2, Vector2, Vector3};
+use nalgebra::{Isometry3, Point2, Point3, Vector2, Vector3};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use vision_models::{Body, Confidence, Keypoint, Percept, Tool};
 
 use super::eye::Eye;
 use super::faults::Faults;
+use super::guided::{Guided, joints};
 use super::judge::{Counts, Judge};
 use super::memory::{Memory, Remembered, TRUE_RATE};
 use super::setup::Setup;
 use crate::Error;
-use crate::judges::Witness;
-use crate::people::{Activity, Joints, Lead, LedPerson, Movement, Way, Workplace};
+use crate::people::{Activity, Lead, LedPerson, Movement, Way, Workplace};
 use crate::plant::{Heard, Plant};
 use crate::run::{HandScore, OnBoardEye, RobotView, Scorer, WorkForce, tick_row};
 
@@ -32,13 +32,6 @@ const BLIND: f64 = 0.1;
 const ELBOW: &str = "panda_link4";
 /// Offset from what a person works on to the robot's hand, in the tool's frame \[m\].
 const BETWEEN: Vector3<f64> = Vector3::new(0.0, 0.0, -0.08);
-/// Least distance to which people come to the robot by themselves, but for their arms \[m\].
-const ROOM: f64 = 0.01;
-/// The way that somebody is moved to see how that changes the distance \[m\], and how much that must be.
-const SHIFT: f64 = 1e-5;
-const LEAST_SLOPE: f64 = 0.2;
-/// Directions aside that are tried on either side \[rad\].
-const ASIDE: [f64; 4] = [0.5, 1.0, 1.5, 2.0];
 /// The stream of movements on the spot.
 const MOVEMENTS: u64 = 430;
 
@@ -49,13 +42,6 @@ pub enum Who {
     Worker,
     /// Somebody who only comes near.
     Bystander,
-}
-
-/// Somebody who is led, as the judges see them.
-#[derive(Clone, Debug)]
-struct Guided {
-    person: LedPerson,
-    witness: Witness,
 }
 
 /// A robot, its controller and people, period by period. A clone goes on beside it.
@@ -83,54 +69,6 @@ pub struct Workcell {
     period: f64,
     tick: u64,
     row: TickRow,
-}
-
-impl Guided {
-    fn new(stature: f64, floor: Point2<f64>) -> Result<Self, Error> {
-        let heading = (-floor.y).atan2(-floor.x);
-        let person = LedPerson::new(stature, floor, heading)?;
-        Ok(Self { person, witness: Witness::default() })
-    }
-
-    /// Goes on by a period \[s\]; nobody walks or bends into the robot, but slides along it.
-    fn advance(&mut self, period: f64, workplace: &Workplace, judge: &Judge) {
-        let (before, gap) = (self.person.clone(), judge.gap(&joints(&self.person), ROOM));
-        self.person.advance(period, workplace);
-        let wanted = self.person.person().floor() - before.person().floor();
-        let now = joints(&self.person);
-        let lost = gap - judge.gap(&now, ROOM);
-        if lost > 0.0 {
-            let moved = |by: Vector3<f64>| judge.gap(&now.map(|joint| joint + by), 2.0 * ROOM);
-            let slope = |axis: Vector3<f64>| {
-                let step = axis * SHIFT;
-                (moved(step) - moved(-step)) / (2.0 * SHIFT)
-            };
-            let away = Vector2::new(slope(Vector3::x()), slope(Vector3::y()));
-            if away.norm() > LEAST_SLOPE {
-                self.person.slide(away / away.norm(), lost / away.norm());
-            }
-            if judge.gap(&joints(&self.person), ROOM) < gap - SHIFT {
-                self.step_aside(before, wanted, (gap, judge));
-            }
-        }
-        self.witness.push(&joints(&self.person), false);
-    }
-
-    /// Goes from where they were in the direction nearest to the wanted one that does not lead into the robot. What is
-    /// above or below may leave none; they then stop.
-    fn step_aside(&mut self, before: LedPerson, wanted: Vector2<f64>, (gap, judge): (f64, &Judge)) {
-        self.person = before;
-        let Some(ahead) = wanted.try_normalize(0.0) else { return self.person.bump() };
-        for turn in ASIDE.into_iter().flat_map(|turn| [turn, -turn]) {
-            let mut aside = self.person.clone();
-            aside.slide(Rotation2::new(turn) * ahead, wanted.norm());
-            if judge.gap(&joints(&aside), ROOM) >= gap - SHIFT {
-                self.person = aside;
-                return;
-            }
-        }
-        self.person.bump();
-    }
 }
 
 impl Workcell {
@@ -189,7 +127,7 @@ impl Workcell {
     /// # Errors
     /// What nobody can do; nothing changes then. Nobody is led who is not there.
     pub fn lead(&mut self, who: Who, lead: Lead) -> Result<(), Error> {
-        Ok(self.guided(who)?.person.lead(lead)?)
+        self.guided(who)?.lead(lead)
     }
 
     /// Somebody begins a movement on the spot as soon as they stand.
@@ -453,8 +391,4 @@ fn floor(plant: &Plant) -> Vector2<f64> {
         [x, y, ..] => Vector2::new(*x, *y),
         _ => Vector2::zeros(),
     }
-}
-
-fn joints(person: &LedPerson) -> Joints {
-    person.person().joints()
 }

@@ -9,7 +9,7 @@ use moca_model::Goal;
 use moca_simulation::people::{Activity, Facing, Lead, Movement, Reach, Way};
 use moca_simulation::run::{Run, Scenario};
 use moca_simulation::workcell::{Faults, Setup, Who, Workcell};
-use nalgebra::{Point2, Vector2, Vector3};
+use nalgebra::{Point2, Rotation2, Vector2, Vector3};
 use percept_recording::{IfPartial, Reader, Recording};
 use rand::Rng;
 use vision_models::Tool;
@@ -81,12 +81,15 @@ fn nobody_is_stuck_at_the_robot() {
     let through = base + (base - cell.person(Who::Worker).unwrap().person().floor()) * 0.6;
     cell.lead(Who::Worker, Lead { way: Way::To(through), ..WORKS }).unwrap();
     go_on(&mut cell, 6.0);
-    let away = Point2::new(base.x + 2.5, base.y + 1.0);
-    cell.lead(Who::Worker, Lead { way: Way::To(away), speed: 1.0, ..Lead::default() }).unwrap();
-    go_on(&mut cell, 8.0);
-    let left = cell.person(Who::Worker).unwrap().person().floor() - away;
-    assert!(left.norm() < 0.1, "{left}");
-    assert_eq!(cell.counts().too_near, 0);
+    for turn in [0.4, 2.0, 3.5, 5.1] {
+        let mut cell = cell.clone();
+        let away = base + Rotation2::new(turn) * Vector2::x() * 2.5;
+        cell.lead(Who::Worker, Lead { way: Way::To(away), speed: 1.0, ..Lead::default() }).unwrap();
+        go_on(&mut cell, 9.0);
+        let left = cell.person(Who::Worker).unwrap().person().floor() - away;
+        assert!(left.norm() < 0.1, "{left} in the direction {turn} rad");
+        assert_eq!(cell.counts().too_near, 0);
+    }
 }
 
 #[test]
