@@ -27,6 +27,17 @@ pub(crate) struct Rotation {
     pub(crate) sine: f64,
 }
 
+/// Rows that move along a direction: aᵢx at its start and its end, and their bounds.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct MovingRows<'a> {
+    pub(crate) value: &'a [f64],
+    pub(crate) slope: &'a [f64],
+    /// Parts of the values that fall to zero on the way.
+    pub(crate) residual: &'a [f64],
+    pub(crate) lower: &'a [f64],
+    pub(crate) upper: &'a [f64],
+}
+
 /// Four reflections in one, I − V T Vᵀ (compact WY form: Schreiber, Van Loan, SIAM Journal on
 /// Scientific and Statistical Computing 10, 1989).
 #[derive(Debug)]
@@ -114,9 +125,31 @@ kernel! {
 }
 
 kernel! {
+    /// Reflects dependent rows into lower triangular pivots, from the last column to the first.
+    ///
+    /// Each row begins with its target; the columns follow. Row 0 of `stack` is working memory, and
+    /// the dependent rows follow it. `column` has an entry for each row of the stack. The target of
+    /// a pivot becomes zero where the forces of rows balance each other: they sum up to less than
+    /// `rounding` of their terms, and to less than those of a target of `least`.
+    triangularise(
+        stack: &mut RowsMut<'_>,
+        pivots: &mut [f64],
+        column: &mut [f64],
+        least: f64,
+        rounding: f64
+    )
+}
+
+kernel! {
     /// Multiplies the rows of a matrix, which start `stride` apart in `data`, by `x`. Computes one
     /// product for each entry of `out`.
     multiply_rows(data: &[f64], stride: usize, x: &[f64], out: &mut [f64])
+}
+
+kernel! {
+    /// Finds which of up to 64 rows are outside their bounds after a step of this length. Each row
+    /// is one bit of `out`.
+    rows_outside(rows: MovingRows<'_>, length: f64, out: &mut u64)
 }
 
 kernel! {

@@ -56,7 +56,8 @@ pub(crate) struct ActiveSet {
     attained: usize,
     /// True if the goal had a gradient beyond rounding at the end of its search.
     has_gradient: bool,
-    /// Ranges of rows whose inactive rows must stay within their bounds.
+    /// Ranges of rows whose inactive rows must stay within their bounds, and whose values a step
+    /// moves.
     monitored: List<Range<usize>>,
     /// Remaining violation of inactive rows of the objective, which falls to zero during the
     /// search.
@@ -152,6 +153,14 @@ impl ActiveSet {
         self.attained = 0;
         self.multipliers.has_multipliers_near_threshold = false;
         self.factorisation.begin(&self.data, &self.activity);
+    }
+
+    /// Adds rows to those that are monitored. Ranges that follow each other become one.
+    pub(crate) fn monitor(&mut self, rows: Range<usize>) {
+        match self.monitored.last_mut() {
+            Some(last) if last.end == rows.start => last.end = rows.end,
+            _ => self.monitored.push(rows),
+        }
     }
 
     /// Returns aᵢx − bound: positive above the upper bound, negative below the lower, otherwise
@@ -289,7 +298,7 @@ impl ActiveSet {
                 Activity::Inactive
             };
         }
-        self.monitored.push(rows.clone());
+        self.monitor(rows.clone());
         self.open_held(level);
         self.factorisation.push_active(&self.data, &self.activity, rows);
         self.factorisation.eliminate_last();

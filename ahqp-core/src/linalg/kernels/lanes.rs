@@ -10,6 +10,8 @@ pub(super) trait Lanes: Copy {
     /// self · b + c.
     fn multiply_add(self, b: Self, c: Self) -> Self;
     fn sum(self) -> f64;
+    /// Returns, as one bit each, which numbers are outside their bounds.
+    fn outside(self, lower: Self, upper: Self) -> u64;
 
     /// Returns the sums of four values.
     fn sums(four: [Self; 4]) -> [f64; 4] {
@@ -45,6 +47,12 @@ impl Lanes for Portable {
     fn sum(self) -> f64 {
         (self.0[0] + self.0[2]) + (self.0[1] + self.0[3])
     }
+
+    fn outside(self, lower: Self, upper: Self) -> u64 {
+        (0..4).fold(0, |bits, i| {
+            bits | u64::from(self.0[i] < lower.0[i] || self.0[i] > upper.0[i]) << i
+        })
+    }
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -57,9 +65,10 @@ mod x86 {
 
     use super::Lanes;
     use std::arch::x86_64::{
-        __m256d, _mm_add_pd, _mm_add_sd, _mm_cvtsd_f64, _mm_unpackhi_pd, _mm256_add_pd,
-        _mm256_castpd_si256, _mm256_castpd256_pd128, _mm256_extractf128_pd, _mm256_fmadd_pd,
-        _mm256_hadd_pd, _mm256_loadu_pd, _mm256_maskload_pd, _mm256_permute2f128_pd,
+        __m256d, _CMP_GT_OQ, _CMP_LT_OQ, _mm_add_pd, _mm_add_sd, _mm_cvtsd_f64, _mm_unpackhi_pd,
+        _mm256_add_pd, _mm256_castpd_si256, _mm256_castpd256_pd128, _mm256_cmp_pd,
+        _mm256_extractf128_pd, _mm256_fmadd_pd, _mm256_hadd_pd, _mm256_loadu_pd,
+        _mm256_maskload_pd, _mm256_movemask_pd, _mm256_or_pd, _mm256_permute2f128_pd,
         _mm256_set1_pd, _mm256_storeu_pd,
     };
 
@@ -123,6 +132,17 @@ mod x86 {
                 let two = _mm_add_pd(low, _mm256_extractf128_pd::<1>(self.0));
                 _mm_cvtsd_f64(_mm_add_sd(two, _mm_unpackhi_pd(two, two)))
             }
+        }
+
+        #[inline(always)]
+        fn outside(self, lower: Self, upper: Self) -> u64 {
+            // SAFETY: the machine has AVX (see the type).
+            let bits = unsafe {
+                let below = _mm256_cmp_pd::<_CMP_LT_OQ>(self.0, lower.0);
+                let above = _mm256_cmp_pd::<_CMP_GT_OQ>(self.0, upper.0);
+                _mm256_movemask_pd(_mm256_or_pd(below, above))
+            };
+            u64::from(bits.cast_unsigned())
         }
 
         #[inline(always)]

@@ -3,7 +3,54 @@
 #![expect(clippy::inline_always, reason = "takes the features of the function around it")]
 
 use super::lanes::Lanes;
-use super::{FourReflections, Rotation, RowsMut};
+use super::{FourReflections, MovingRows, Rotation, RowsMut};
+
+/// Iterates over whole rows of a matrix. Unlike `chunks_exact` it needs no division, which takes as
+/// long as a short row.
+#[derive(Debug)]
+struct Rows<'a> {
+    data: &'a [f64],
+    stride: usize,
+}
+
+impl<'a> Iterator for Rows<'a> {
+    type Item = &'a [f64];
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<&'a [f64]> {
+        let (row, rest) = self.data.split_at_checked(self.stride)?;
+        self.data = rest;
+        Some(row)
+    }
+}
+
+#[inline(always)]
+fn rows(data: &[f64], stride: usize) -> Rows<'_> {
+    Rows { data, stride }
+}
+
+/// The same for rows that change.
+#[derive(Debug)]
+struct RowsToChange<'a> {
+    data: &'a mut [f64],
+    stride: usize,
+}
+
+impl<'a> Iterator for RowsToChange<'a> {
+    type Item = &'a mut [f64];
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<&'a mut [f64]> {
+        let (row, rest) = std::mem::take(&mut self.data).split_at_mut_checked(self.stride)?;
+        self.data = rest;
+        Some(row)
+    }
+}
+
+#[inline(always)]
+fn rows_mut(data: &mut [f64], stride: usize) -> RowsToChange<'_> {
+    RowsToChange { data, stride }
+}
 
 #[inline(always)]
 pub(super) fn rotate_rows<L: Lanes>(rows: &mut RowsMut<'_>, rotations: &[Rotation]) {
@@ -28,8 +75,10 @@ pub(super) fn rotate_rows<L: Lanes>(rows: &mut RowsMut<'_>, rotations: &[Rotatio
 #[inline(always)]
 pub(super) fn reflect_rows<L: Lanes>(rows: &mut RowsMut<'_>, start: usize, v: &[f64], tau: f64) {
     let (stride, end) = (rows.stride, start + v.len());
-    let mut four = rows.data.chunks_exact_mut(4 * stride);
-    for block in &mut four {
+    let mut rest = &mut *rows.data;
+    while rest.len() >= 4 * stride {
+        let (block, behind) = rest.split_at_mut(4 * stride);
+        rest = behind;
         let row = |i: usize| i * stride + start..i * stride + end;
         let Ok(parts) = block.get_disjoint_mut([row(0), row(1), row(2), row(3)]) else { continue };
         let along = dots::<L>(parts.each_ref().map(|part| &**part), v);
@@ -37,7 +86,7 @@ pub(super) fn reflect_rows<L: Lanes>(rows: &mut RowsMut<'_>, start: usize, v: &[
             add_scaled::<L>(part, -tau * along, v);
         }
     }
-    for row in four.into_remainder().chunks_mut(stride) {
+    for row in rows_mut(rest, stride) {
         let Some(part) = row.get_mut(start..end) else { continue };
         let along = dot::<L>(part, v);
         add_scaled::<L>(part, -tau * along, v);
@@ -52,7 +101,7 @@ pub(super) fn reflect_rows_four<L: Lanes>(
 ) {
     let end = start + four.v[0].len();
     let [(a, a_rest), (b, b_rest), (c, c_rest), (d, d_rest)] = four.v.map(|v| v.as_chunks::<4>());
-    for row in rows.data.chunks_exact_mut(rows.stride) {
+    for row in rows_mut(rows.data, rows.stride) {
         let Some(part) = row.get_mut(start..end) else { continue };
         let mut weights = [0.0; 4];
         for (along, t) in dots::<L>(four.v, part).into_iter().zip(&four.t) {
@@ -91,7 +140,7 @@ pub(super) fn mix_rows<L: Lanes>(rows: &mut RowsMut<'_>, width: usize, v: &[f64]
         let column = |data: &[f64], row: usize| data.get(row * stride + start).copied();
         let image: f64 =
             v.iter().enumerate().filter_map(|(i, v)| Some(v * column(rows.data, i)?)).sum();
-        for (row, v) in rows.data.chunks_exact_mut(stride).zip(v) {
+        for (row, v) in rows_mut(rows.data, stride).zip(v) {
             row[start] -= tau * v * image;
         }
     }
@@ -121,16 +170,85 @@ fn mix_columns<L: Lanes, const B: usize>(
 }
 
 #[inline(always)]
+pub(super) fn triangularise<L: Lanes>(
+    stack: &mut RowsMut<'_>,
+    pivots: &mut [f64],
+    column: &mut [f64],
+    least: f64,
+    rounding: f64,
+) {
+    let stride = stack.stride;
+    let mut before = pivots;
+    // The last of the columns, one more for each pivot.
+    let mut place = before.len() / stride;
+    while let Some(length) = before.len().checked_sub(stride) {
+        let (earlier, pivot) = before.split_at_mut(length);
+        before = earlier;
+        if let Some(row) = stack.data.get_mut(..stride) {
+            row.copy_from_slice(pivot);
+        }
+        let (mut square, mut sum, mut size) = (0.0, 0.0, 0.0);
+        for (v, row) in column.iter_mut().zip(rows(stack.data, stride)) {
+            let force = row[place] * row[0];
+            *v = row[place];
+            square += *v * *v;
+            sum += force;
+            size += force.abs();
+        }
+        let own = column[0];
+        let length = square.sqrt();
+        let image = if own > 0.0 { -length } else { length };
+        column[0] = own - image;
+        let tau = 1.0 / (-image * column[0]);
+        mix_rows::<L>(stack, place.next_multiple_of(4), column, tau);
+        pivot[..place].copy_from_slice(&stack.data[..place]);
+        pivot[place] = image;
+        if sum * sum <= least * least * square && sum.abs() <= rounding * size {
+            pivot[0] = 0.0;
+        }
+        place -= 1;
+    }
+}
+
+#[inline(always)]
 pub(super) fn multiply_rows<L: Lanes>(data: &[f64], stride: usize, x: &[f64], out: &mut [f64]) {
-    let fours = (data.len() / stride).min(out.len()) / 4;
-    for (block, result) in data.chunks_exact(4 * stride).zip(out.as_chunks_mut::<4>().0) {
+    let mut rest = data;
+    let (fours, ones) = out.as_chunks_mut::<4>();
+    for result in fours {
+        // The last of the rows need not be whole.
+        let Some((block, behind)) = rest.split_at_checked(4 * stride) else { return };
         let row = |i: usize| &block[i * stride..i * stride + x.len()];
         *result = dots::<L>([row(0), row(1), row(2), row(3)], x);
+        rest = behind;
     }
-    for (row, result) in data[4 * fours * stride..].chunks_exact(stride).zip(&mut out[4 * fours..])
-    {
+    for (row, result) in rows(rest, stride).zip(ones) {
         *result = dot::<L>(&row[..x.len()], x);
     }
+}
+
+#[inline(always)]
+pub(super) fn rows_outside<L: Lanes>(rows: MovingRows<'_>, length: f64, out: &mut u64) {
+    let MovingRows { value, slope, residual, lower, upper } = rows;
+    let (length, minus) = (L::splat(length), L::splat(-1.0));
+    let one = L::splat(1.0);
+    let outside = |[value, slope, residual, lower, upper]: [L; 5]| {
+        let start = minus.multiply_add(residual, value);
+        length.multiply_add(one.multiply_add(slope, residual), start).outside(lower, upper)
+    };
+    let rows = [value, slope, residual, lower, upper].map(|of_rows| of_rows.as_chunks::<4>());
+    let [value, slope, residual, lower, upper] = rows.map(|(four, _)| four);
+    let fours = value.iter().zip(slope).zip(residual).zip(lower.iter().zip(upper));
+    let mut bits = 0;
+    let mut first = 0;
+    for (((value, slope), residual), (lower, upper)) in fours {
+        bits |= outside([value, slope, residual, lower, upper].map(L::load)) << first;
+        first += 4;
+    }
+    let rest = rows.map(|(_, rest)| rest);
+    if !rest[0].is_empty() {
+        bits |= outside(rest.map(L::load_part)) << first;
+    }
+    *out = bits;
 }
 
 #[inline(always)]
@@ -152,7 +270,7 @@ pub(super) fn add_rows<L: Lanes>(data: &[f64], stride: usize, weights: &[f64], o
         start += 32;
     }
     for start in whole..out.len() {
-        let sum: f64 = data.chunks_exact(stride).zip(weights).map(|(row, w)| row[start] * w).sum();
+        let sum: f64 = rows(data, stride).zip(weights).map(|(row, w)| row[start] * w).sum();
         out[start] += sum;
     }
 }
@@ -180,7 +298,7 @@ fn add_columns<L: Lanes, const B: usize>(
 
 #[inline(always)]
 pub(super) fn square_rows<L: Lanes>(data: &[f64], stride: usize, out: &mut [f64]) {
-    for (row, square) in data.chunks_exact(stride).zip(out) {
+    for (row, square) in rows(data, stride).zip(out) {
         *square = dot::<L>(row, row);
     }
 }

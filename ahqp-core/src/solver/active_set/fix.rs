@@ -36,7 +36,7 @@ impl ActiveSet {
             }
             let rows = rows.clone();
             if rows.clone().any(|id| !self.fixed[id]) {
-                self.monitored.push(rows);
+                self.monitor(rows);
             }
         }
         let fixed = &self.fixed;

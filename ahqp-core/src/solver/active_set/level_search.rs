@@ -38,6 +38,19 @@ struct Dropped {
 impl ActiveSet {
     /// Moves x to the minimum of the goal.
     pub(crate) fn search(&mut self, goal: &Goal) -> End {
+        let (count, last) = (self.monitored.len(), self.monitored.last().cloned());
+        if let Goal::Rows(rows) = goal {
+            self.monitor(rows.clone());
+        }
+        let end = self.go_to_minimum(goal);
+        self.monitored.truncate(count);
+        if let (Some(now), Some(last)) = (self.monitored.last_mut(), last) {
+            *now = last;
+        }
+        end
+    }
+
+    fn go_to_minimum(&mut self, goal: &Goal) -> End {
         self.tabu.clear();
         let mut dropped: Option<Dropped> = None;
         let begun = self.iterations;
@@ -105,7 +118,7 @@ impl ActiveSet {
             if gap.abs() > f64::EPSILON * bound.abs() { gap } else { 0.0 }
         };
         let taken = factorisation.step_from(data, (x, *attained), gap, free, direction);
-        for variable in (0..data.n).filter(|&i| activity[i].is_active()) {
+        for &variable in factorisation.stacked.iter().filter(|&&id| id < data.n) {
             // The step is exact, so that heavy rows see no rounding of it.
             let step = active_bound(data, activity, variable) - x[variable];
             direction[variable] = if taken.has_minimum { step } else { 0.0 };
@@ -128,7 +141,6 @@ impl ActiveSet {
             value[id] += length * step;
         }
         if let Goal::Rows(rows) = goal {
-            add_scaled(&mut self.value[rows.clone()], length, &self.slope[rows.clone()]);
             for residual in &mut self.residual[rows.clone()] {
                 *residual *= 1.0 - length.min(1.0);
             }
@@ -138,7 +150,7 @@ impl ActiveSet {
     /// Records that x is where the active rows hold. Variables at a bound are set to it exactly.
     fn attain(&mut self) {
         self.attained = self.factorisation.groups.len();
-        for variable in (0..self.data.n).filter(|&i| self.activity[i].is_active()) {
+        for &variable in self.factorisation.stacked.iter().filter(|&&id| id < self.data.n) {
             self.x[variable] = active_bound(&self.data, &self.activity, variable);
         }
     }

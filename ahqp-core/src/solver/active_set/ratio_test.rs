@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::ActiveSet;
+use crate::linalg::kernels::{MovingRows, rows_outside};
 use crate::linalg::vector::norm;
 use crate::solver::active_set::goal::Goal;
 use crate::solver::activity::Activity;
@@ -37,7 +38,7 @@ impl ActiveSet {
         choice: Choice,
     ) -> (f64, Option<(usize, Activity)>) {
         self.set_slopes(goal);
-        self.find_candidates(goal, full);
+        self.find_candidates(full);
         // The first pass finds how far x may move within the bounds relaxed by the tolerance. Among
         // the rows met by then, the second pass takes the one most across the direction.
         let mut reach = full;
@@ -67,78 +68,67 @@ impl ActiveSet {
         }
     }
 
-    /// Computes the rates of change of the monitored rows along `direction`.
+    /// Computes the rates of change of the monitored rows along `direction`. Rows that are held do
+    /// not move, except those of the goal.
     fn set_slopes(&mut self, goal: &Goal) {
-        let n = self.data.n;
+        let Self { data, factorisation, direction, slope, .. } = self;
         for rows in &self.monitored {
-            if rows.start < n {
-                self.slope[..n].copy_from_slice(&self.direction);
-            } else {
-                self.data.multiply(rows.clone(), &self.direction, &mut self.slope);
+            if rows.start < data.n {
+                slope[..data.n].copy_from_slice(direction);
             }
-            let slopes = self.slope[rows.clone()].iter_mut();
-            for (slope, &activity) in slopes.zip(&self.activity[rows.clone()]) {
-                *slope = if activity == Activity::Inactive { *slope } else { 0.0 };
-            }
+            data.multiply(rows.start.max(data.n)..rows.end, direction, slope);
         }
-        if let Goal::Rows(rows) = goal {
-            self.data.multiply(rows.clone(), &self.direction, &mut self.slope);
+        let held = match goal {
+            Goal::Rows(_) => factorisation.groups.last().map_or(0, |group| group.start),
+            Goal::Norm => factorisation.stacked.len(),
+        };
+        for &id in factorisation.stacked[..held].iter().chain(&factorisation.bounded) {
+            slope[id] = 0.0;
         }
     }
 
     /// Finds the rows whose bounds the direction meets within `full`.
-    fn find_candidates(&mut self, goal: &Goal, full: f64) {
+    fn find_candidates(&mut self, full: f64) {
         let least = self.factorisation.least_part() * norm(&self.direction).min(f64::MAX);
         self.candidates.clear();
         for block in 0..self.monitored.len() {
-            self.find_candidates_among(self.monitored[block].clone(), full, least);
-        }
-        if let Goal::Rows(rows) = goal {
-            self.find_candidates_among(rows.clone(), full, least);
-        }
-    }
-
-    fn find_candidates_among(&mut self, rows: Range<usize>, full: f64, least: f64) {
-        let data = &self.data;
-        let mut next = rows.start;
-        while next < rows.end {
-            let first = next;
-            next = rows.end.min(first + BLOCK);
-            let mut met = self.rows_ahead(first..next, full);
-            while met != 0 {
-                let id = first + met.trailing_zeros() as usize;
-                met &= met - 1;
-                let residual = self.residual[id];
-                let (value, slope) = (self.value[id] - residual, self.slope[id] + residual);
-                let (bound, room) = if slope > 0.0 {
-                    (Activity::Upper, data.upper[id] - value)
-                } else {
-                    (Activity::Lower, value - data.lower[id])
-                };
-                let slope = slope.abs();
-                if room < full * slope && slope > least * data.norm(id) {
-                    self.candidates.push(Candidate { id, bound, room: room.max(0.0), slope });
-                }
+            let Range { start, end } = self.monitored[block];
+            let mut first = start;
+            while first < end {
+                let next = end.min(first + BLOCK);
+                self.find_candidates_among(first..next, full, least);
+                first = next;
             }
         }
     }
 
-    /// Returns, as one bit for each row, which inactive rows of a block are outside their bounds at
-    /// `full`. The loop has no branches, since they would be unpredictable.
-    #[expect(clippy::needless_bitwise_bool, reason = "no branches")]
-    fn rows_ahead(&self, block: Range<usize>, full: f64) -> u64 {
-        let [value, slope, residual] =
-            [&self.value, &self.slope, &self.residual].map(|of_rows| &of_rows[block.clone()]);
-        let [lower, upper] =
-            [&self.data.lower, &self.data.upper].map(|of_rows| &of_rows[block.clone()]);
-        let moving = value.iter().zip(slope).zip(residual);
-        let rows = self.activity[block.clone()].iter().zip(moving).zip(lower.iter().zip(upper));
-        let mut met = 0;
-        for (bit, ((&activity, ((value, slope), residual)), (lower, upper))) in rows.enumerate() {
-            let ahead = value - residual + full * (slope + residual);
-            let outside = (ahead > *upper) | (ahead < *lower);
-            met |= u64::from(outside & (activity == Activity::Inactive)) << bit;
+    fn find_candidates_among(&mut self, rows: Range<usize>, full: f64, least: f64) {
+        let Self { data, activity, value, slope, residual, candidates, .. } = self;
+        let mut outside = 0;
+        let moving = MovingRows {
+            value: &value[rows.clone()],
+            slope: &slope[rows.clone()],
+            residual: &residual[rows.clone()],
+            lower: &data.lower[rows.clone()],
+            upper: &data.upper[rows.clone()],
+        };
+        rows_outside(moving, full, &mut outside);
+        while outside != 0 {
+            let id = rows.start + outside.trailing_zeros() as usize;
+            outside &= outside - 1;
+            if activity[id].is_active() {
+                continue;
+            }
+            let (value, slope) = (value[id] - residual[id], slope[id] + residual[id]);
+            let (bound, room) = if slope > 0.0 {
+                (Activity::Upper, data.upper[id] - value)
+            } else {
+                (Activity::Lower, value - data.lower[id])
+            };
+            let slope = slope.abs();
+            if room < full * slope && slope > least * data.norm(id) {
+                candidates.push(Candidate { id, bound, room: room.max(0.0), slope });
+            }
         }
-        met
     }
 }

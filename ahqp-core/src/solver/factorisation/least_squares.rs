@@ -1,21 +1,19 @@
 //! Least squares of one group: its pivots and the rows that depend on them.
 
 use super::{Factorisation, Group, LANES};
-use crate::linalg::kernels::{RowsMut, mix_rows, multiply_rows};
-use crate::linalg::vector::{add_scaled, dot, norm, reflector};
+use crate::linalg::kernels::{RowsMut, multiply_rows, triangularise};
+use crate::linalg::vector::{add_scaled, dot, norm};
 use crate::solver::data::ProblemData;
 use crate::solver::tolerances::ROUNDING;
 
-/// Working memory of one least-squares problem, allocated once.
+/// Working memory of one least-squares problem, allocated once. Each row of a matrix begins with its
+/// target.
 #[derive(Debug, Clone)]
 pub(super) struct LeastSquares {
-    /// One pivot row and all dependent rows, with `stride` entries each.
+    /// A row of working memory and all dependent rows.
     stack: Vec<f64>,
-    /// Remaining target of each of these rows.
-    target: Vec<f64>,
-    /// The factor L' and its targets.
+    /// The factor L'.
     triangular: Vec<f64>,
-    triangular_target: Vec<f64>,
     /// Target of each row of the group, less the contribution of the coordinates of earlier groups.
     remaining: Vec<f64>,
     column: Vec<f64>,
@@ -25,39 +23,13 @@ pub(super) struct LeastSquares {
 
 impl LeastSquares {
     pub(super) fn new(variables: usize, rows: usize) -> Self {
-        let stride = variables.next_multiple_of(LANES);
+        let stride = (variables + 1).next_multiple_of(LANES);
         Self {
             stack: vec![0.0; (rows + 1) * stride],
-            target: vec![0.0; rows + 1],
             triangular: vec![0.0; variables * stride],
-            triangular_target: vec![0.0; variables],
             remaining: vec![0.0; rows],
             column: vec![0.0; rows + 1],
             solution: vec![0.0; variables],
-        }
-    }
-
-    /// Reflects column `j` of the stack, with `width` entries in use, into the pivot row, which is
-    /// the first. `least` is a target below which the forces of rows may balance each other.
-    fn reflect(&mut self, j: usize, count: usize, stride: usize, least: f64) {
-        let (column, target) = (&mut self.column[..=count], &mut self.target[..=count]);
-        for (entry, row) in column.iter_mut().zip(self.stack.chunks_exact(stride)) {
-            *entry = row[j];
-        }
-        let sum = dot(column, target);
-        // The sum can be the rounding of its terms only below this threshold.
-        let may_balance = sum.powi(2) <= least.powi(2) * dot(column, column);
-        let balances = may_balance && {
-            let terms = column.iter().zip(target.iter()).map(|(entry, target)| entry * target);
-            sum.abs() <= ROUNDING * terms.map(f64::abs).sum::<f64>()
-        };
-        let (tau, _) = reflector(column);
-        let data = &mut self.stack[..(count + 1) * stride];
-        mix_rows(&mut RowsMut { data, stride }, (j + 1).next_multiple_of(LANES), column, tau);
-        add_scaled(target, -tau * dot(column, target), column);
-        // Forces that balance each other move nothing.
-        if balances {
-            target[0] = 0.0;
         }
     }
 }
@@ -130,50 +102,47 @@ impl Factorisation {
         if rank == 0 {
             return;
         }
-        let stride = rank.next_multiple_of(LANES);
+        let stride = (rank + 1).next_multiple_of(LANES);
         let count = end - start - rank;
-        let squares = &mut self.least_squares;
-        let least = ROUNDING * norm(&squares.remaining[..end - start]);
-        let entries = |index: usize, width: usize| {
-            let place = (start + index) * n + first;
-            &self.rows[place..place + width]
-        };
-        squares.target[1..=count].copy_from_slice(&squares.remaining[rank..end - start]);
-        for (index, row) in (rank..).zip(squares.stack.chunks_exact_mut(stride).skip(1)).take(count)
-        {
-            // Rounding of rotations of a heavy row would act as a force on light rows.
-            let nothing = ROUNDING * data.norm(self.stacked[start + index]);
-            for (to, &entry) in row.iter_mut().zip(entries(index, rank)) {
-                *to = if entry.abs() <= nothing { 0.0 } else { entry };
-            }
-            row[rank..].fill(0.0);
+        let LeastSquares { stack, triangular, remaining, column, solution: y } =
+            &mut self.least_squares;
+        let remaining = &remaining[..end - start];
+        let least = ROUNDING * norm(remaining);
+        let triangular = &mut triangular[..rank * stride];
+        let place = |index: usize| (start + index) * n + first;
+        let pivots = triangular.chunks_exact_mut(stride).zip(remaining).enumerate();
+        for (index, (row, &target)) in pivots {
+            row[0] = target;
+            row[1..=index + 1].copy_from_slice(&self.rows[place(index)..=place(index) + index]);
         }
-        for j in (0..rank).rev() {
-            squares.stack[..=j].copy_from_slice(entries(j, j + 1));
-            squares.stack[j + 1..stride].fill(0.0);
-            squares.target[0] = squares.remaining[j];
-            if count > 0 {
-                squares.reflect(j, count, stride, least);
+        if count > 0 {
+            let stack = &mut stack[..(count + 1) * stride];
+            let dependent = stack.chunks_exact_mut(stride).skip(1).zip(&remaining[rank..]);
+            for (index, (row, &target)) in (rank..).zip(dependent) {
+                // Rounding of rotations of a heavy row would act as a force on light rows.
+                let nothing = ROUNDING * data.norm(self.stacked[start + index]);
+                row[0] = target;
+                let entries = &self.rows[place(index)..place(index) + rank];
+                for (to, &entry) in row[1..].iter_mut().zip(entries) {
+                    *to = if entry.abs() <= nothing { 0.0 } else { entry };
+                }
             }
-            let row = j * stride;
-            squares.triangular[row..=row + j].copy_from_slice(&squares.stack[..=j]);
-            squares.triangular_target[j] = squares.target[0];
+            let mut stack = RowsMut { data: stack, stride };
+            triangularise(&mut stack, triangular, &mut column[..=count], least, ROUNDING);
         }
-        let LeastSquares { triangular, triangular_target: target, solution: y, .. } = squares;
-        let row = |j: usize| &triangular[j * stride..=j * stride + j];
         if let Some(level) = linear_of {
             // Solves L'ᵀ (L' t − c') = −d.
             let linear = &mut self.turned[..rank];
             let from = level * self.n + first;
             linear.copy_from_slice(&self.linear[from..from + rank]);
-            for j in (0..rank).rev() {
-                let part = linear[j] / row(j)[j];
-                target[j] -= part;
-                add_scaled(&mut linear[..j], -part, row(j));
+            for (j, row) in triangular.chunks_exact_mut(stride).enumerate().rev() {
+                let part = linear[j] / row[j + 1];
+                row[0] -= part;
+                add_scaled(&mut linear[..j], -part, &row[1..=j]);
             }
         }
-        for j in 0..rank {
-            y[j] = (target[j] - dot(&row(j)[..j], &y[..j])) / row(j)[j];
+        for (j, row) in triangular.chunks_exact(stride).enumerate() {
+            y[j] = (row[0] - dot(&row[1..=j], &y[..j])) / row[j + 1];
         }
     }
 }
