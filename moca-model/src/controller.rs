@@ -27,6 +27,7 @@ use crate::settings::{ControllerSettings, Goal};
 use crate::shared_space::SharedSpace;
 use crate::situation::Situation;
 use crate::stack::{CollaborationStack, GoalTerms, Levels, StackInput};
+use base_drive::Conditions;
 use commanded_motion::CommandedMotion;
 use goal_share::{ACTIVATES_OVER, GoalShare};
 use grasping::Workpiece;
@@ -201,7 +202,7 @@ impl Controller {
             self.report(Fault::BadData);
             return false;
         }
-        self.decide_base();
+        self.decide_base(elapsed);
         self.motion.write_intervals(&self.command, times, self.safety.speed_scale());
         match self.solve() {
             Ok(Status::Solved) => {}
@@ -228,11 +229,18 @@ impl Controller {
     }
 
     /// Decides whether the base stands in this tick.
-    fn decide_base(&mut self) {
+    fn decide_base(&mut self, elapsed: f64) {
         let Some(drive) = &mut self.motion.base_drive else { return };
         let hindered = self.command.safety == SafetyState::Retreat || !self.motion.keeps_separation;
         let rests = self.situation.is_at_rest && !self.workpiece.hand_turn.is_turning();
-        drive.decide(&self.robot, &self.motion.reference, rests, hindered);
+        let conditions = Conditions {
+            rests,
+            is_hindered: hindered,
+            is_at_limit: self.goal_share.at_limit,
+            elapsed,
+        };
+        let state = [&self.motion.reference[..], &self.command.joint_velocity];
+        drive.decide(&self.robot, state, &conditions);
         self.command.base_motion = drive.motion();
     }
 

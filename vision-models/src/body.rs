@@ -1,6 +1,7 @@
 //! The person's body: its keypoints in one frame, and its track over time.
 
 mod filter;
+mod frame_noise;
 mod freshness;
 mod identity;
 mod image_body;

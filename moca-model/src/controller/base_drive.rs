@@ -19,6 +19,12 @@ const DRIVES_BEYOND: f64 = 0.45;
 const SINGULAR: f64 = 1e-6;
 /// Share of the manipulability at the posture below which the arm alone does not hold the tool's place.
 const REACHES: f64 = 0.4;
+/// Rate at which the base slows down while separation is at its limit and the workspace rests \[1/s\].
+const SLOWS: f64 = 2.0;
+/// Acceleration with which it may get faster again \[m/s² or rad/s²\].
+const SPEEDS_UP: f64 = 0.1;
+/// Speed below which it does not slow down \[m/s or rad/s\].
+const SLOWEST: f64 = 0.05;
 
 /// Prefers the arm to the base. The base stands while the person stands and the arm alone can hold the tool's place.
 #[derive(Debug, Clone)]
@@ -29,6 +35,21 @@ pub(super) struct BaseDrive {
     /// Place of the tool at the posture, in the axes of the base \[m\].
     nominal: Vector2<f64>,
     motion: BaseMotion,
+    /// Largest velocity of each joint of the base \[m/s or rad/s\].
+    speed: f64,
+}
+
+/// What the decision depends on, beside the robot.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Conditions {
+    /// The workspace rests.
+    pub(super) rests: bool,
+    /// Separation needs more than the robot does.
+    pub(super) is_hindered: bool,
+    /// The robot approaches a person at nearly the largest speed that separation allows.
+    pub(super) is_at_limit: bool,
+    /// Time since the last tick \[s\].
+    pub(super) elapsed: f64,
 }
 
 impl BaseDrive {
@@ -52,6 +73,7 @@ impl BaseDrive {
             usual: manipulability_behind(robot.jacobian(), base),
             nominal: place(robot, posture),
             motion: BaseMotion::Drives(DriveReason::PersonMoves),
+            speed: f64::INFINITY,
         })
     }
 
@@ -59,23 +81,45 @@ impl BaseDrive {
         self.motion
     }
 
-    /// Decides for a tick. `at_rest` says whether the workspace rests, `hindered` whether separation needs more than
-    /// the robot does.
-    pub(super) fn decide(&mut self, robot: &Kinematics, q: &[f64], at_rest: bool, hindered: bool) {
+    /// Decides for a tick of a robot at `q` that moves at `velocity`, each n.
+    pub(super) fn decide(
+        &mut self,
+        robot: &Kinematics,
+        [q, velocity]: [&[f64]; 2],
+        conditions: &Conditions,
+    ) {
+        self.limit_speed(velocity, conditions);
         let stands = self.motion == BaseMotion::Stands;
         let farthest = if stands { DRIVES_BEYOND } else { STOPS_WITHIN };
         let reaches = self.usual > SINGULAR
             && (place(robot, q) - self.nominal).norm() <= farthest
             && manipulability_behind(robot.jacobian(), self.limits.len()) >= REACHES * self.usual;
-        self.motion = if hindered {
+        self.motion = if conditions.is_hindered {
             BaseMotion::Drives(DriveReason::Separation)
-        } else if !at_rest {
+        } else if !conditions.rests {
             BaseMotion::Drives(DriveReason::PersonMoves)
         } else if reaches {
             BaseMotion::Stands
         } else {
             BaseMotion::Drives(DriveReason::Reach)
         };
+    }
+
+    /// Keeps the base below the speed that separation allows while the workspace rests. That speed changes with every
+    /// camera frame, and a base at the limit would shake the tool.
+    fn limit_speed(&mut self, velocity: &[f64], conditions: &Conditions) {
+        if !conditions.rests {
+            self.speed = f64::INFINITY;
+        } else if conditions.is_at_limit {
+            let present = match velocity {
+                [x, y, ..] => x.abs().max(y.abs()),
+                _ => 0.0,
+            };
+            let slower = self.speed.min(present) * (-SLOWS * conditions.elapsed).exp();
+            self.speed = slower.max(SLOWEST);
+        } else {
+            self.speed += SPEEDS_UP * conditions.elapsed;
+        }
     }
 
     /// Writes the base's velocities while safety does not need more to `gentle`. If the base stands and can rest, its
@@ -91,6 +135,8 @@ impl BaseDrive {
         for (((limits, velocity), interval), gentle) in axes {
             let state = MotionState { position: 0.0, velocity: *velocity };
             *gentle = limits.velocity_interval(state, step);
+            gentle.upper = gentle.upper.min(self.speed).max(gentle.lower);
+            gentle.lower = gentle.lower.max(-self.speed).min(gentle.upper);
             if self.motion != BaseMotion::Stands {
                 continue;
             }
@@ -127,6 +173,9 @@ fn manipulability_behind(jacobian: &Matrix6xX<f64>, first: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::robot::moca::MOCA_BASE_JOINTS;
+    use crate::robot::moca::moca;
+    use crate::settings::ControllerSettings;
     use proptest::prelude::*;
 
     proptest! {
@@ -141,6 +190,40 @@ mod tests {
             let expected: f64 = behind.svd(false, false).singular_values.iter().product();
             prop_assert!((manipulability_behind(&jacobian, first) - expected).abs() < 1e-6);
         }
+    }
+
+    #[test]
+    fn base_slows_down_at_limit_while_workspace_rests() {
+        let settings = ControllerSettings::default();
+        let posture = &settings.posture.configuration;
+        let mut robot = Kinematics::new(moca().unwrap(), &settings.tool, &[], posture).unwrap();
+        robot.update(posture).unwrap();
+        let mut drive = BaseDrive::new(MOCA_BASE_JOINTS, &robot, posture).unwrap();
+        let mut velocity = vec![0.0; posture.len()];
+        velocity[0] = 0.4;
+        // The fastest axis after so many milliseconds of wanting to be as fast as possible.
+        let mut after = |ticks: u32, rests: bool, is_at_limit: bool| {
+            let step = settings.period;
+            for _tick in 0..ticks {
+                let conditions =
+                    Conditions { rests, is_hindered: false, is_at_limit, elapsed: step };
+                drive.decide(&robot, [posture, &velocity], &conditions);
+                drive.motion = BaseMotion::Drives(DriveReason::Reach);
+                let mut intervals = [VelocityInterval { lower: -1.0, upper: 1.0 }; 3];
+                let mut gentle = intervals;
+                drive.write(&velocity, step, &mut intervals, &mut gentle);
+                assert!(gentle.iter().all(|interval| interval.lower <= interval.upper));
+                velocity[0] = gentle[0].upper;
+            }
+            velocity[0]
+        };
+        assert!(after(1000, false, true) > 0.8, "a workspace that moves has no limit");
+        let slower = after(700, true, true);
+        assert!((0.2..0.6).contains(&slower), "{slower} m/s");
+        assert!((after(2000, true, true) - SLOWEST).abs() < 1e-6, "the slowest after some seconds");
+        let faster = after(1000, true, false);
+        assert!((faster - SLOWEST - SPEEDS_UP).abs() < 1e-3, "{faster} m/s");
+        assert!(after(1000, false, false) > faster + 0.2, "at once where the workspace moves");
     }
 
     #[test]

@@ -75,6 +75,12 @@ impl<'body> Seen<'body> {
         }
     }
 
+    /// Sets the covariance on the floor of a joint whose covariance is unknown (m²).
+    pub(super) fn with_noise(mut self, noise: Matrix2<f64>) -> Self {
+        self.assumed.fixed_view_mut::<2, 2>(0, 0).copy_from(&noise);
+        self
+    }
+
     /// Returns a joint that is seen.
     pub(super) fn joint(&self, joint: Body25) -> Option<Joint> {
         let keypoint = self.body.get(joint)?;

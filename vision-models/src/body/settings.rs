@@ -7,7 +7,7 @@ use super::keypoints::Body25;
 use crate::error::Error;
 
 /// Spectral density of a walking person's acceleration (m²/s³), for gait up to 1.4 m/s.
-const WALKING: f64 = 0.6;
+const WALKING: f64 = 0.56;
 /// Spectral density of the acceleration of the joints of trunk and head (m²/s³).
 const TRUNK_DENSITY: f64 = 1.0;
 /// Spectral density of the acceleration of wrists (m²/s³). Elbows have 0.4 of it, knees 0.8, ankles
@@ -53,8 +53,8 @@ const TURNING_DRIFT: f64 = 1e-5;
 pub struct TrackerSettings {
     /// Keypoints with less confidence count as missing. Default 0.3.
     pub least_confidence: f64,
-    /// Standard deviation of a joint's measured position on each axis, if covariances are unknown
-    /// (m). Default 0.03.
+    /// Least standard deviation of a joint's measured position on each axis, if covariances are
+    /// unknown (m). The frames may show a larger one. Default 0.03.
     pub position_sigma: f64,
     /// Standard deviation of the measured heading, if covariances are unknown (rad). Default 0.08.
     pub heading_sigma: f64,

@@ -4,6 +4,7 @@ use nalgebra::Point2;
 
 use super::{
     filter::Measurement,
+    frame_noise::FrameNoise,
     freshness::Freshness,
     identity::Identity,
     lean::Lean,
@@ -22,7 +23,7 @@ use crate::percept::Percept;
 ///
 /// Position and heading each have two Kalman filters, one for a standing and one for a moving
 /// person. Their weights follow from how well they explain the frames. The body's covariances are
-/// used if they are known.
+/// used if they are known. If not, the noise of the position is estimated from the frames.
 ///
 /// Measurements outside the gate are left out. If they last for several frames, agree with one
 /// another and are too far away for noise, the track restarts there. If measurements are missing,
@@ -49,6 +50,7 @@ pub struct BodyTracker {
     candidate: Option<Candidate>,
     identity: Identity,
     lean: Lean,
+    noise: FrameNoise,
     jumps: u64,
 }
 
@@ -60,6 +62,7 @@ impl BodyTracker {
     pub fn new(settings: TrackerSettings) -> Result<Self, Error> {
         settings.validate()?;
         Ok(Self {
+            noise: FrameNoise::at_least(settings.position_sigma),
             settings,
             last_time: None,
             track: None,
@@ -89,12 +92,16 @@ impl BodyTracker {
         let Some(body) = &percept.body else {
             return Ok(());
         };
-        let seen = Seen::new(body, &self.settings, interval);
+        let noise = self.noise.covariance();
+        let seen = Seen::new(body, &self.settings, interval).with_noise(noise);
         self.identity.update(&seen);
         let facing = self.facing(time);
         let lean = facing.map(|facing| self.lean.in_world(facing.angle, time)).unwrap_or_default();
         let (floors, heading) = (seen.floors(&lean, facing), seen.heading());
         let best = seen.best_floor(facing);
+        if let Some(floor) = best {
+            self.noise.update(time, floor.position);
+        }
 
         let track =
             self.track.as_mut().filter(|track| time - track.floor_time <= Freshness::COASTING);
@@ -132,6 +139,7 @@ impl BodyTracker {
         self.last_time = None;
         self.track = None;
         self.candidate = None;
+        self.noise = FrameNoise::at_least(self.settings.position_sigma);
     }
 
     /// Returns the person's pose at the time `now` (s), or `None` if no person is tracked yet. A
