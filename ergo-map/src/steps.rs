@@ -54,8 +54,7 @@ impl Steps {
 /// Steepness of a smooth step at its centre, over its width.
 ///
 /// A plain smoothstep (1.5) spends much of its width between two classes. Where a table jumps by
-/// two, or two parts change at once, the score would round to a value that neither side has. This
-/// affects 4 to 10 % of postures at ±2°, against below 1 % here.
+/// two, or two parts change at once, the score would round to a value that neither side has.
 const STEEPNESS: i32 = 24;
 
 /// Returns a step from 0 to 1 over [0, 1], tᵖ / (tᵖ + (1 - t)ᵖ), with its derivative.

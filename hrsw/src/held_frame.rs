@@ -50,7 +50,7 @@ impl HeldFrame {
     /// Largest distance on the floor between the held frame and the mean frame of a person who
     /// stands \[m\]. Body sway and leaning stay within it, and the tool can reach that far.
     pub const POSITION: f64 = 0.07;
-    /// Largest difference in heading between the two \[rad\].
+    /// Largest difference in heading between the held frame and that mean frame \[rad\].
     pub const HEADING: f64 = 0.13;
 
     /// Creates a frame that follows until the person stands still.

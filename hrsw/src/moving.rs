@@ -20,7 +20,7 @@ const ARRIVED: f64 = 0.05;
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Attachment {
-    /// No carrier: the workspace rests at this pose in the world.
+    /// The world: the workspace rests at this pose.
     World(Isometry3<f64>),
     /// The person. The pose is that of the workspace in the person's frame.
     Person(Isometry3<f64>),
@@ -31,9 +31,10 @@ pub enum Attachment {
 /// Limits of a workspace's motion.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct MovingSettings {
-    /// Rates of the frame.
+    /// Limits of the rates at which the frame moves.
     pub frame: FollowerSettings,
-    /// Rates of the reference of orientations. Only the angular ones count.
+    /// Limits of the rates at which the reference of orientations turns. Only the angular ones
+    /// count.
     pub reference: FollowerSettings,
 }
 

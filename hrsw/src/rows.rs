@@ -5,7 +5,7 @@ use nalgebra::{Isometry3, Matrix3, Vector3, Vector6};
 use crate::change::{Blend, Change, Stage};
 use crate::shape::{HalfSpace, OrientationRow, OrientationShape, PositionShape, RotationPoint};
 
-/// One bound of a pose: the excess over the bound, and the terms of its rate.
+/// Bound of a pose: the excess over the bound, and the terms of its rate.
 ///
 /// d excess/dt = gradient · ẋ + drift for a pose that moves with the twist ẋ.
 #[derive(Debug, Clone, Copy, PartialEq)]

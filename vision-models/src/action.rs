@@ -16,7 +16,8 @@ pub use tool::Tool;
 
 use crate::error::Error;
 
-/// One of the thirty classes of the HRI30 data set (Iodice, De Momi, Ajoudani, ICPR 2022).
+/// Action of a person: a class of the HRI30 data set (Iodice, De Momi, Ajoudani, ICPR 2022), which
+/// has thirty.
 ///
 /// ```
 /// use vision_models::{Action, Tool, WalkingDirection};

@@ -50,8 +50,8 @@ impl ConfusionMatrix {
         self.row(truth).get(given).copied().unwrap_or(0)
     }
 
-    /// Returns the same in percent of all samples of class `truth`, as in the paper. `None` if
-    /// there are none.
+    /// Returns the share of samples of class `truth` that were given class `given`, in percent as
+    /// in the paper. `None` if there are no samples of class `truth`.
     pub fn percent(&self, truth: usize, given: usize) -> Option<f64> {
         ratio(100 * self.count(truth, given), self.row(truth).iter().sum())
     }

@@ -45,7 +45,7 @@ impl Default for MeasuredOptions {
 pub struct Validation {
     /// Number of samples within the map's domain.
     pub samples: usize,
-    /// Number of samples outside it, which do not count below.
+    /// Number of samples outside the map's domain, which no other field counts.
     pub outside: usize,
     /// Root mean square difference of `e_s`.
     pub score_rmse: f64,

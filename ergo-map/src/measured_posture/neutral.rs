@@ -10,15 +10,11 @@ use super::{Head, JointPositions, Trunk};
 /// A detector's ears and nose are in front of its shoulders, even if a person holds the head
 /// upright. The line from the shoulders to the ears is therefore not the zero of a neck.
 ///
-/// The default is an average of these inclinations from mid-shoulders to ears:
-/// - 30° (17 to 43) for a woman who walked, and 42 and 46° for two men who stood. The films are
-///   from pose2sim and sports2d (BSD-3), and the detector was BlazePose.
-/// - 17° in motion capture of a gait (pybullet).
-/// - 0 in Kendall's ideal plumb line, with the lobe of the ear above the shoulder.
-///
-/// It is 30° for the ears and 57° for the nose. Extension of the neck counts if the ears are more
-/// than 5° behind the trunk's line. The line from pelvis to neck of upright people measures -9 to
-/// 0°. Extension of the trunk counts from 5° on, and the sheets tolerate another 5° as upright.
+/// The inclination from mid-shoulders to ears differs between people and detectors. In Kendall's
+/// ideal plumb line it is 0, with the lobe of the ear above the shoulder. The default is 30° for
+/// the ears and 57° for the nose, for detectors such as BlazePose. Extension of the neck counts if
+/// the ears are more than 5° behind the trunk's line. Extension of the trunk counts from 5° on, and
+/// the sheets tolerate another 5° as upright.
 /// [`NeutralEstimate`] measures a person's own posture.
 ///
 /// ```

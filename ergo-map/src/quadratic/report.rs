@@ -11,13 +11,13 @@ use crate::region::Region;
 pub struct Regret {
     /// The map's score at the quadratic's optimum within the region, minus the map's minimum there.
     pub at_optimum: f64,
-    /// Mean of this difference within random boxes (shared workspaces).
+    /// Mean of the same difference within random boxes (shared workspaces).
     pub boxes_mean: f64,
-    /// 95th percentile within random boxes.
+    /// 95th percentile of the difference within random boxes.
     pub boxes_p95: f64,
-    /// Maximum within random boxes.
+    /// Maximum of the difference within random boxes.
     pub boxes_max: f64,
-    /// Number of boxes.
+    /// Number of random boxes.
     pub boxes: usize,
 }
 
@@ -26,7 +26,7 @@ pub struct Regret {
 pub struct FitReport {
     /// Number of points in the fit.
     pub samples: usize,
-    /// Smallest box around them \[m\].
+    /// Smallest box around the points of the fit \[m\].
     pub domain: Region,
     /// Coefficient of determination with equal weights.
     pub r_squared: f64,

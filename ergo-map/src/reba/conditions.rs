@@ -10,7 +10,7 @@ pub enum Coupling {
     Fair,
     /// A grip that is possible but not acceptable.
     Poor,
-    /// No safe grip.
+    /// Grip that is unsafe.
     Unacceptable,
 }
 
@@ -45,7 +45,7 @@ pub enum LegSupport {
     Bilateral,
     /// Walking feet. The knees' flexion does not count.
     Walking,
-    /// One foot, or an unstable posture.
+    /// Single foot, or an unstable posture.
     Unilateral,
     /// A seat. The knees' flexion does not count.
     Sitting,

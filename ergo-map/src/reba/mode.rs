@@ -11,8 +11,8 @@ pub enum Mode {
     #[default]
     Graded,
     /// A smooth step around each threshold, and the printed class elsewhere. It is close to the
-    /// integer score, including its plateaus. The steps are steep at their centre. Rounding gives
-    /// the integer score on more than 99 % of postures at ±2°.
+    /// integer score, including its plateaus. The steps are steep at their centre. Rounding nearly
+    /// always gives the integer score, for steps over ±2° (`faithful_rounds_to_the_integer_score`).
     Faithful {
         /// Half the width of each step \[rad\], positive.
         half_width: f64,

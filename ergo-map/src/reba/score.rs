@@ -21,15 +21,15 @@ pub struct RebaSubScores {
 /// Urgency of a change of the posture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum ActionLevel {
-    /// 0: negligible risk, REBA 1.
+    /// Level 0: negligible risk, REBA 1.
     None,
-    /// 1: low risk, action may be necessary, REBA 2 to 3.
+    /// Level 1: low risk, action may be necessary, REBA 2 to 3.
     MayBeNecessary,
-    /// 2: medium risk, action necessary, REBA 4 to 7.
+    /// Level 2: medium risk, action necessary, REBA 4 to 7.
     Necessary,
-    /// 3: high risk, action necessary soon, REBA 8 to 10.
+    /// Level 3: high risk, action necessary soon, REBA 8 to 10.
     NecessarySoon,
-    /// 4: very high risk, action necessary now, REBA 11 to 15.
+    /// Level 4: very high risk, action necessary now, REBA 11 to 15.
     NecessaryNow,
 }
 

@@ -42,7 +42,7 @@ pub struct Worksheet {
     pub wrist_flexion: f64,
     /// The wrist is deviated or twisted.
     pub wrist_deviated_or_twisted: bool,
-    /// Everything else on the sheet.
+    /// Conditions beside the angles: load, coupling, support and activity.
     pub conditions: Conditions,
 }
 

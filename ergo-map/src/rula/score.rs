@@ -22,13 +22,13 @@ pub struct RulaSubScores {
 /// Urgency of a change of the posture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum RulaActionLevel {
-    /// 1: acceptable, score 1 to 2.
+    /// Level 1: acceptable, score 1 to 2.
     Acceptable,
-    /// 2: investigate further, score 3 to 4.
+    /// Level 2: investigate further, score 3 to 4.
     Investigate,
-    /// 3: investigate and change soon, score 5 to 6.
+    /// Level 3: investigate and change soon, score 5 to 6.
     ChangeSoon,
-    /// 4: investigate and change at once, score 7.
+    /// Level 4: investigate and change at once, score 7.
     ChangeNow,
 }
 

@@ -28,10 +28,10 @@ const TWISTED: Steps = Steps::new(0.0, &[(45.0, 1.0)]);
 /// Course of a load over time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum LoadPattern {
-    /// Occasional.
+    /// Occasional load.
     #[default]
     Intermittent,
-    /// Held, or repeated.
+    /// Load that is held, or repeated.
     StaticOrRepeated,
     /// A load with shock, or one that builds up rapidly.
     Shock,

@@ -85,12 +85,12 @@ pub struct RegionLimits {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(rename_all = "snake_case"))]
 pub enum ContactKind {
-    /// The part may be clamped between the robot and something else. No controller alone can
-    /// exclude that.
+    /// Contact in which the part may be clamped between the robot and something else. No controller
+    /// alone can exclude that.
     #[default]
     QuasiStatic,
-    /// The part is pushed away at once. Forces and pressures may be twice as large. Only for
-    /// applications in which a risk assessment excludes clamping.
+    /// Contact in which the part is pushed away at once. Forces and pressures may be twice as
+    /// large. Only for applications in which a risk assessment excludes clamping.
     Transient,
 }
 

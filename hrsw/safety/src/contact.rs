@@ -60,9 +60,9 @@ impl ContactLimit {
 pub struct Contact {
     /// Limit of the contact.
     pub limit: ContactLimit,
-    /// Largest measured speed at which the two may approach each other, whatever the limit allows
-    /// \[m/s\]. It is the speed of working together, or less while working together begins and
-    /// ends.
+    /// Largest measured speed at which robot and part may approach each other, whatever the limit
+    /// allows \[m/s\]. It is the speed of working together, or less while working together begins
+    /// and ends.
     pub fastest: f64,
     /// Velocity of the part that counts for contacts only. An arm that may reach out at any time,
     /// for instance, is assumed to move with the trunk. None if

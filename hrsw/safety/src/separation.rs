@@ -32,24 +32,25 @@ const CREEP: f64 = 0.02;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct SeparationSettings {
-    /// v_h, the speed of a person's body towards the robot if it is not measured \[m/s\]. Default
-    /// 1.6, the speed of walking of ISO 13855.
+    /// Speed v_h of a person's body towards the robot if it is not measured \[m/s\]. Default 1.6,
+    /// the speed of walking of ISO 13855.
     pub human_speed: f64,
     /// Speed of hands and arms towards the robot if it is not measured \[m/s\]. Default 2.0, the
     /// speed of reaching of ISO 13855.
     pub arm_speed: f64,
-    /// T_r, the time from the person's motion to the robot's first reaction, including the latency
-    /// of perception \[s\]. Default 0.15: a frame at 20 Hz and 0.1 s of recognition.
+    /// Reaction time T_r from the person's motion to the robot's first reaction, including the
+    /// latency of perception \[s\]. Default 0.15: a frame at 20 Hz and 0.1 s of recognition.
     pub reaction_time: f64,
-    /// a, the deceleration of the robot along the line between the two \[m/s²\]. Default 2.0.
+    /// Deceleration a of the robot along the line between the two bodies \[m/s²\]. Default 2.0.
     pub deceleration: f64,
     /// Braking of the first joints, if it differs from that of the others. Default none.
     pub base: Option<BaseBraking>,
-    /// C, the distance that a part of the body may reach in before it is seen \[m\]. Default 0.1.
+    /// Intrusion distance C that a part of the body may reach in before it is seen \[m\]. Default
+    /// 0.1.
     pub intrusion: f64,
-    /// Z_d, the uncertainty of the person's position \[m\]. Default 0.05.
+    /// Uncertainty Z_d of the person's position \[m\]. Default 0.05.
     pub human_uncertainty: f64,
-    /// Z_r, the uncertainty of the robot's position \[m\]. Default 0.01.
+    /// Uncertainty Z_r of the robot's position \[m\]. Default 0.01.
     pub robot_uncertainty: f64,
 }
 

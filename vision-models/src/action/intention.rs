@@ -5,10 +5,10 @@ use super::{Action, Tool, WalkingDirection};
 /// The intention of a person towards the robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Intention {
-    /// Does something else.
+    /// Activity apart from the robot.
     #[default]
     Apart,
-    /// Works with the robot on the object that it holds, standing or walking.
+    /// Work with the robot on the object that it holds, standing or walking.
     Together {
         /// The direction in which the person walks, in the person's frame. None if the person
         /// stands.

@@ -1,7 +1,7 @@
 //! Freshness of a person's place.
 
-/// Freshness of a person's place, by the time since they were last measured. It is the one ladder of all that
-/// depends on this time.
+/// Freshness of a person's place, by the time since they were last measured. Everything that
+/// depends on this time uses these thresholds.
 ///
 /// ```
 /// use vision_models::Freshness;

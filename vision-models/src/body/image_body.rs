@@ -5,7 +5,7 @@ use nalgebra::{Point2, center};
 use super::{joint_layout::Middle, keypoints::Body25};
 use crate::confidence::Confidence;
 
-/// One joint in an image.
+/// Joint of a person in an image.
 ///
 /// ```
 /// use nalgebra::Point2;
@@ -64,12 +64,13 @@ impl ImageBody {
         self.derived[joint.index()] = true;
     }
 
-    /// True if the joint is the middle of two others, and no joint that was seen by itself.
+    /// Returns true if the joint was set to the midpoint of two others, not seen itself.
     pub fn is_derived(&self, joint: Body25) -> bool {
         self.derived[joint.index()]
     }
 
-    /// The diagonal of what was seen (pixels); `None` of nothing.
+    /// Returns the diagonal of the smallest rectangle around the joints that were seen (pixels).
+    /// `None` if there are none.
     pub fn size(&self) -> Option<f64> {
         let seen = || self.iter().map(|(_, keypoint)| keypoint.position);
         let from = seen().reduce(|one, other| one.inf(&other))?;

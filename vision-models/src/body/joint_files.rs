@@ -15,12 +15,12 @@ use super::observed::ObservedBody;
 use crate::error::Error;
 use crate::excerpt::Excerpt;
 
-/// The people in one image of a camera, as a file of joints tells them.
+/// People in one image of a camera, read from a file of joints.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointFrame {
-    /// The number of the image that the file gives, or where it stands in the file, from 0.
+    /// Number of the image in the file, or its index there, from 0, if the file gives no number.
     pub number: u64,
-    /// Everybody in the image.
+    /// People in the image.
     pub people: Vec<ObservedBody>,
 }
 
@@ -60,10 +60,10 @@ struct Entry<'a> {
 }
 
 impl JointFrame {
-    /// The most people that are read of one image.
+    /// Largest number of people read per image.
     pub const MAX_PEOPLE: usize = 64;
 
-    /// The largest text that is read (bytes).
+    /// Largest size of a text (bytes).
     pub const LARGEST: u64 = 512 << 20;
 
     /// Reads the joints of an image, or of all images of a film, in the order of their numbers:

@@ -8,7 +8,8 @@ use super::{
     observed::MetricBody,
 };
 
-/// An order of joints. A layout without a neck or a mid hip has the middles of shoulders and hips there.
+/// Order of the joints in the output of a pose network. A layout without a neck or a mid hip has
+/// the midpoints of shoulders and hips there.
 ///
 /// The orders are from the projects' own documentation: OpenPose's `doc/02_output.md` and `poseParameters.cpp`, COCO's
 /// data format, the README of Halpe-FullBody, COCO-WholeBody, and MediaPipe's guide to its pose landmarks.
@@ -202,7 +203,7 @@ impl JointLayout {
         TABLE.iter().map(|row| row.layout)
     }
 
-    /// The layout with so many joints; of the two with twenty-five it is BODY_25.
+    /// Returns the layout with this number of joints: BODY_25 for twenty-five, not BODY_25B.
     pub fn of_count(count: usize) -> Option<Self> {
         Self::all().find(|layout| layout.count() == count)
     }
@@ -211,22 +212,24 @@ impl JointLayout {
         &TABLE[self as usize]
     }
 
-    /// The number of joints.
+    /// Returns the number of joints.
     pub fn count(self) -> usize {
         self.row().count
     }
 
-    /// The name that its project gives it.
+    /// Returns the name that the layout's own project uses.
     pub fn name(self) -> &'static str {
         self.row().name
     }
 
-    /// The joints of the body, each with its place in the layout. What is left out is none of the body's.
+    /// Returns the joints of [`Body25`] in the layout, each with its index there. Other points of
+    /// the layout are left out.
     pub fn joints(self) -> impl Iterator<Item = (Body25, usize)> {
         self.row().joints.into_iter().flatten().copied()
     }
 
-    /// A person's joints in an image, from their keypoints in this order; those that are not there were not seen.
+    /// Returns a person's joints in an image from keypoints in this order. Missing keypoints count
+    /// as not seen.
     pub fn body(self, keypoints: &[Option<ImageKeypoint>]) -> ImageBody {
         let mut body = ImageBody::default();
         for (joint, place) in self.joints() {
@@ -238,7 +241,8 @@ impl JointLayout {
         body
     }
 
-    /// The same of metric points.
+    /// Returns a person's metric joints from points in this order (m). Missing points count as not
+    /// known.
     pub fn metric(self, points: &[Option<Point3<f64>>]) -> MetricBody {
         let mut body = MetricBody::default();
         for (joint, place) in self.joints() {
@@ -251,7 +255,7 @@ impl JointLayout {
         body
     }
 
-    /// Middles that the layout lacks and its sides give.
+    /// Returns the midpoints that the layout lacks, of neck and mid hip.
     pub fn derived(self) -> impl Iterator<Item = Middle> {
         Middle::ALL
             .into_iter()
@@ -259,7 +263,7 @@ impl JointLayout {
     }
 }
 
-/// A joint that lies between two others.
+/// Joint at the midpoint of two others.
 ///
 /// ```
 /// use vision_models::{Body25, JointLayout, Middle};
@@ -270,9 +274,9 @@ impl JointLayout {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Middle {
-    /// The joint in the middle.
+    /// Joint at the midpoint.
     pub joint: Body25,
-    /// Left and right.
+    /// Joints on the left and on the right of it.
     pub sides: [Body25; 2],
 }
 

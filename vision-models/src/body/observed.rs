@@ -21,7 +21,7 @@ pub struct MetricBody {
 }
 
 impl MetricBody {
-    /// The joint, if it was told.
+    /// Returns the joint's position (m), if the network gave it.
     pub fn get(&self, joint: Body25) -> Option<Point3<f64>> {
         self.points[joint.index()]
     }
@@ -31,13 +31,13 @@ impl MetricBody {
         self.points[joint.index()] = point;
     }
 
-    /// The joints that were told.
+    /// Returns the joints that the network gave, with their positions (m).
     pub fn iter(&self) -> impl Iterator<Item = (Body25, Point3<f64>)> + '_ {
         Body25::ALL.into_iter().zip(self.points).filter_map(|(joint, point)| Some((joint, point?)))
     }
 }
 
-/// A person in an image, with the metric joints of networks that give them.
+/// Person in an image as a pose network finds them, with metric joints if the network gives them.
 ///
 /// ```
 /// use vision_models::{ImageBody, ObservedBody};

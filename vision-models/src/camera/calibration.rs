@@ -11,7 +11,7 @@ use nalgebra::{Isometry3, Point2, Point3};
 
 use super::{distortion::Distortion, intrinsics::Intrinsics};
 
-/// A camera as a calibration tells it: its lens, and where it is if that was calibrated.
+/// Calibrated camera: intrinsics, distortion, and the pose in the world if it was calibrated.
 ///
 /// ```
 /// use nalgebra::{Isometry3, Point2, Point3};
@@ -30,7 +30,7 @@ use super::{distortion::Distortion, intrinsics::Intrinsics};
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct CalibratedCamera {
-    /// Name that the calibration gives it.
+    /// Name of the camera in the calibration.
     pub name: String,
     /// The pinhole model of images without distortion.
     pub intrinsics: Intrinsics,
@@ -41,7 +41,8 @@ pub struct CalibratedCamera {
 }
 
 impl CalibratedCamera {
-    /// The pixel at which a pinhole would see what the lens shows at a pixel; `None` where the lens shows nothing.
+    /// Returns the pixel without distortion for a pixel of the image. `None` where the lens shows
+    /// nothing.
     pub fn pinhole(&self, seen: &Point2<f64>) -> Option<Point2<f64>> {
         if self.distortion == Distortion::None {
             return Some(*seen);
@@ -50,8 +51,8 @@ impl CalibratedCamera {
         self.intrinsics.project(&Point3::new(ray.x, ray.y, 1.0))
     }
 
-    /// The pixel at which the lens shows a point of the world (m); `None` for one that is not in front of the camera, or
-    /// if nobody knows where the camera is.
+    /// Returns the pixel, with distortion, at which a point of the world (m) is seen. `None` for a
+    /// point that is not in front of the camera, or if the camera's pose is not known.
     pub fn project(&self, point: &Point3<f64>) -> Option<Point2<f64>> {
         let point = self.world_from_camera?.inverse_transform_point(point);
         if point.z <= 0.0 {

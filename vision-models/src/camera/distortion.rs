@@ -2,8 +2,8 @@
 
 use nalgebra::{Matrix2, Point2, Vector2};
 
-/// The distortion of a lens, in OpenCV's models: from where a pinhole would see a ray to where the lens shows it, both on
-/// the plane z = 1.
+/// Distortion of a lens in OpenCV's models. It maps the place of a ray in a pinhole camera to its
+/// place behind the lens, both on the plane z = 1.
 ///
 /// ```
 /// use nalgebra::Point2;
@@ -16,13 +16,14 @@ use nalgebra::{Matrix2, Point2, Vector2};
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Distortion {
-    /// None: the images are rectified.
+    /// Rectified images, without distortion.
     #[default]
     None,
     /// Radial and tangential (Brown and Conrady): k1, k2, p1, p2, k3, and k4, k5, k6 of the denominator. ROS calls it
     /// `plumb_bob` with five numbers and `rational_polynomial` with eight.
     Radial([f64; 8]),
-    /// A fisheye's (Kannala and Brandt): k1 to k4 of the angle. ROS calls it `equidistant` or `fisheye`.
+    /// Fisheye (Kannala and Brandt): k1 to k4 of the angle. ROS calls it `equidistant` or
+    /// `fisheye`.
     Fisheye([f64; 4]),
 }
 
@@ -33,7 +34,7 @@ const STEP: f64 = 1e-6;
 const CLOSE: f64 = 1e-10;
 
 impl Distortion {
-    /// Point at which the lens shows a ray.
+    /// Returns the distorted point of a ray, both on the plane z = 1.
     pub fn distort(&self, ray: &Point2<f64>) -> Point2<f64> {
         let squared = ray.coords.norm_squared();
         match self {
@@ -64,7 +65,8 @@ impl Distortion {
         }
     }
 
-    /// The ray that the lens shows at a place; `None` where there is none, as beyond the edge of what the model describes.
+    /// Returns the ray of a distorted point, both on the plane z = 1. `None` where there is none,
+    /// as beyond the edge of what the model describes.
     pub fn undistort(&self, seen: &Point2<f64>) -> Option<Point2<f64>> {
         let mut ray = *seen;
         for _ in 0..STEPS {

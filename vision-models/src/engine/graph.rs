@@ -12,11 +12,11 @@ pub struct Value(pub(super) usize);
 /// The frames of a clip that an input takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Frames {
-    /// Every frame.
+    /// All frames.
     All,
-    /// This many frames, spread evenly from the first to the last.
+    /// Frames in this number, spread evenly from the first to the last.
     Spread(usize),
-    /// Every n-th frame, beginning with the first.
+    /// Frames at this interval, beginning with the first.
     Every(usize),
 }
 

@@ -5,7 +5,7 @@ use crate::kernels::Window;
 /// The function after a convolution.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Activation {
-    /// No function.
+    /// Identity, the convolution's sum itself.
     #[default]
     None,
     /// max(x, 0). A value that is not finite becomes NaN, so that an overflow never looks like a

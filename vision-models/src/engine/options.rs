@@ -36,7 +36,7 @@ impl Options {
 }
 
 impl Default for Options {
-    /// One thread, and the processor's fastest instruction set.
+    /// Returns options with one thread and the processor's fastest instruction set.
     fn default() -> Self {
         Self { threads: 1, instruction_set: InstructionSet::detect() }
     }

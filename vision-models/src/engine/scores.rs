@@ -9,9 +9,9 @@ use crate::metrics::{softmax, top_k};
 /// The scores and features of each input of a batch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scores<'a> {
-    /// N × classes: the scores before any softmax.
+    /// Scores before any softmax, N × classes.
     pub logits: ArrayView2<'a, f32>,
-    /// N × features: the input of the linear layer.
+    /// Features, the input of the linear layer, N × features.
     pub features: ArrayView2<'a, f32>,
 }
 

@@ -28,7 +28,7 @@ pub struct ThreadSettings {
 }
 
 impl Default for ThreadSettings {
-    /// One thread on any core, spinning.
+    /// Returns settings with one thread, on any core, that spins.
     fn default() -> Self {
         Self { threads: 1, cores: Vec::new(), waiting: Waiting::Spinning }
     }

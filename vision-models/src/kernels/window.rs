@@ -51,7 +51,8 @@ impl Window {
         Some(output)
     }
 
-    /// Returns the same for a transposed convolution.
+    /// Returns the output's frames, rows and columns of a transposed convolution. `None` if there
+    /// is no such size.
     pub fn transposed_output(&self, size: [usize; 3]) -> Option<[usize; 3]> {
         let mut output = [0; 3];
         for axis in 0..3 {

@@ -29,7 +29,8 @@ const JOINTS: usize = 6;
 /// Means are over the last images, about so many.
 const IMAGES: f64 = 250.0;
 
-/// Settings of a camera without depth: facts about people, and their errors.
+/// Settings of a [`MonocularLifter`]: the person's stature, if it is known, and standard
+/// deviations.
 ///
 /// ```
 /// use vision_models::MonocularSettings;
@@ -54,8 +55,7 @@ pub struct MonocularSettings {
 }
 
 impl Default for MonocularSettings {
-    /// BlazePose beside the triangulation of four views of a film: depths are off by 0.08 m (median) and 0.13 m (rms),
-    /// lengths by 4 %; a camera that somebody has placed with a tape measure and by eye.
+    /// Returns the settings for BlazePose, and for a camera placed with a tape measure and by eye.
     fn default() -> Self {
         Self {
             noise: PixelNoise::default(),
@@ -90,7 +90,8 @@ impl MonocularSettings {
     }
 }
 
-/// A person who was placed, each joint with the error that it has against the others.
+/// Person placed in the world by a [`MonocularLifter`]. Each joint has the covariance of its error
+/// relative to the other joints.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlacedBody {
     /// The joints in the world.
@@ -104,7 +105,8 @@ pub struct PlacedBody {
 }
 
 impl PlacedBody {
-    /// The joints with all errors: where each is in the world.
+    /// Returns the joints in the world with the covariances of their whole errors, the common one
+    /// included.
     #[must_use]
     pub fn in_world(&self) -> Body {
         let mut body = self.body.clone();
@@ -176,7 +178,7 @@ impl Mean {
 }
 
 impl MonocularLifter {
-    /// Takes a camera whose place above the floor, z = 0 of the world, is known.
+    /// Creates a lifter for a camera whose pose in the world is known. The floor is at z = 0.
     ///
     /// # Errors
     /// [`Error::Value`] for a setting, and for a camera without a place.
@@ -195,7 +197,8 @@ impl MonocularLifter {
         })
     }
 
-    /// Places the person; `None` without metric joints, or with so few in the image that nobody can tell.
+    /// Places a person in the world. `None` if metric joints are missing, or too few joints are in
+    /// the image.
     pub fn lift(&mut self, person: &ObservedBody) -> Option<PlacedBody> {
         let metric = person.metric.as_ref()?;
         if let Some(leg) = leg(metric) {
@@ -236,7 +239,8 @@ impl MonocularLifter {
         Some(PlacedBody { body, common, scale, scale_sigma: sigma })
     }
 
-    /// The person's stature by the legs of all images, and its standard deviation with that of people's proportions (m).
+    /// Returns the person's stature from the legs in all images, and its standard deviation (m).
+    /// The latter includes the variation of people's proportions.
     pub fn stature(&self) -> Option<[f64; 2]> {
         let (leg, [scale, sigma]) = (self.leg.get()?, self.size?);
         let stature = scale * leg / LEG;

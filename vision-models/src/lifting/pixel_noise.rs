@@ -21,19 +21,19 @@ pub struct PixelNoise {
 }
 
 impl Default for PixelNoise {
-    /// BlazePose beside the triangulation of four views of a film: 15 pixels of a body of 850.
+    /// Returns the noise of BlazePose.
     fn default() -> Self {
         Self { constant: 1.0, share: 0.016 }
     }
 }
 
 impl PixelNoise {
-    /// The standard deviation of the joints of a body (pixels).
+    /// Returns the standard deviation of the joints of a body, on each axis (pixels).
     pub fn sigma(&self, body: &ImageBody) -> f64 {
         self.constant + self.share * body.size().unwrap_or_default()
     }
 
-    /// Checks both.
+    /// Checks every field.
     ///
     /// # Errors
     /// [`Error::Value`].

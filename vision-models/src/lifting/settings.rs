@@ -14,8 +14,8 @@ use crate::error::Error;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LiftingSettings {
-    /// Keypoints with less confidence are left out. A pose network guesses hidden joints, and the
-    /// depth there belongs to the object that hides them. Default 0.4.
+    /// Smallest confidence of a keypoint that is used. A pose network guesses hidden joints, and
+    /// the depth there belongs to the object that hides them. Default 0.4.
     pub least_confidence: f64,
     /// Standard deviation of a keypoint on each axis (pixels). Default 3.
     pub pixel_sigma: f64,
@@ -25,15 +25,16 @@ pub struct LiftingSettings {
     /// Smallest share of the window's pixels that must have a depth. Also the smallest share of
     /// these that make a surface. Default 0.3.
     pub least_share: f64,
-    /// Depths belong to different surfaces if they differ by more than this (m) and by more than
-    /// four standard deviations of the noise. Default 0.08.
+    /// Smallest difference of depths by which surfaces are told apart (m). It must also exceed four
+    /// standard deviations of the noise. Default 0.08.
     pub edge: f64,
-    /// Depths outside this range belong to no person (m). Default 0.3 to 8.
+    /// Range of the depths at which a person may be (m). Default 0.3 to 8.
     pub range: [f64; 2],
     /// Largest distance of a joint before or behind the middle of the trunk, along the floor (m).
     /// Default 0.9.
     pub reach: f64,
-    /// Largest such distance of a joint of the trunk (m). Default 0.5, for a person who bends down.
+    /// Largest distance of a joint of the trunk before or behind its middle, along the floor (m).
+    /// Default 0.5, for a person who bends down.
     pub trunk_reach: f64,
     /// Depths of the joints below the skin.
     pub skin: SkinDepths,

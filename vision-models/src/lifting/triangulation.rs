@@ -20,7 +20,7 @@ const JOINTS: usize = 4;
 /// The median squared error of the joints of one person in two views is smaller (standard deviations²).
 const AGREE: f64 = 4.0;
 
-/// Settings by which joints are put together from several views.
+/// Settings of a [`Triangulator`].
 ///
 /// ```
 /// use vision_models::TriangulationSettings;
@@ -31,11 +31,11 @@ const AGREE: f64 = 4.0;
 pub struct TriangulationSettings {
     /// The error of the joints in an image.
     pub noise: PixelNoise,
-    /// A view whose joint is farther off than so many standard deviations is an outlier.
+    /// Error beyond which a view is an outlier, in standard deviations.
     pub outlier: f64,
-    /// Joints that a network is less sure of are not used (0 to 1).
+    /// Smallest confidence of a joint that is used, from 0 to 1.
     pub least_confidence: f64,
-    /// A joint of a larger standard deviation along any axis is left out (m).
+    /// Largest standard deviation of a joint along any axis (m). Other joints are left out.
     pub largest_sigma: f64,
 }
 
@@ -66,8 +66,8 @@ impl TriangulationSettings {
     }
 }
 
-/// Finds joints in the world that calibrated cameras see at the same time. Two views that agree are enough, whatever the
-/// others show.
+/// Triangulates joints that calibrated cameras see at the same time, robustly against wrong views. Two views that agree
+/// are enough, whatever the others show.
 ///
 /// Every pair of views proposes a point. The views within [`TriangulationSettings::outlier`] standard deviations support it.
 /// The point with the most support, then the least error, is refined over those views. It has the covariance of that
@@ -109,7 +109,7 @@ pub struct Triangulator {
 }
 
 impl Triangulator {
-    /// Takes the cameras.
+    /// Creates a triangulator for two to sixteen cameras whose poses are known.
     ///
     /// # Errors
     /// [`Error::Value`] for a setting or a camera whose place is not known, [`Error::Size`] for fewer than two cameras or
@@ -133,7 +133,7 @@ impl Triangulator {
         Ok(Self { cameras, settings })
     }
 
-    /// The cameras, in the order of the views.
+    /// Returns the cameras, in the order of the views.
     pub fn cameras(&self) -> &[CalibratedCamera] {
         &self.cameras
     }
@@ -168,9 +168,9 @@ impl Triangulator {
         body
     }
 
-    /// Everybody whom two cameras see at least. Two views are of one person where the median error of the joints that both
-    /// show is small. Views are put together from those pairs on that most other cameras agree with, and never where two of
-    /// them disagree.
+    /// Triangulates all people whom at least two cameras see. Two views are of one person where the median error of the
+    /// joints that both show is small. Views are put together from those pairs on that most other cameras agree with,
+    /// and never where two of them disagree.
     pub fn people(&self, views: &[Vec<ImageBody>]) -> Vec<Body> {
         let seen: Vec<(usize, &ImageBody)> = views
             .iter()

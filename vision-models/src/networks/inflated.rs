@@ -37,7 +37,7 @@ pub struct InflatedResNet<'a> {
 const OF_CLASSIFIER: usize = 2;
 
 impl<'a> InflatedResNet<'a> {
-    /// Takes the weights of a ResNet of the depth of this form of SlowOnly.
+    /// Creates the weights for this form of SlowOnly from those of a ResNet of the same depth.
     ///
     /// # Errors
     /// [`Error::Weights`] if they are those of another network.

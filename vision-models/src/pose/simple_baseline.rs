@@ -16,7 +16,7 @@ use super::sampling::{Scaling, check_image};
 /// The number of passes of the network per person.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Passes {
-    /// One pass.
+    /// Single pass on the image as it is.
     #[default]
     One,
     /// A second pass on the mirrored image, and the mean of both maps. Published accuracies are

@@ -84,12 +84,12 @@ impl ImageFolder {
 }
 
 impl OtherFiles {
-    /// Returns true if there are none.
+    /// Returns true if there are no other files.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// Returns their number.
+    /// Returns the number of other files.
     pub fn count(&self) -> usize {
         self.0.values().sum()
     }

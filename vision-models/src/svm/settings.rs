@@ -15,7 +15,7 @@ pub enum Loss {
 /// The cost of the bias.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Bias {
-    /// No cost, as in the paper.
+    /// Bias without a cost, as in the paper.
     Free,
     /// ½ (b / scaling)². The bias is the weight of an additional feature of this value, as in
     /// liblinear.
@@ -33,7 +33,7 @@ pub enum ClassWeights {
     /// Weights in inverse proportion to the class's samples: samples / (classes × samples of the
     /// class). Each class then has the same total weight, as in scikit-learn.
     Balanced,
-    /// These weights, one per class.
+    /// Given weights, one per class.
     Given(Vec<f64>),
 }
 

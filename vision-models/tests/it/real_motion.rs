@@ -3,7 +3,6 @@
 //! The joints are from motion capture and film, with the errors of a real detector and of the
 //! shipped camera. The truth is the whole record, smoothed. It does not depend on the tracker. The
 //! densities in the settings were chosen on these records too, because there are no others.
-//! records too: there are no others.
 
 use std::collections::HashMap;
 use std::f64::consts::TAU;

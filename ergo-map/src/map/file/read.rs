@@ -22,7 +22,7 @@ pub(super) fn announced(start: &[u8]) -> Result<usize> {
 }
 
 impl ErgonomicsMap {
-    /// Creates the map from the bytes of a map file, of this version or the one before.
+    /// Creates the map from the bytes of a map file, of version 1 or 2 of the format.
     ///
     /// # Errors
     /// [`Error::MapFile`] with the fault.

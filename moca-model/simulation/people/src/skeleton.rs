@@ -16,8 +16,7 @@ const THIGH: f64 = 0.530 - 0.285;
 const TRUNK: f64 = 0.818 - 0.530;
 const SHOULDER: f64 = 0.118;
 const HIP: f64 = 0.055;
-/// Distance of the ears in front of the shoulders of an upright person: by 24° from the vertical, and 17 to 46° on film
-/// (`ergo_map::NeutralPosture`).
+/// Distance of the ears in front of the shoulders of an upright person: by 24° from the vertical.
 const FACE: f64 = 0.05;
 /// Half the distance between the feet, which stand a little wider than the hips.
 const FOOT: f64 = 0.07;

@@ -14,8 +14,7 @@ use crate::people::{Transport, Truth, Walker, WalkerSettings};
 use crate::run::{Scenario, TrueMotion};
 
 /// Options by which maps are fitted: only good postures count. The default also weighs poorer ones. The optimum then
-/// lies 0.16 m above the best node of the map for a person of 1.76 m. The average map would be better for tall people
-/// than their own.
+/// lies above the best node of the map, and the average map would be better for tall people than their own.
 pub(super) const FIT: FitOptions =
     FitOptions { region: None, temperature: 0.05, min_curvature: 1e-3 };
 

@@ -37,7 +37,7 @@ impl PersonId {
     }
 }
 
-/// One person among several: the track, the joints and the lengths of the segments.
+/// Person among several who are followed: the track, the joints and the lengths of the segments.
 #[derive(Clone, Debug)]
 pub struct PersonTrack {
     id: PersonId,

@@ -35,7 +35,8 @@ impl CalibratedCamera {
         })
     }
 
-    /// The same of a text; `name` is for a camera without one.
+    /// Reads the cameras of a text in a format of [`read`](Self::read). `name` is for a camera
+    /// without one.
     ///
     /// - Qualisys: lengths in millimetres and pixels in 64ths, as the program writes them. Cameras for markers are left
     ///   out where there are some for video. Views that the program rotates are refused.

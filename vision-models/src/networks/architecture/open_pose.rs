@@ -7,7 +7,8 @@ use crate::engine::{Activation, Convolution, Graph, Value, Window};
 pub enum OpenPoseForm {
     /// The names of the Caffe model: `conv1_1.weight`.
     Caffe,
-    /// The same with the module names of its best-known port to PyTorch: `model0.conv1_1.weight`.
+    /// Names of the Caffe model behind module names, as in a port to PyTorch:
+    /// `model0.conv1_1.weight`.
     Modules,
 }
 

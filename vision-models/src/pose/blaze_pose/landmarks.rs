@@ -38,7 +38,7 @@ pub struct Landmark {
     pub presence: Confidence,
 }
 
-/// A person as BlazePose sees them.
+/// Landmarks of a person, found by BlazePose in a region of an image.
 ///
 /// The landmarks are in this order:
 /// - the nose
@@ -61,7 +61,8 @@ pub struct Landmarks {
 }
 
 impl Landmarks {
-    /// The person's joints, each as sure as it is visible. [`JointLayout::BlazePose`] says which they are.
+    /// Returns the person's joints in the image and in metres, in [`JointLayout::BlazePose`]. The
+    /// confidence of each is the smaller of visibility and presence.
     pub fn body(&self) -> ObservedBody {
         let keypoint = |&Landmark { position, visibility, presence, .. }: &Landmark| {
             let confidence = if presence < visibility { presence } else { visibility };
