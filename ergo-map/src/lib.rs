@@ -8,7 +8,7 @@
 //! - [`Worksheet`], [`Reba`]: the integer REBA score with every sub-score, and [`RulaWorksheet`]
 //!   for RULA.
 //! - [`ContinuousReba`], [`ergonomics_score`]: two continuous scores from the same core. The second
-//!   is the paper's score `e_s`, the mean of arms, trunk, legs and neck.
+//!   is the score `e_s` of Tassi et al. (2022), the mean of arms, trunk, legs and neck.
 //! - [`Person`], [`Skeleton`], [`PosturePredictor`]: the posture of least effort that brings a hand
 //!   to a position.
 //! - [`ErgonomicsMap`]: postures and scores over the reachable volume, from predictions or

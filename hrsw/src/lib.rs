@@ -1,6 +1,6 @@
 //! Human-robot shared workspaces: their shapes, softening, and motion with the person.
 //!
-//! The rows of a workspace belong into a stack of your own. In this example the desired pose of a
+//! Add the rows of a workspace to your own hierarchy. In this example the desired pose of a
 //! tool stays in a box that moves with a person. Below that it moves as little as possible.
 //!
 //! ```

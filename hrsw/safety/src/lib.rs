@@ -42,7 +42,7 @@
 //!     jacobian: &jacobian,
 //!     origin: Vector3::zeros(),
 //!     velocity: &[0.1, 0.0],
-//!     braking: Some(&[0.098, 0.0]),
+//!     braking: Some(&[0.098, 0.0]), // the velocities of the next tick, if the robot brakes at 2 m/s²
 //!     change: None,
 //!     inverse_inertia: None,
 //! };
@@ -54,7 +54,7 @@
 //! assert_eq!(safety.supervisor().state(), SafetyState::Normal);
 //! let mut rows = safety.rows(); // made once, for the levels of a stack of tasks
 //! safety.write_separation(&motion, &mut rows.separation)?;
-//! assert_eq!(rows.separation.len(), 40); // the pairs that may need a row
+//! assert_eq!(rows.separation.len(), 40); // the most pairs that have a row
 //!
 //! // Without frames the robot stops.
 //! let late = SafetyInput { now: 1.0, age: Age::new(1.0)?, ..input };

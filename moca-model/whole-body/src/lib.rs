@@ -2,7 +2,7 @@
 //!
 //! A [`Model`] is read from a URDF and does not change. A [`Data`] is the memory of one thread. A configuration turns
 //! the data into a [`Posed`], which gives poses, Jacobians, gravity and inertia. A velocity turns that into a
-//! [`Moving`], which gives twists, J̇q̇ and dynamics. So nothing can be read before it has been computed.
+//! [`Moving`], which gives twists, J̇q̇ and dynamics. The types forbid reading what is not computed yet.
 //!
 //! An [`Ik`] turns levels of [`Task`]s into velocities within all limits.
 //!
@@ -11,7 +11,7 @@
 //! | [`robot`] | joints, their limits, friction, and warnings about a URDF |
 //! | [`state`] | payloads and external forces |
 //! | [`tasks`] | the built-in tasks, and the traits for tasks of your own |
-//! | [`stack`] | levels of tasks over q̇ and further variables within bounds of your own |
+//! | [`stack`] | levels of tasks over q̇ and further variables; you set the bounds |
 //! | [`limits`] | limits of joints, wheels and speeds of frames |
 //! | [`ik`] | settings and results of an [`Ik`] |
 //! | [`torque`] | torques that follow velocities, impedance control, and an observer of external torques |
@@ -25,10 +25,13 @@
 //! - **Your robot** is read by [`Model::from_urdf_file`]. A [`Description`] adds what a URDF cannot hold. A joint that
 //!   states no velocity limit is refused, unless it is continuous and has no `<limit>`. A missing acceleration limit is
 //!   set so that the joint reaches its velocity limit in 0.25 s. Jerk is unlimited until you state it.
-//! - **Your task** implements [`Task`], whose page has an example, and is pushed like the others.
+//! - **Your task** implements [`Task`]: rows lower ≤ A q̇ ≤ upper, whose violation its level minimises. The page of
+//!   [`Task`] has an example. Push it like the others.
+//! - **A real robot** takes [`Step::velocity`](ik::Step::velocity). Pass the commanded configuration, the integral of
+//!   these velocities, to [`Ik::step`]. Call [`Ik::reset`] first if the robot already moves.
 //! - **What holds:** position, velocity, acceleration and jerk limits of all joints, in every step and for any target.
-//!   A lower task never costs a higher one anything. The book in the repository, `docs/src/guarantees.md`, has the
-//!   tests and what is not guaranteed.
+//!   A joint that starts outside its range returns within its other limits. A lower task never makes a higher one worse.
+//!   The book in the repository, `docs/src/guarantees.md`, has the tests and what is not guaranteed.
 //!
 //! This program moves a Panda's tool on a circle. The tool's position has priority over its orientation, and that over
 //! the posture of the arm:
