@@ -64,6 +64,13 @@ impl HeldFrame {
         self.position.place.is_some() && self.heading.place.is_some()
     }
 
+    /// Moves a held frame slowly to the mean place and heading of the person. It is for times in which the robot moves
+    /// anyway.
+    pub fn recentre(&mut self) {
+        self.position.recentre();
+        self.heading.recentre();
+    }
+
     /// Advances by `period` \[s\]. Returns the target of the follower and its velocity.
     ///
     /// `seen` is the person's place, and `rate` its rate. A frame that begins to be held stays
@@ -135,6 +142,10 @@ impl<const N: usize> Hold<N> {
         self.mean = self.mean.map(|mean| mean.map(&by));
         self.target = self.target.map(&by);
         self.place = self.place.map(|place| place.map(&by));
+    }
+
+    fn recentre(&mut self) {
+        self.place = self.place.and(self.mean);
     }
 
     /// Advances by `period` \[s\]. Returns the target and its rate.

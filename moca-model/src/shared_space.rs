@@ -168,6 +168,11 @@ impl SharedSpace {
         Ok(self.moving.reshape_orientation(shape, duration)?)
     }
 
+    /// Moves a held frame to the mean place of the person, while the robot moves anyway.
+    pub(crate) fn recentre(&mut self) {
+        self.hold.recentre();
+    }
+
     /// Advances frame and workspace by `period` to the time `now` \[s\], and returns the situation then.
     ///
     /// # Errors

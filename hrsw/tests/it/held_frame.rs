@@ -115,6 +115,34 @@ fn it_moves_when_the_mean_leaves_the_zone() {
     assert!(fastest <= 0.05 + 0.03, "{fastest} m/s");
 }
 
+/// A frame that is held off the person moves to them, slowly.
+#[test]
+fn a_recentred_frame_moves_to_the_mean() {
+    let mut held = Held::at(REST);
+    let stands = at(0.05, -0.02, 0.1);
+    for _tick in 0..4000 {
+        held.step(REST, REST);
+    }
+    for _tick in 0..4000 {
+        held.step(stands, REST);
+    }
+    let off = |held: &Held| {
+        let frame = floor(held.follower.pose());
+        ((frame.position - stands.position).norm(), (frame.heading - stands.heading).abs())
+    };
+    let (place, heading) = off(&held);
+    assert!(place > 0.04 && heading > 0.08, "a small step moves nothing: {place} m, {heading} rad");
+    let mut fastest = 0.0_f64;
+    for _tick in 0..4000 {
+        held.frame.recentre();
+        held.step(stands, REST);
+        fastest = fastest.max(held.speed());
+    }
+    let (place, heading) = off(&held);
+    assert!(place < 1e-3 && heading < 1e-3, "{place} m, {heading} rad");
+    assert!(held.frame.is_held() && fastest < 0.15, "{fastest}");
+}
+
 /// Two frames show a person who stands elsewhere and moves.
 #[test]
 fn two_wrong_frames_do_not_move_it() {

@@ -64,8 +64,6 @@ pub(super) struct CommandedMotion {
     /// Velocities to which joints may go so that a stop recedes. The base's do not get faster, as its wheels share a
     /// limit.
     pub(super) receding: Vec<VelocityInterval>,
-    /// Last measured yaw of the base \[rad\].
-    yaw: f64,
     /// Share of all velocity limits, 0 while the person is lost.
     speed: f64,
     /// Whether the last velocities keep the protective distances.
@@ -122,7 +120,6 @@ impl CommandedMotion {
             stopping: rest.clone(),
             least: rest,
             receding: vec![VelocityInterval { lower: 0.0, upper: 0.0 }; n],
-            yaw: 0.0,
             speed: 1.0,
             keeps_separation: true,
         })
@@ -182,9 +179,6 @@ impl CommandedMotion {
         let following = self.following_error.clamp(command, configuration, follows, &tool).ok()?;
         self.refer(command, configuration, following, elapsed);
         robot.update(&self.reference).ok()?;
-        if let [_, _, yaw, ..] = configuration {
-            self.yaw = *yaw;
-        }
         FollowingErrorLimit::clamp_pose(&mut command.desired, &robot.world_from_hand(), following);
         Some(following)
     }
@@ -302,10 +296,13 @@ impl CommandedMotion {
         command.outcome = Outcome::Braking;
     }
 
-    /// Writes the base's velocity in its own frame.
+    /// Writes the base's velocity in its own frame, at the yaw for which the limits of its wheels hold.
     pub(super) fn write_base_twist(&self, command: &mut Command) {
-        if let ([x, y, turn, ..], true) = (&command.joint_velocity[..], self.base > 0) {
-            let (sine, cosine) = self.yaw.sin_cos();
+        let velocity = &command.joint_velocity[..];
+        if let ([x, y, turn, ..], [_, _, yaw, ..], true) =
+            (velocity, &self.reference[..], self.base > 0)
+        {
+            let (sine, cosine) = yaw.sin_cos();
             command.base_twist = [cosine * x + sine * y, cosine * y - sine * x, *turn];
         }
     }
@@ -372,5 +369,24 @@ mod tests {
                 prop_assert!(*next >= late - 1e-12, "{changes:?}");
             }
         }
+    }
+
+    /// Rows of wheels are written at the yaw that tasks see. The measured one differs by noise.
+    #[test]
+    fn noise_of_yaw_exceeds_no_limit_of_wheels() {
+        let settings = ControllerSettings::default();
+        let mut robot = Kinematics::new(moca().unwrap(), &settings.tool, &[], &MOCA_HOME).unwrap();
+        let mut motion = CommandedMotion::new(&mut robot, &settings, &MOCA_HOME).unwrap();
+        let mut command = Command::at_rest(&MOCA_HOME, *robot.world_from_tool());
+        let mut measured = MOCA_HOME;
+        measured[2] += 0.01;
+        motion.measure(&mut robot, &mut command, &measured, settings.period).unwrap();
+        let yaw = robot.posed().unwrap().configuration()[2];
+        let limit = settings.base.unwrap().axis_speed;
+        command.joint_velocity[0] = limit * yaw.cos();
+        command.joint_velocity[1] = limit * yaw.sin();
+        motion.write_base_twist(&mut command);
+        let [x, y, _] = command.base_twist;
+        assert!((x - limit).abs() < 1e-12 && y.abs() < 1e-12, "{x} {y} m/s");
     }
 }

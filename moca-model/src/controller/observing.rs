@@ -5,6 +5,7 @@ use vision_models::{Body, ImpossibleBody, Percept};
 
 use super::Controller;
 use crate::error::Error;
+use crate::interaction::Phase;
 
 impl Controller {
     /// Sets the time `now` of the next tick \[s\]. Call it before the camera frames that have arrived by then. After a
@@ -77,6 +78,9 @@ impl Controller {
     /// Updates the person's place and the distances to the robot.
     pub(super) fn watch(&mut self, elapsed: f64) -> Result<(), Error> {
         let Some(now) = self.clock.now() else { return Ok(()) };
+        if matches!(self.command.phase, Phase::Turning { .. }) {
+            self.space.recentre();
+        }
         self.situation = self.space.advance(now, elapsed)?;
         let input = SafetyInput {
             now,
