@@ -41,15 +41,15 @@
 //!     }
 //!     let command = controller.step(time, robot.position())?;
 //!     assert!(command.outcome.is_optimal());
-//!     robot.step(&command.joint_velocity, 1e-3)?; // a real robot takes base_twist and joint_position[3..]
+//!     robot.step(&command.joint_velocity, 1e-3)?; // MOCA takes base_twist and joint_position[3..]
 //! }
 //! # Ok(())
 //! # }
 //! ```
 //!
 //! - **Your robot** is any [`Model`](whole_body::Model) without a floating base, with
-//!   [`ControllerSettings::of_robot`]. Add capsules to `settings.safety.bodies`. A robot without capsules keeps no distance
-//!   from people.
+//!   [`ControllerSettings::of_robot`]`(&model, tool, &start)`. Add a [`hrsw_safety::LinkCapsule`] for each body to
+//!   `settings.safety.bodies`. A robot without capsules keeps no distance from people.
 //! - **Your task** needs a change of this crate: a level in `src/stack.rs`. The book in the repository,
 //!   `docs/src/contributing.md`, has the steps. A stack of your own is an [`Ik`](whole_body::Ik).
 //! - **What holds:** limits of the arm's joints, and protective distances to people whom the camera shows. Obstacles and

@@ -14,5 +14,5 @@ for tick in range(8000):
     angle = 1.57e-3 * tick
     shift = [0.0, 0.1 * math.sin(angle), 0.1 * (math.cos(angle) - 1.0)]
     ik.set_target("position", start + shift)
-    q = ik.step(q, 1e-3).q  # or send step.velocity to the robot
+    q = ik.step(q, 1e-3).q  # send step.velocity to a real robot as well
 print(q.tolist())

@@ -16,7 +16,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for angle in (0..8000).map(|tick| 1.57e-3 * f64::from(tick)) {
         let shift = 0.1 * nalgebra::vector![0.0, angle.sin(), angle.cos() - 1.0];
         ik.task_mut(position)?.set_target(start + shift)?;
-        ik.step(&q, 1e-3)?.integrate(&mut q)?; // or send step.velocity() to the robot
+        ik.step(&q, 1e-3)?.integrate(&mut q)?; // send step.velocity() to a real robot as well
     }
     Ok(writeln!(std::io::stdout(), "{q:?}")?)
 }

@@ -55,7 +55,7 @@
 //!     let target = start + 0.1 * vector![0.0, angle.sin(), angle.cos() - 1.0];
 //!     ik.task_mut(position)?.set_target(target)?;
 //!     let step = ik.step(&q, 1e-3)?; // within all limits of the joints
-//!     step.integrate(&mut q)?; // or send step.velocity() to the robot
+//!     step.integrate(&mut q)?; // send step.velocity() to a real robot as well
 //! }
 //! assert!((ik.pose(&q, tool)?.translation.vector - start).norm() < 1e-3);
 //! # Ok::<(), whole_body::Error>(())
