@@ -111,10 +111,8 @@ impl BaseDrive {
         if !conditions.rests {
             self.speed = f64::INFINITY;
         } else if conditions.is_at_limit {
-            let present = match velocity {
-                [x, y, ..] => x.abs().max(y.abs()),
-                _ => 0.0,
-            };
+            let axes = velocity.iter().take(self.limits.len());
+            let present = axes.fold(0.0, |most, axis| f64::max(most, axis.abs()));
             let slower = self.speed.min(present) * (-SLOWS * conditions.elapsed).exp();
             self.speed = slower.max(SLOWEST);
         } else {

@@ -1,11 +1,13 @@
 //! Noise of a place on the floor, estimated from frame to frame.
 
+use std::ops::RangeInclusive;
+
 use nalgebra::{Matrix2, Vector2};
 
 /// Number of frames over which the covariance is averaged.
 const FRAMES: f64 = 40.0;
-/// Longest interval between frames whose second difference is noise rather than motion (s).
-const LONGEST: f64 = 0.15;
+/// Intervals between frames whose second difference is noise (s). Longer ones show motion.
+const INTERVALS: RangeInclusive<f64> = 1e-3..=0.15;
 /// Largest error that counts, in standard deviations. A jump is no noise.
 const MOST: f64 = 3.0;
 
@@ -31,8 +33,8 @@ impl FrameNoise {
     /// Updates the estimate with the place that a frame shows (m). Times (s) must increase.
     pub(super) fn update(&mut self, time: f64, place: Vector2<f64>) {
         if let [Some((t1, x1)), Some((t0, x0))] = self.before
-            && time - t1 <= LONGEST
-            && t1 - t0 <= LONGEST
+            && INTERVALS.contains(&(time - t1))
+            && INTERVALS.contains(&(t1 - t0))
         {
             let ratio = (time - t1) / (t1 - t0);
             let scale = (1.0 + (1.0 + ratio).powi(2) + ratio.powi(2)).sqrt();
@@ -84,6 +86,15 @@ mod tests {
         assert_eq!(sigmas(speeds_up, none, 0.05).map(|sigma| (sigma * 1e6).round()), [2e4; 2]);
         // Frames twice a second show steps, which are no noise.
         assert_eq!(sigmas(speeds_up, vector![0.2, 0.0], 0.5), [0.02; 2]);
+    }
+
+    #[test]
+    fn frames_at_nearly_one_time_change_nothing() {
+        let mut noise = FrameNoise::at_least(0.02);
+        for time in [0.0, 1e-310, 1e-6, 0.05, 0.1, 0.15] {
+            noise.update(time, vector![0.3, 1.0]);
+            assert_eq!(noise.covariance(), Matrix2::identity() * 0.0004, "at {time} s");
+        }
     }
 
     #[test]

@@ -99,9 +99,6 @@ impl BodyTracker {
         let lean = facing.map(|facing| self.lean.in_world(facing.angle, time)).unwrap_or_default();
         let (floors, heading) = (seen.floors(&lean, facing), seen.heading());
         let best = seen.best_floor(facing);
-        if let Some(floor) = best {
-            self.noise.update(time, floor.position);
-        }
 
         let track =
             self.track.as_mut().filter(|track| time - track.floor_time <= Freshness::COASTING);
@@ -121,8 +118,9 @@ impl BodyTracker {
                 if let (Some((offset, variance)), Some(facing)) = (seen.lean(facing), facing) {
                     self.lean.update(&offset, variance, facing.angle, time);
                 }
-                if best.is_some() {
+                if let Some(floor) = best {
                     self.candidate = None;
+                    self.noise.update(time, floor.position);
                 }
             }
             (Some(distance), Some(floor)) => {
@@ -215,6 +213,7 @@ impl BodyTracker {
             if self.track.is_some() && (jumped || lost) {
                 self.identity.doubt();
                 self.lean = Lean::default();
+                self.noise = FrameNoise::at_least(self.settings.position_sigma);
             }
             self.jumps += u64::from(jumped);
             self.track = Some(Track::starting_at(&floor, &heading, time));

@@ -454,3 +454,15 @@ proptest! {
         prop_assert!((heading - offset - (start + rate * 199.0 * FRAME)).abs() < tolerance);
     }
 }
+
+/// A detector that changes between two people teaches the tracker no noise.
+#[test]
+fn another_person_in_every_other_frame_is_ignored() {
+    let mut tracker = tracker();
+    let (own, other) = (vector![1.5, 0.0], vector![1.5, 1.0]);
+    watch(&mut tracker, 0..20, |_| (own, PI));
+    let is_own = |time: f64| (0.5 * time / FRAME + 0.1).fract() < 0.5;
+    watch(&mut tracker, 20..220, |time| (if is_own(time) { own } else { other }, PI));
+    let off = (tracker.predict(219.0 * FRAME).unwrap().floor.coords - own).norm();
+    assert!(off < 0.05, "{off} m");
+}

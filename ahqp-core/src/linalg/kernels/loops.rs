@@ -199,7 +199,7 @@ pub(super) fn triangularise<L: Lanes>(
         let length = square.sqrt();
         let image = if own > 0.0 { -length } else { length };
         column[0] = own - image;
-        let tau = 1.0 / (-image * column[0]);
+        let tau = if square > 0.0 { 1.0 / (-image * column[0]) } else { 0.0 };
         mix_rows::<L>(stack, place.next_multiple_of(4), column, tau);
         pivot[..place].copy_from_slice(&stack.data[..place]);
         pivot[place] = image;
@@ -215,7 +215,7 @@ pub(super) fn multiply_rows<L: Lanes>(data: &[f64], stride: usize, x: &[f64], ou
     let mut rest = data;
     let (fours, ones) = out.as_chunks_mut::<4>();
     for result in fours {
-        // The last of the rows need not be whole.
+        // Every row is whole.
         let Some((block, behind)) = rest.split_at_checked(4 * stride) else { return };
         let row = |i: usize| &block[i * stride..i * stride + x.len()];
         *result = dots::<L>([row(0), row(1), row(2), row(3)], x);

@@ -51,8 +51,14 @@ impl Guided {
 
     /// Takes an order.
     pub(super) fn lead(&mut self, lead: Lead) -> Result<(), Error> {
-        self.person.lead(lead)?;
-        (self.order, self.stuck, self.side, self.detour) = (lead, 0.0, None, None);
+        // Somebody who is told the same way goes on with it.
+        let goes_on = lead.way == self.order.way;
+        let detour = self.detour.filter(|_| goes_on);
+        lead.validate()?;
+        self.person
+            .lead(Lead { way: detour.map_or(lead.way, |(_, way)| Way::Along(way)), ..lead })?;
+        self.side = self.side.filter(|_| goes_on);
+        (self.order, self.detour) = (lead, detour);
         Ok(())
     }
 
@@ -122,7 +128,8 @@ impl Guided {
         // Along what they touch; else by and by back to it.
         let along = |side: f64, away: Vector2<f64>| Rotation2::new(-side * ALONG) * away;
         let detour = match (self.detour, away) {
-            (Some(_), _) if is_free() => None,
+            // Nor do they go on around a robot that stands on the goal.
+            (Some(_), _) if is_free() || !free(left.norm()) => None,
             (Some((side, _)), Some(away)) => Some((side, along(side, away))),
             (Some((side, way)), None) => {
                 Some((side, Rotation2::new(-side * speed / TURN * period) * way))
