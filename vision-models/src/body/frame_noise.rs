@@ -58,7 +58,7 @@ mod tests {
     use super::*;
     use nalgebra::vector;
 
-    /// Standard deviations across and along x after frames of a person at `place(time)` with alternating errors.
+    /// Standard deviations along x and y after frames of a person at `place(time)` with alternating errors.
     fn sigmas(place: impl Fn(f64) -> Vector2<f64>, error: Vector2<f64>, interval: f64) -> [f64; 2] {
         let mut noise = FrameNoise::at_least(0.02);
         // Every pattern of three signs occurs once in eight frames (de Bruijn).
