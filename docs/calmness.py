@@ -5,8 +5,8 @@
     python3 docs/calmness.py --recordings 2 --print # prints the table of two recordings, and writes no page
     python3 docs/calmness.py --programs FOLDER      # takes the programs that are in FOLDER
 
-Each recording is made by `record` with a seed of its own, and played by `follow`: with separation and without, and with
-cameras of less noise.
+Each recording is made by `record` with a seed of its own, and played by `follow`: with separation and without, with
+cameras of less noise, and with people who sway and errors that last as those of real ones.
 """
 
 import argparse
@@ -24,12 +24,13 @@ PAGE = ROOT / "docs/src/moca-model-stillness.md"
 TICK = 1e-3  # control period [s]
 
 
-# Heading of a column, factor on the camera's noise, and options of `follow`.
+# Heading of a column, factor on the camera's noise, and options of `record` and `follow`.
 COLUMNS = [
-    ("with separation", 1.0, []),
-    ("`--no-separation`", 1.0, ["--no-separation"]),
-    ("half the noise", 0.5, []),
-    ("a quarter of the noise", 0.25, []),
+    ("with separation", 1.0, [], []),
+    ("`--no-separation`", 1.0, [], ["--no-separation"]),
+    ("half the noise", 0.5, [], []),
+    ("a quarter of the noise", 0.25, [], []),
+    ("sway and lasting errors", 1.0, ["--sway", "1", "--lasting", "0.9"], []),
 ]
 
 
@@ -49,10 +50,11 @@ def settings(programs, noise, folder):
 def play(programs, seed, folder):
     """The summaries of `follow` for the recording of this seed, one for each column."""
     summaries = []
-    for _, noise, options in COLUMNS:
-        recording, truth = (folder / f"{seed}-{noise}.{kind}" for kind in ("jsonl", "truth"))
+    for _, noise, real, options in COLUMNS:
+        name = f"{seed}-{noise}{'-real' if real else ''}"
+        recording, truth = (folder / f"{name}.{kind}" for kind in ("jsonl", "truth"))
         if not truth.exists():
-            made = ["--quiet", "--seed", str(seed), "--noise", str(noise), "--output", recording, "--truth", truth]
+            made = ["--quiet", "--seed", str(seed), "--noise", str(noise), *real, "--output", recording, "--truth", truth]
             subprocess.run([programs / "record", *made], check=True, stdout=subprocess.DEVNULL)
         command = ["--quiet", "--json", "--no-report", "--recording", recording, "--truth", truth, *options]
         command += ["--settings", settings(programs, noise, folder)]
@@ -91,7 +93,7 @@ def table(runs):
         lines.append("| " + " | ".join(cells) + " |")
     ticks = sum(2 * run[0]["duration_s"] / TICK for run in runs)
     cells = [f"ticks too near to the true person, with ergonomics and without, of {ticks / 1e6:.1f} million"]
-    for column, (_, _, options) in enumerate(COLUMNS):
+    for column, (*_, options) in enumerate(COLUMNS):
         near = sum(run[column]["separation_violations"] for run in runs)
         cells.append("not judged" if options else str(near))
     return "\n".join([*lines, "| " + " | ".join(cells) + " |"])

@@ -76,6 +76,14 @@ struct Options {
     /// Factor on the camera's noise: 0 is none, 1 that of a RealSense D435i.
     #[arg(long, value_name = "FACTOR", default_value_t = CameraSettings::default().noise)]
     noise: f64,
+
+    /// Share of the variance of the noise that lasts from frame to frame; 0.9 for real detectors.
+    #[arg(long, value_name = "SHARE", default_value_t = CameraSettings::default().lasting)]
+    lasting: f64,
+
+    /// Factor on the motion of the pelvis about its mean place in walking and standing; 1 for real people.
+    #[arg(long, value_name = "FACTOR", default_value_t = WalkerSettings::default().sway)]
+    sway: f64,
     /// Probability that a joint is missing in a frame; frames are missing in proportion.
     #[arg(long, value_name = "PROBABILITY", default_value_t = CameraSettings::default().drop)]
     drop: f64,
@@ -149,10 +157,12 @@ impl Program for Options {
             speed: self.speed,
             arm_speed: None,
             movement: self.movement,
+            sway: self.sway,
             duration: self.duration,
             seed: self.seed.seed,
             camera: CameraSettings {
                 noise: self.noise,
+                lasting: self.lasting,
                 drop: self.drop,
                 jumps: self.jump,
                 vanishings: self.vanish,

@@ -4,52 +4,112 @@ use std::ops::RangeInclusive;
 
 use nalgebra::{Matrix2, Vector2};
 
+use super::settings::correlation;
+
 /// Number of frames over which the covariance is averaged.
-const FRAMES: f64 = 40.0;
-/// Intervals between frames whose second difference is noise (s). Longer ones show motion.
-const INTERVALS: RangeInclusive<f64> = 1e-3..=0.15;
+const FRAMES: f64 = 60.0;
+/// Intervals between frames whose second differences show the noise that does not last (s), and all
+/// of the noise. Longer ones show motion.
+const SHORT: RangeInclusive<f64> = 1e-3..=0.12;
+const LONG: RangeInclusive<f64> = 0.18..=0.3;
+/// Smallest time between frames that are remembered (s), and their number.
+const APART: f64 = 0.025;
+const REMEMBERED: usize = 16;
 /// Largest error that counts, in standard deviations. A jump is no noise.
 const MOST: f64 = 3.0;
 
-/// Estimates the covariance of the independent errors of a place from its second differences.
+/// Estimates the covariance of the errors of a place, and the share of it that lasts, from second
+/// differences.
 ///
 /// A steady walk does not change second differences, and accelerations of people hardly do.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FrameNoise {
-    /// The last two times (s) and places (m), the latest first.
-    before: [Option<(f64, Vector2<f64>)>; 2],
-    covariance: Matrix2<f64>,
+    /// Earlier times (s) and places (m), the latest first.
+    before: [Option<(f64, Vector2<f64>)>; REMEMBERED],
+    short: Differences,
+    long: Differences,
     /// Smallest variance in each direction (m²).
     least: f64,
+}
+
+/// Mean of the products of second differences, divided by those of independent errors of variance 1.
+#[derive(Clone, Copy, Debug)]
+struct Differences {
+    covariance: Matrix2<f64>,
+    /// Mean loss of the square of a difference for each share of the variance that lasts.
+    loss: f64,
 }
 
 impl FrameNoise {
     /// Creates an estimate with this standard deviation on each axis (m). It never states less.
     pub(super) fn at_least(sigma: f64) -> Self {
         let least = sigma.powi(2);
-        Self { before: [None; 2], covariance: Matrix2::identity() * least, least }
+        let none = Differences { covariance: Matrix2::identity() * least, loss: 0.0 };
+        Self { before: [None; REMEMBERED], short: none, long: none, least }
     }
 
     /// Updates the estimate with the place that a frame shows (m). Times (s) must increase.
     pub(super) fn update(&mut self, time: f64, place: Vector2<f64>) {
-        if let [Some((t1, x1)), Some((t0, x0))] = self.before
-            && INTERVALS.contains(&(time - t1))
-            && INTERVALS.contains(&(t1 - t0))
-        {
-            let ratio = (time - t1) / (t1 - t0);
-            let scale = (1.0 + (1.0 + ratio).powi(2) + ratio.powi(2)).sqrt();
-            let error = (place - x1 - (x1 - x0) * ratio) / scale;
-            let error = error.cap_magnitude(MOST * self.covariance.trace().sqrt());
-            self.covariance += (error * error.transpose() - self.covariance) / FRAMES;
+        let (short, long) = (self.triple((time, place), SHORT), self.triple((time, place), LONG));
+        if let (Some(short), Some(long)) = (short, long) {
+            self.short.update(short);
+            self.long.update(long);
         }
-        self.before = [Some((time, place)), self.before[0]];
+        if self.before[0].is_none_or(|(newest, _)| time - newest >= APART) {
+            self.before.rotate_right(1);
+            self.before[0] = Some((time, place));
+        }
+    }
+
+    /// Returns a frame and the latest two whose times are apart by these intervals.
+    fn triple(
+        &self,
+        newest: (f64, Vector2<f64>),
+        intervals: RangeInclusive<f64>,
+    ) -> Option<[(f64, Vector2<f64>); 3]> {
+        let before = |(time, _): (f64, Vector2<f64>)| {
+            let mut frames = self.before.iter().flatten();
+            frames.find(|(before, _)| intervals.contains(&(time - before))).copied()
+        };
+        let middle = before(newest)?;
+        Some([newest, middle, before(middle)?])
     }
 
     /// Returns the covariance (m²).
     pub(super) fn covariance(&self) -> Matrix2<f64> {
-        let mut axes = self.covariance.symmetric_eigen();
+        let unlost = 1.0 - self.lasting() * self.long.loss;
+        let mut axes = (self.long.covariance / unlost).symmetric_eigen();
         axes.eigenvalues.apply(|variance| *variance = variance.max(self.least));
         axes.recompose()
+    }
+
+    /// Returns the share of the variance that lasts from frame to frame.
+    ///
+    /// Squared differences are 1 - s times their loss as large as those of independent errors, for
+    /// the share s.
+    pub(super) fn lasting(&self) -> f64 {
+        let ratio = self.short.covariance.trace() / self.long.covariance.trace();
+        let share = (1.0 - ratio) / (self.short.loss - ratio * self.long.loss).max(1e-3);
+        share.clamp(0.0, MOST_LASTING)
+    }
+}
+
+/// Largest share of the variance that lasts.
+const MOST_LASTING: f64 = 0.95;
+
+impl Differences {
+    /// Updates the means with the second difference of three frames, the latest first.
+    fn update(&mut self, frames: [(f64, Vector2<f64>); 3]) {
+        let [(time, place), (t1, x1), (t0, x0)] = frames;
+        let (after, before) = (time - t1, t1 - t0);
+        let ratio = after / before;
+        let squares = 1.0 + (1.0 + ratio).powi(2) + ratio.powi(2);
+        let error = (place - x1 - (x1 - x0) * ratio) / squares.sqrt();
+        let error = error.cap_magnitude(MOST * self.covariance.trace().sqrt());
+        self.covariance += (error * error.transpose() - self.covariance) / FRAMES;
+        let loss = 2.0 * (1.0 + ratio) * (correlation(after) + ratio * correlation(before))
+            - 2.0 * ratio * correlation(after + before);
+        self.loss += (loss / squares - self.loss) / FRAMES;
     }
 }
 
@@ -57,35 +117,72 @@ impl FrameNoise {
 mod tests {
     use super::*;
     use nalgebra::vector;
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::{RngCore, SeedableRng};
 
-    /// Standard deviations along x and y after frames of a person at `place(time)` with alternating errors.
-    fn sigmas(place: impl Fn(f64) -> Vector2<f64>, error: Vector2<f64>, interval: f64) -> [f64; 2] {
+    const INTERVAL: f64 = 0.05;
+
+    /// Noise after a minute of frames of a person at `place(time)`. Errors have these standard deviations along x and
+    /// y, and this share of their variance lasts.
+    fn noise(
+        place: impl Fn(f64) -> Vector2<f64>,
+        sigma: Vector2<f64>,
+        lasting: f64,
+        interval: f64,
+    ) -> FrameNoise {
+        let mut draw = ChaCha8Rng::seed_from_u64(5);
+        // The sum of twelve uniform numbers is approximately normal, with variance 1.
+        let mut normal = || -> Vector2<f64> {
+            (0..12)
+                .map(|_| Vector2::from_fn(|_, _| f64::from(draw.next_u32()) / 4294967296.0 - 0.5))
+                .sum()
+        };
+        let fades = (-interval / 0.16_f64).exp();
+        let mut slow = normal();
         let mut noise = FrameNoise::at_least(0.02);
-        // Every pattern of three signs occurs once in eight frames (de Bruijn).
-        let signs = [1.0, 1.0, 1.0, -1.0, 1.0, -1.0, -1.0, -1.0];
-        for (frame, sign) in (0..200_u32).zip(signs.into_iter().cycle()) {
+        for frame in 0..1200_u32 {
+            slow = slow * fades + normal() * (1.0 - fades * fades).sqrt();
+            let error = slow * lasting.sqrt() + normal() * (1.0 - lasting).sqrt();
             let time = f64::from(frame) * interval;
-            noise.update(time, place(time) + error * sign);
+            noise.update(time, place(time) + error.component_mul(&sigma));
         }
-        let covariance = noise.covariance();
-        [covariance.m11.sqrt(), covariance.m22.sqrt()]
+        noise
+    }
+
+    fn stands(_: f64) -> Vector2<f64> {
+        Vector2::zeros()
     }
 
     #[test]
     fn noise_of_walker_is_found_in_each_direction() {
         let walks = |time: f64| vector![1.3 * time, -0.4 * time];
-        let [along, across] = sigmas(walks, vector![0.06, 0.0], 0.05);
-        assert!((0.05..0.07).contains(&along), "{along} m");
-        assert!((across - 0.02).abs() < 1e-9, "{across} m");
+        for lasting in [0.0, 0.9] {
+            let covariance = noise(walks, vector![0.1, 0.0], lasting, INTERVAL).covariance();
+            let [along, across] = [covariance.m11.sqrt(), covariance.m22.sqrt()];
+            assert!((0.07..0.14).contains(&along), "{along} m, {lasting} lasts");
+            assert!((across - 0.02).abs() < 1e-9, "{across} m");
+        }
+    }
+
+    #[test]
+    fn lasting_share_is_found_at_any_frame_rate() {
+        for rate in [15.0, 20.0, 30.0, 60.0] {
+            let of = |lasting| noise(stands, vector![0.05, 0.05], lasting, 1.0 / rate).lasting();
+            let (white, real) = (of(0.0), of(0.9));
+            assert!(white < 0.4, "{white} at {rate} Hz");
+            assert!(real > 0.7, "{real} at {rate} Hz");
+        }
     }
 
     #[test]
     fn motion_and_pauses_are_no_noise() {
-        let speeds_up = |time: f64| vector![1.5 * time * time, 0.0];
-        let none = Vector2::zeros();
-        assert_eq!(sigmas(speeds_up, none, 0.05).map(|sigma| (sigma * 1e6).round()), [2e4; 2]);
+        let speeds_up = |time: f64| vector![0.4 * time * time, 0.0];
+        let sigma = |noise: FrameNoise| noise.covariance().m11.sqrt();
+        let moving = sigma(noise(speeds_up, Vector2::zeros(), 0.0, INTERVAL));
+        assert!((moving - 0.02).abs() < 1e-9, "{moving} m at 0.8 m/s²");
         // Frames twice a second show steps, which are no noise.
-        assert_eq!(sigmas(speeds_up, vector![0.2, 0.0], 0.5), [0.02; 2]);
+        let slow = sigma(noise(speeds_up, vector![0.2, 0.2], 0.0, 0.5));
+        assert!((slow - 0.02).abs() < 1e-9, "{slow} m");
     }
 
     #[test]
@@ -93,7 +190,9 @@ mod tests {
         let mut noise = FrameNoise::at_least(0.02);
         for time in [0.0, 1e-310, 1e-6, 0.05, 0.1, 0.15] {
             noise.update(time, vector![0.3, 1.0]);
-            assert_eq!(noise.covariance(), Matrix2::identity() * 0.0004, "at {time} s");
+            let (covariance, lasting) = (noise.covariance(), noise.lasting());
+            assert!((covariance - Matrix2::identity() * 4e-4).norm() < 1e-12, "at {time} s");
+            assert!(lasting == 0.0, "{lasting} at {time} s");
         }
     }
 
@@ -102,8 +201,8 @@ mod tests {
         let mut noise = FrameNoise::at_least(0.02);
         for frame in 0..40_u32 {
             let x = if frame < 20 { 0.0 } else { 2.0 };
-            noise.update(f64::from(frame) * 0.05, vector![x, 0.0]);
+            noise.update(f64::from(frame) * INTERVAL, vector![x, 0.0]);
         }
-        assert!(noise.covariance().m11.sqrt() < 0.04, "{}", noise.covariance());
+        assert!(noise.covariance().m11.sqrt() < 0.05, "{}", noise.covariance());
     }
 }

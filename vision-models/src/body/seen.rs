@@ -32,6 +32,8 @@ pub(super) struct Seen<'body> {
     measured: bool,
     /// Covariance of a joint whose covariance is unknown (m²).
     assumed: Matrix3<f64>,
+    /// Share of the assumed covariance that lasts.
+    lasting: f64,
     /// Factor of the variance of a mean due to errors that last over several frames.
     inflation: f64,
 }
@@ -50,6 +52,8 @@ pub(super) struct Heading {
     pub(super) angle: f64,
     /// Variance, if it is known (rad²).
     pub(super) variance: Option<f64>,
+    /// Share of the variance that lasts.
+    pub(super) lasting: f64,
 }
 
 /// The known direction that a person faces.
@@ -70,14 +74,17 @@ impl<'body> Seen<'body> {
             least_confidence: settings.least_confidence,
             measured,
             assumed: Matrix3::identity() * settings.position_sigma.powi(2),
+            lasting: 0.0,
             // The assumed covariance already includes the factor.
             inflation: if measured { inflation(interval) } else { 1.0 },
         }
     }
 
-    /// Sets the covariance on the floor of a joint whose covariance is unknown (m²).
-    pub(super) fn with_noise(mut self, noise: Matrix2<f64>) -> Self {
+    /// Sets the covariance on the floor of a joint whose covariance is unknown (m²), and the share of
+    /// it that lasts.
+    pub(super) fn with_noise(mut self, noise: Matrix2<f64>, lasting: f64) -> Self {
         self.assumed.fixed_view_mut::<2, 2>(0, 0).copy_from(&noise);
+        self.lasting = lasting;
         self
     }
 
@@ -103,10 +110,9 @@ impl<'body> Seen<'body> {
         self.measured
     }
 
-    /// Returns the share of variances that lasts from frame to frame. The assumed covariance
-    /// already includes it.
+    /// Returns the share of variances that lasts from frame to frame.
     pub(super) fn lasting(&self) -> f64 {
-        if self.measured { LASTING } else { 0.0 }
+        if self.measured { LASTING } else { self.lasting }
     }
 
     /// Returns measurements of the floor position below the pelvis (m): below the hips, and below
@@ -242,7 +248,7 @@ impl<'body> Seen<'body> {
             information = Some(sums.1);
         }
         let variance = information.map(f64::recip);
-        Some(Heading { angle: (-left.x).atan2(left.y), variance })
+        Some(Heading { angle: (-left.x).atan2(left.y), variance, lasting: self.lasting() })
     }
 }
 

@@ -1,9 +1,10 @@
 //! The parameters of the tracker.
 
-use super::filter::{LASTING, Measurement, Motion};
+use super::filter::{Measurement, Motion};
 use super::freshness::Freshness;
 use super::joints::TRUNK;
 use super::keypoints::Body25;
+use super::seen::Heading;
 use crate::error::Error;
 
 /// Spectral density of a walking person's acceleration (m²/s³), for gait up to 1.4 m/s.
@@ -87,8 +88,8 @@ impl TrackerSettings {
 
     /// Returns a measured heading. An unknown variance is replaced by the standard deviation of one
     /// frame.
-    pub(super) fn heading(&self, angle: f64, variance: Option<f64>) -> Measurement<1> {
-        let lasting = if variance.is_some() { LASTING } else { 0.0 };
+    pub(super) fn heading(&self, angle: f64, heading: &Heading) -> Measurement<1> {
+        let Heading { variance, lasting, .. } = *heading;
         let variance = variance.unwrap_or(self.heading_sigma.powi(2));
         Measurement { position: [angle].into(), covariance: [[variance]].into(), lasting }
     }
@@ -137,6 +138,11 @@ pub(super) fn jump_distance() -> f64 {
 /// variance of the mean of many frames whose successive errors have the correlation ρ, divided by
 /// that of independent frames.
 pub(super) fn inflation(interval: f64) -> f64 {
-    let correlation = (-interval.max(1e-3) / CORRELATION_TIME).exp();
+    let correlation = correlation(interval.max(1e-3));
     (1.0 + correlation) / (1.0 - correlation)
+}
+
+/// Returns the correlation of the lasting errors of two frames that are so far apart (s).
+pub(super) fn correlation(interval: f64) -> f64 {
+    (-interval / CORRELATION_TIME).exp()
 }

@@ -83,7 +83,7 @@ impl Track {
         let elapsed = since.min(Freshness::COASTING);
         let expected = self.heading.advanced(elapsed, &motion);
         let angle = nearest_branch(heading.angle, expected.position().x);
-        let measured = settings.heading(angle, heading.variance);
+        let measured = settings.heading(angle, &heading);
         let distance = expected.distance_squared(&measured);
         let mut jumped = false;
         if distance <= outlier_distance() {

@@ -92,8 +92,8 @@ impl BodyTracker {
         let Some(body) = &percept.body else {
             return Ok(());
         };
-        let noise = self.noise.covariance();
-        let seen = Seen::new(body, &self.settings, interval).with_noise(noise);
+        let (noise, lasting) = (self.noise.covariance(), self.noise.lasting());
+        let seen = Seen::new(body, &self.settings, interval).with_noise(noise, lasting);
         self.identity.update(&seen);
         let facing = self.facing(time);
         let lean = facing.map(|facing| self.lean.in_world(facing.angle, time)).unwrap_or_default();
@@ -208,7 +208,7 @@ impl BodyTracker {
             let angle = self
                 .predict(time)
                 .map_or(heading.angle, |old| nearest_branch(heading.angle, old.heading));
-            let heading = self.settings.heading(angle, heading.variance);
+            let heading = self.settings.heading(angle, &heading);
             let (jumped, lost) = (candidate.is_jump(), distance.is_infinite());
             if self.track.is_some() && (jumped || lost) {
                 self.identity.doubt();

@@ -205,7 +205,7 @@ impl Person {
         self.stature
     }
 
-    /// The point on the floor below the pelvis, in the world \[m\].
+    /// The point on the floor below the pelvis, without its sway, in the world \[m\].
     pub fn floor(&self) -> Point2<f64> {
         self.motion.floor
     }
@@ -215,7 +215,7 @@ impl Person {
         self.motion.heading
     }
 
-    /// The velocity over the floor, in the world \[m/s\].
+    /// The velocity over the floor, without the sway, in the world \[m/s\].
     pub fn velocity(&self) -> Vector2<f64> {
         self.motion.velocity
     }
@@ -252,6 +252,7 @@ mod tests {
         let works = Activity::Use(Tool::Drill);
         let goal = Goal { floor, heading, speed: 0.5, stop: true };
         for gait in [Gait::CAREFUL, Gait::NATURAL] {
+            let gait = Gait { sway: 0.0, ..gait };
             let begin = Person::standing(1.75, floor, heading, gait, works);
             let work = |object: Option<&Point3<f64>>| {
                 let mut person = begin.clone();

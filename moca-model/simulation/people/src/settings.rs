@@ -41,6 +41,9 @@ pub struct WalkerSettings {
     pub arm_speed: Option<f64>,
     /// Movement on the spot that the person repeats where they stand and work. Default none.
     pub movement: Option<Movement>,
+    /// Motion of the pelvis about its mean place, as a share of that of real people ([`Gait::sway`](super::Gait::sway)).
+    /// Default 0.
+    pub sway: f64,
     /// Duration of the recording \[s\]. The person repeats the path until it is time to leave. Default 56.
     pub duration: f64,
     /// Seed of all random numbers. Default 1.
@@ -60,6 +63,7 @@ impl Default for WalkerSettings {
             speed: None,
             arm_speed: None,
             movement: None,
+            sway: 0.0,
             duration: 56.0,
             seed: 1,
             camera: CameraSettings::default(),
@@ -89,7 +93,9 @@ impl WalkerSettings {
         }
         in_range("offer", self.offer, 0.0, 3600.0, "0 to 3600 s")?;
         in_range("duration", self.duration, 0.0, 3600.0, "0 to 3600 s")?;
+        in_range("sway", self.sway, 0.0, 3.0, "a factor of 0 to 3")?;
         in_range("noise", self.camera.noise, 0.0, 10.0, "a factor of 0 to 10")?;
+        in_range("lasting", self.camera.lasting, 0.0, 1.0, "a share of 0 to 1")?;
         let largest = self.camera.largest_error;
         in_range("largest_error", largest, 0.0, f64::INFINITY, "0 m or more")?;
         if let Some(spacing) = self.camera.spacing {

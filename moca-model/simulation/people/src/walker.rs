@@ -43,11 +43,11 @@ const STANDING: f64 = 0.05;
 pub struct Truth {
     /// Time \[s\].
     pub time: f64,
-    /// The point on the floor below the pelvis, in the world \[m\].
+    /// The point on the floor below the pelvis, without its sway, in the world \[m\].
     pub floor: Point2<f64>,
     /// The yaw of the forward direction \[rad\].
     pub heading: f64,
-    /// Velocity over the floor, in the world \[m/s\].
+    /// Velocity over the floor, without the sway, in the world \[m/s\].
     pub velocity: Vector2<f64>,
     /// The person's action.
     pub action: Action,
@@ -77,6 +77,7 @@ impl Walker {
             speed: None,
             arm_speed: None,
             movement: None,
+            sway: 1.0,
             duration: 15.0,
             seed,
             camera: CameraSettings {
@@ -84,6 +85,7 @@ impl Walker {
                 drop: draw.random_range(0.0..0.3),
                 jumps: draw.random_range(1..4),
                 vanishings: draw.random_range(1..3),
+                lasting: CameraSettings::LASTING,
                 ..CameraSettings::default()
             },
         };
@@ -101,7 +103,11 @@ impl Walker {
                 settings.stature,
                 script::START,
                 script::TOWARDS_ROBOT,
-                Gait { arm_speed: settings.arm_speed.unwrap_or(f64::INFINITY), ..Gait::NATURAL },
+                Gait {
+                    arm_speed: settings.arm_speed.unwrap_or(f64::INFINITY),
+                    sway: settings.sway,
+                    ..Gait::NATURAL
+                },
                 match settings.occupation {
                     Occupation::Working => Activity::CarryObject,
                     Occupation::Walking => Activity::Walk,

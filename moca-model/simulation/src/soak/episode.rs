@@ -89,6 +89,7 @@ impl Episode {
         let camera = CameraSettings {
             largest_error: LARGEST_ERROR,
             drop: draw.random_range(0.0..DROP),
+            lasting: draw.random_range(0.0..=CameraSettings::LASTING),
             ..CameraSettings::default()
         };
         let eyes = draws([Stream::Camera, Stream::Recogniser]);

@@ -171,6 +171,11 @@ fn wrong_settings_are_named() {
         ("stature", WalkerSettings { stature: f64::NAN, ..base() }),
         ("duration", WalkerSettings { duration: -1.0, ..base() }),
         ("noise", WalkerSettings { camera: CameraSettings { noise: -1.0, ..camera() }, ..base() }),
+        ("sway", WalkerSettings { sway: -1.0, ..base() }),
+        (
+            "lasting",
+            WalkerSettings { camera: CameraSettings { lasting: 1.1, ..camera() }, ..base() },
+        ),
         ("drop", WalkerSettings { camera: CameraSettings { drop: 1.1, ..camera() }, ..base() }),
         ("path", on(WalkingPath::Points(vec![nalgebra::Point2::new(f64::NAN, 0.0)]))),
     ] {
