@@ -6,11 +6,11 @@ use nalgebra::{Matrix2, Vector2};
 
 use super::settings::correlation;
 
-/// Number of frames over which the covariance is averaged.
-const FRAMES: f64 = 60.0;
+/// Time over which squares are averaged (s).
+const AVERAGED: f64 = 3.0;
 /// Intervals between frames whose second differences show the noise that does not last (s), and all
 /// of the noise. Longer ones show motion.
-const SHORT: RangeInclusive<f64> = 1e-3..=0.12;
+const SHORT: RangeInclusive<f64> = 1e-3..=0.15;
 const LONG: RangeInclusive<f64> = 0.18..=0.3;
 /// Smallest time between frames that are remembered (s), and their number.
 const APART: f64 = 0.025;
@@ -44,16 +44,21 @@ impl FrameNoise {
     /// Creates an estimate with this standard deviation on each axis (m). It never states less.
     pub(super) fn at_least(sigma: f64) -> Self {
         let least = sigma.powi(2);
-        let none = Differences { covariance: Matrix2::identity() * least, loss: 0.0 };
-        Self { before: [None; REMEMBERED], short: none, long: none, least }
+        // The losses are those of 20 frames a second at first.
+        let of = |interval| Differences {
+            covariance: Matrix2::identity() * least,
+            loss: (4.0 * correlation(interval) - correlation(2.0 * interval)) / 3.0,
+        };
+        Self { before: [None; REMEMBERED], short: of(0.05), long: of(0.2), least }
     }
 
     /// Updates the estimate with the place that a frame shows (m). Times (s) must increase.
     pub(super) fn update(&mut self, time: f64, place: Vector2<f64>) {
         let (short, long) = (self.triple((time, place), SHORT), self.triple((time, place), LONG));
         if let (Some(short), Some(long)) = (short, long) {
-            self.short.update(short);
-            self.long.update(long);
+            let weight = 1.0 - (-(time - short[1].0) / AVERAGED).exp();
+            self.short.update(short, weight, self.least);
+            self.long.update(long, weight, self.least);
         }
         if self.before[0].is_none_or(|(newest, _)| time - newest >= APART) {
             self.before.rotate_right(1);
@@ -83,33 +88,39 @@ impl FrameNoise {
         axes.recompose()
     }
 
-    /// Returns the share of the variance that lasts from frame to frame.
+    /// Returns the share of the variance that lasts from frame to frame. It is smaller where less
+    /// noise is seen than is stated.
     ///
     /// Squared differences are 1 - s times their loss as large as those of independent errors, for
     /// the share s.
     pub(super) fn lasting(&self) -> f64 {
         let ratio = self.short.covariance.trace() / self.long.covariance.trace();
-        let share = (1.0 - ratio) / (self.short.loss - ratio * self.long.loss).max(1e-3);
-        share.clamp(0.0, MOST_LASTING)
+        let share = (1.0 - ratio) / (self.short.loss - ratio * self.long.loss).max(LEAST_LOSS);
+        let seen = (0.5 * self.long.covariance.trace() / self.least).min(1.0);
+        share.clamp(0.0, MOST_LASTING) * seen
     }
 }
 
 /// Largest share of the variance that lasts.
 const MOST_LASTING: f64 = 0.95;
+/// Least difference of the losses that tells the share.
+const LEAST_LOSS: f64 = 0.1;
 
 impl Differences {
-    /// Updates the means with the second difference of three frames, the latest first.
-    fn update(&mut self, frames: [(f64, Vector2<f64>); 3]) {
+    /// Updates the means by a weight with the second difference of three frames, the latest first. Errors have
+    /// the variance `least` on each axis at least (m²).
+    fn update(&mut self, frames: [(f64, Vector2<f64>); 3], weight: f64, least: f64) {
         let [(time, place), (t1, x1), (t0, x0)] = frames;
         let (after, before) = (time - t1, t1 - t0);
         let ratio = after / before;
         let squares = 1.0 + (1.0 + ratio).powi(2) + ratio.powi(2);
         let error = (place - x1 - (x1 - x0) * ratio) / squares.sqrt();
-        let error = error.cap_magnitude(MOST * self.covariance.trace().sqrt());
-        self.covariance += (error * error.transpose() - self.covariance) / FRAMES;
+        let most = MOST * self.covariance.trace().max(2.0 * least).sqrt();
+        let error = error.cap_magnitude(most);
+        self.covariance += (error * error.transpose() - self.covariance) * weight;
         let loss = 2.0 * (1.0 + ratio) * (correlation(after) + ratio * correlation(before))
             - 2.0 * ratio * correlation(after + before);
-        self.loss += (loss / squares - self.loss) / FRAMES;
+        self.loss += (loss / squares - self.loss) * weight;
     }
 }
 
@@ -178,7 +189,9 @@ mod tests {
     fn motion_and_pauses_are_no_noise() {
         let speeds_up = |time: f64| vector![0.4 * time * time, 0.0];
         let sigma = |noise: FrameNoise| noise.covariance().m11.sqrt();
-        let moving = sigma(noise(speeds_up, Vector2::zeros(), 0.0, INTERVAL));
+        let moving = noise(speeds_up, Vector2::zeros(), 0.0, INTERVAL);
+        assert!(moving.lasting() < 0.4, "{} lasts at 0.8 m/s²", moving.lasting());
+        let moving = sigma(moving);
         assert!((moving - 0.02).abs() < 1e-9, "{moving} m at 0.8 m/s²");
         // Frames twice a second show steps, which are no noise.
         let slow = sigma(noise(speeds_up, vector![0.2, 0.2], 0.0, 0.5));
@@ -187,13 +200,19 @@ mod tests {
 
     #[test]
     fn frames_at_nearly_one_time_change_nothing() {
-        let mut noise = FrameNoise::at_least(0.02);
-        for time in [0.0, 1e-310, 1e-6, 0.05, 0.1, 0.15] {
-            noise.update(time, vector![0.3, 1.0]);
-            let (covariance, lasting) = (noise.covariance(), noise.lasting());
-            assert!((covariance - Matrix2::identity() * 4e-4).norm() < 1e-12, "at {time} s");
-            assert!(lasting == 0.0, "{lasting} at {time} s");
+        let times =
+            [0.0, 1e-310, 1e-6].into_iter().chain((1..40).map(|frame| 0.05 * f64::from(frame)));
+        let (mut noise, mut regular) = (FrameNoise::at_least(0.02), FrameNoise::at_least(0.02));
+        for (frame, time) in times.enumerate() {
+            let place = vector![if frame * frame % 7 < 2 { 0.3 } else { 0.2 }, 1.0];
+            noise.update(time, place);
+            if frame == 0 || time >= 0.05 {
+                regular.update(time, place);
+            }
+            assert_eq!(noise.covariance(), regular.covariance(), "at {time} s");
+            assert_eq!(noise.lasting(), regular.lasting(), "at {time} s");
         }
+        assert!(noise.covariance().m11 > 4.1e-4, "{}", noise.covariance());
     }
 
     #[test]

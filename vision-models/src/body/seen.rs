@@ -34,7 +34,7 @@ pub(super) struct Seen<'body> {
     assumed: Matrix3<f64>,
     /// Share of the assumed covariance that lasts.
     lasting: f64,
-    /// Factor of the variance of a mean due to errors that last over several frames.
+    /// Factor of the variance of a mean of errors that all last.
     inflation: f64,
 }
 
@@ -75,8 +75,7 @@ impl<'body> Seen<'body> {
             measured,
             assumed: Matrix3::identity() * settings.position_sigma.powi(2),
             lasting: 0.0,
-            // The assumed covariance already includes the factor.
-            inflation: if measured { inflation(interval) } else { 1.0 },
+            inflation: inflation(interval),
         }
     }
 
@@ -156,7 +155,8 @@ impl<'body> Seen<'body> {
         let pelvis = self.girdle(Body25::MidHip, hips, HIP, facing)?;
         let above = self.above(facing)?;
         let covariance = pelvis.covariance? + above.covariance?;
-        let variance = self.inflation * 0.5 * (covariance[(0, 0)] + covariance[(1, 1)]);
+        let inflation = 1.0 + self.lasting() * (self.inflation - 1.0);
+        let variance = inflation * 0.5 * (covariance[(0, 0)] + covariance[(1, 1)]);
         Some(((above.position - pelvis.position).xy(), variance))
     }
 

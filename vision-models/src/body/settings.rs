@@ -8,7 +8,7 @@ use super::seen::Heading;
 use crate::error::Error;
 
 /// Spectral density of a walking person's acceleration (m²/s³), for gait up to 1.4 m/s.
-const WALKING: f64 = 0.56;
+const WALKING: f64 = 0.53;
 /// Spectral density of the acceleration of the joints of trunk and head (m²/s³).
 const TRUNK_DENSITY: f64 = 1.0;
 /// Spectral density of the acceleration of wrists (m²/s³). Elbows have 0.4 of it, knees 0.8, ankles

@@ -21,6 +21,9 @@ const SWAY: [[f64; 2]; 2] = [[0.17, 0.43], [0.23, 0.37]];
 /// Amplitude of the velocity of each frequency \[m/s\]. The speed is 0.02 m/s, root mean square.
 const SWAY_SPEED: f64 = 0.014;
 
+/// Time constant of the mean velocity \[s\].
+const PACE_TIME: f64 = 0.3;
+
 /// Time constant with which the hands follow their targets \[s\].
 const HAND_TIME: f64 = 0.25;
 
@@ -111,6 +114,8 @@ pub(super) struct Motion {
     pub(super) floor: Point2<f64>,
     /// Velocity over the floor, in the world \[m/s\].
     pub(super) velocity: Vector2<f64>,
+    /// Its mean over some tenths of a second, which the sway belongs to \[m/s\].
+    pace: Vector2<f64>,
     /// Yaw of the forward direction \[rad\].
     pub(super) heading: f64,
     pub(super) gait: Gait,
@@ -136,6 +141,7 @@ impl Motion {
         Self {
             floor,
             velocity: Vector2::zeros(),
+            pace: Vector2::zeros(),
             heading,
             gait,
             turning_rate: 0.0,
@@ -161,7 +167,7 @@ impl Motion {
 
     /// The displacement of the pelvis from its mean place, in the person's frame \[m\].
     pub(super) fn sway(&self) -> Vector2<f64> {
-        let along = self.velocity_in_person();
+        let along = Rotation2::new(-self.heading) * self.pace;
         let across = Vector2::new(-along.y, along.x);
         let walking =
             along * (SURGE * (2.0 * self.phase).sin()) + across * (WEAVE * self.phase.sin());
@@ -241,6 +247,7 @@ impl Motion {
         self.heading += self.turning_rate * dt;
 
         self.phase = (self.phase + TAU * dt / STRIDE_TIME) % TAU;
+        self.pace += (self.velocity - self.pace) * (dt / PACE_TIME).min(1.0);
         self.time += dt;
         let follow = dt / HAND_TIME;
         let swing = stride * self.velocity_in_person().x * (self.phase - TAU / 8.0).sin();
