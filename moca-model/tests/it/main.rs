@@ -11,7 +11,6 @@ mod following_distance;
 mod golden;
 mod grasped_object;
 mod gripping;
-mod guarantees;
 mod hidden_legs;
 mod hierarchy;
 mod intention;
