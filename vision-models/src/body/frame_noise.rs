@@ -17,6 +17,10 @@ const APART: f64 = 0.025;
 const REMEMBERED: usize = 16;
 /// Largest error that counts, in standard deviations. A jump is no noise.
 const MOST: f64 = 3.0;
+/// Largest share of the variance that lasts.
+const MOST_LASTING: f64 = 0.95;
+/// Least difference of the losses that tells the share.
+const LEAST_LOSS: f64 = 0.1;
 
 /// Estimates the covariance of the errors of a place, and the share of it that lasts, from second
 /// differences.
@@ -100,11 +104,6 @@ impl FrameNoise {
         share.clamp(0.0, MOST_LASTING) * seen
     }
 }
-
-/// Largest share of the variance that lasts.
-const MOST_LASTING: f64 = 0.95;
-/// Least difference of the losses that tells the share.
-const LEAST_LOSS: f64 = 0.1;
 
 impl Differences {
     /// Updates the means by a weight with the second difference of three frames, the latest first. Errors have
