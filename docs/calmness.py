@@ -4,9 +4,11 @@
     python3 docs/calmness.py                        # 20 recordings; builds the programs in release
     python3 docs/calmness.py --recordings 2 --print # prints the table of two recordings, and writes no page
     python3 docs/calmness.py --programs FOLDER      # takes the programs that are in FOLDER
+    python3 docs/calmness.py --real                 # the other table: people who move as real ones
 
 Each recording is made by `record` with a seed of its own, and played by `follow`: with separation and without, with
-cameras of less noise, and with people who sway and errors that last as those of real ones.
+cameras of less noise, and with people who sway and errors that last as those of real ones. The people of --real repeat
+captured motions before the robot, seen with lasting errors.
 """
 
 import argparse
@@ -22,7 +24,9 @@ from comparison import ROOT, machine, write_block
 
 PAGE = ROOT / "docs/src/moca-model-stillness.md"
 TICK = 1e-3  # control period [s]
-
+# Motions of `record --motion`, what they are, and the number of seeds.
+MOTIONS = {"walk": "gait", "balance": "balancing on a beam", "punch": "punches", "dance": "dancing", "get-up": "getting up"}
+SEEDS = 5
 
 # Heading of a column, factor on the camera's noise, and options of `record` and `follow`.
 COLUMNS = [
@@ -47,20 +51,50 @@ def settings(programs, noise, folder):
     return path
 
 
+def summary(programs, name, folder, made, options):
+    """The summary of `follow` with options for a recording of this name, made by `record` with others."""
+    recording, truth = (folder / f"{name}.{kind}" for kind in ("jsonl", "truth"))
+    if not truth.exists():
+        made = ["--quiet", *made, "--output", recording, "--truth", truth]
+        subprocess.run([programs / "record", *made], check=True, stdout=subprocess.DEVNULL)
+    command = ["--quiet", "--json", "--no-report", "--recording", recording, "--truth", truth, *options]
+    run = subprocess.run([programs / "follow", *command], check=True, text=True, stdout=subprocess.PIPE)
+    return json.loads(run.stdout.splitlines()[-1])
+
+
 def play(programs, seed, folder):
     """The summaries of `follow` for the recording of this seed, one for each column."""
     summaries = []
     for _, noise, real, options in COLUMNS:
         name = f"{seed}-{noise}{'-real' if real else ''}"
-        recording, truth = (folder / f"{name}.{kind}" for kind in ("jsonl", "truth"))
-        if not truth.exists():
-            made = ["--quiet", "--seed", str(seed), "--noise", str(noise), *real, "--output", recording, "--truth", truth]
-            subprocess.run([programs / "record", *made], check=True, stdout=subprocess.DEVNULL)
-        command = ["--quiet", "--json", "--no-report", "--recording", recording, "--truth", truth, *options]
-        command += ["--settings", settings(programs, noise, folder)]
-        run = subprocess.run([programs / "follow", *command], check=True, text=True, stdout=subprocess.PIPE)
-        summaries.append(json.loads(run.stdout.splitlines()[-1]))
+        made = ["--seed", str(seed), "--noise", str(noise), *real]
+        options = [*options, "--settings", settings(programs, noise, folder)]
+        summaries.append(summary(programs, name, folder, made, options))
     return summaries
+
+
+def real(programs, folder):
+    """The table of people who repeat the motions of real ones."""
+    heads = ["motion", "person, root mean square", "workpiece", "workpiece / person (worst)", "e_s with ergonomics and without", "retreats a minute", "ticks too near"]
+    lines = ["| " + " | ".join(heads) + " |", "|" + "---|" * len(heads)]
+    for motion, what in MOTIONS.items():
+        made = lambda seed: ["--motion", motion, "--duration", "40", "--lasting", "0.9", "--seed", str(seed)]
+        runs = [summary(programs, f"{motion}-{seed}", folder, made(seed), []) for seed in range(1, SEEDS + 1)]
+        mean = lambda values: sum(values) / len(runs)
+        moves = [run["calmness"]["walking"] for run in runs]
+        ticks = sum(2 * run["duration_s"] / TICK for run in runs)
+        together = sum(run["together_s"] for run in runs) / 60
+        cells = [
+            f"`{motion}`: {what}",
+            f"{mean([of['person'] for of in moves]):.2f} m/s",
+            f"{mean([of['workpiece'] for of in moves]):.2f} m/s",
+            f"{mean([of['workpiece'] / of['person'] for of in moves]):.2f} ({max(of['workpiece'] / of['person'] for of in moves):.2f})",
+            f"{mean([run['score_mean_on'] for run in runs]):.2f}, {mean([run['score_mean_off'] for run in runs]):.2f}",
+            f"{sum(run['retreats'] for run in runs) / together:.0f}",
+            f"{sum(run['separation_violations'] for run in runs)} of {ticks / 1e6:.1f} million",
+        ]
+        lines.append("| " + " | ".join(cells) + " |")
+    return "\n".join(lines)
 
 
 def motion(part, name, factor=1.0):
@@ -103,6 +137,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--recordings", type=int, default=20, help="how many, 20 by default")
     parser.add_argument("--programs", type=pathlib.Path, help="folder of `record` and `follow`")
+    parser.add_argument("--real", action="store_true", help="the table of people who move as real ones")
     parser.add_argument("--print", action="store_true", help="print the table instead of writing it into the page")
     arguments = parser.parse_args()
     programs = arguments.programs or ROOT / os.environ.get("CARGO_TARGET_DIR", "target") / "release"
@@ -111,15 +146,18 @@ def main():
         subprocess.run(build, cwd=ROOT, check=True)
     runs = []
     with tempfile.TemporaryDirectory() as folder:
-        for seed in range(1, arguments.recordings + 1):
-            print(f"recording {seed} of {arguments.recordings}", file=sys.stderr, flush=True)
-            runs.append(play(programs.resolve(), seed, pathlib.Path(folder)))
-    text = table(runs)
+        if arguments.real:
+            name, command, text = "real", "python3 docs/calmness.py --real", real(programs.resolve(), pathlib.Path(folder))
+        else:
+            for seed in range(1, arguments.recordings + 1):
+                print(f"recording {seed} of {arguments.recordings}", file=sys.stderr, flush=True)
+                runs.append(play(programs.resolve(), seed, pathlib.Path(folder)))
+            name, command, text = "calmness", "python3 docs/calmness.py", table(runs)
     if arguments.print:
         print(text)
     else:
         date = datetime.date.today().isoformat()
-        write_block(PAGE, "calmness", f"`python3 docs/calmness.py`, {date}, {machine()}:\n\n{text}\n")
+        write_block(PAGE, name, f"`{command}`, {date}, {machine()}:\n\n{text}\n")
 
 
 if __name__ == "__main__":

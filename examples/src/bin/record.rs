@@ -4,6 +4,7 @@ use std::{
     io::Write,
     path::{Path, PathBuf},
     process::ExitCode,
+    sync::Arc,
 };
 
 use anyhow::{Result, bail};
@@ -13,7 +14,7 @@ use examples::program::{
 };
 use human_perception::frames::{FramesWriter, truth};
 use moca_simulation::people::{
-    CameraSettings, Movement, Occupation, Walker, WalkerSettings, WalkingPath,
+    CameraSettings, CapturedMotion, Movement, Occupation, Walker, WalkerSettings, WalkingPath,
 };
 use moca_simulation::rendering::{Film, PoseEstimator, Shot, SkeletonSettings, Viewpoint};
 use percept_recording::Writer;
@@ -61,6 +62,10 @@ struct Options {
     /// lean-sideways, reach-overhead, turn, squat, pick-up, step-sideways and swing-arms.
     #[arg(long, value_parser = movement)]
     movement: Option<Movement>,
+    /// Repeat the motion of a real person, where it is: walk, balance, punch, dance, get-up, or a recording of somebody.
+    /// Only the actions are those of somebody who works.
+    #[arg(long, value_name = "NAME|FILE", value_parser = CapturedMotion::from_argument, conflicts_with_all = ["stature", "path", "movement", "speed", "sway"])]
+    motion: Option<CapturedMotion>,
     /// Also write the true joints at 100 Hz, for `follow --truth` (JSON Lines).
     #[arg(long, value_name = "FILE", conflicts_with = "frames")]
     truth: Option<PathBuf>,
@@ -157,6 +162,7 @@ impl Program for Options {
             speed: self.speed,
             arm_speed: None,
             movement: self.movement,
+            captured: self.motion.map(Arc::new),
             sway: self.sway,
             duration: self.duration,
             seed: self.seed.seed,

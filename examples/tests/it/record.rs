@@ -86,12 +86,46 @@ fn the_truth_is_written_beside_the_recording() {
     );
 }
 
+/// Somebody dances at the robot, and a recording of it can be danced again.
+#[test]
+fn motions_of_real_people_are_repeated() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let repeat = |motion: &str, output: &str| {
+        let options = ["--motion", motion, "--output", output, "--duration=12", "--noise=0"];
+        let output = record(&options);
+        assert!(output.status.success(), "{output:?}");
+    };
+    let (dance, again) = (path("dance.jsonl"), path("again.jsonl"));
+    repeat("dance", &dance);
+    repeat(&dance, &again);
+    let places = |file: &str| {
+        let reader = percept_recording::open(file).unwrap();
+        assert_eq!(reader.header().stature, Some(1.62));
+        let percepts: Vec<_> = reader.collect::<Result<_, _>>().unwrap();
+        let works = |action: vision_models::RecognisedAction| action.action.is_collaborative();
+        assert!(percepts.iter().any(|percept| percept.action.is_some_and(works)));
+        let wrist = |percept: vision_models::Percept| {
+            Some(percept.body?.get(vision_models::Body25::RightWrist)?.position)
+        };
+        percepts.into_iter().filter_map(wrist).collect::<Vec<_>>()
+    };
+    let (once, twice) = (places(&dance), places(&again));
+    let way = |places: &[nalgebra::Point3<f64>]| -> f64 {
+        places.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum()
+    };
+    assert!(way(&once) > 20.0, "{} m", way(&once));
+    assert!((0.3..=1.05).contains(&(way(&twice) / way(&once))), "{} m", way(&twice));
+}
+
 #[test]
 fn wrong_options_are_named() {
     for (options, says) in [
         (&["--output=/no/such/folder/a.jsonl"][..], "/no/such/folder/a.jsonl"),
         (&["--output=a.jsonl", "--stature=-1"], "stature = -1: give 1 to 2.3 m"),
         (&["--output=a.jsonl", "--path=zigzag"], "path \"zigzag\": give stations"),
+        (&["--output=a.jsonl", "--motion=fly"], "motion \"fly\": give walk, balance, punch"),
+        (&["--output=a.jsonl", "--motion=walk", "--stature=1.8"], "cannot be used with"),
         (&["--output=a.jsonl", "--drop=2"], "drop = 2: give a probability"),
         (&["--output=a.jsonl", "--duration=NaN"], "duration = NaN: give 0 to 3600 s"),
         (&["--output=a.jsonl", "--tool=hammer"], "give drill or polisher"),

@@ -7,6 +7,7 @@ use super::{
     frame_noise::FrameNoise,
     freshness::Freshness,
     identity::Identity,
+    keypoints::Body,
     lean::Lean,
     lengths::{SegmentLength, StatureEstimate},
     pose::TrackedPerson,
@@ -92,8 +93,7 @@ impl BodyTracker {
         let Some(body) = &percept.body else {
             return Ok(());
         };
-        let (noise, lasting) = (self.noise.covariance(), self.noise.lasting());
-        let seen = Seen::new(body, &self.settings, interval).with_noise(noise, lasting);
+        let seen = self.look(body, interval);
         self.identity.update(&seen);
         let facing = self.facing(time);
         let lean = facing.map(|facing| self.lean.in_world(facing.angle, time)).unwrap_or_default();
@@ -129,6 +129,13 @@ impl BodyTracker {
             (Some(_), None) => {}
         }
         Ok(())
+    }
+
+    /// Returns the view of a body, with the noise of frames so far. `interval` is the time since the
+    /// previous frame (s).
+    pub(super) fn look<'body>(&self, body: &'body Body, interval: f64) -> Seen<'body> {
+        let (noise, lasting) = (self.noise.covariance(), self.noise.lasting());
+        Seen::new(body, &self.settings, interval).with_noise(noise, lasting)
     }
 
     /// Forgets the track and the time. Use it if time stamps were wrong or a clock was set. The

@@ -138,6 +138,8 @@ const REAL: Sight = Sight { distance: 2.5, lasts: 0.16, tells: true };
 /// The shipped recording's camera: errors of 1.5 pixels, independent in each frame, without
 /// covariances.
 const SHIPPED: Sight = Sight { distance: 2.5, lasts: 0.0, tells: false };
+/// Real detectors whose covariances are not known.
+const UNTOLD: Sight = Sight { tells: false, ..REAL };
 
 struct Detector {
     sight: Sight,
@@ -323,7 +325,7 @@ fn body_velocities_are_as_certain_as_claimed() {
 #[test]
 fn joint_velocities_are_as_certain_as_claimed() {
     let groups: [&[usize]; 3] = [&[0, 1, 2, 5, 8, 9, 12], &[3, 4, 6, 7], &[10, 11, 13, 14]];
-    for (name, sight) in [("real", REAL), ("shipped", SHIPPED)] {
+    for (name, sight) in [("real", REAL), ("shipped", SHIPPED), ("untold", UNTOLD)] {
         let mut all = [[Claim::default(); 2]; 3];
         let settings = TrackerSettings { position_sigma: 0.03, ..TrackerSettings::default() };
         for speed in KEPT.map(Some).into_iter().chain([None; 4]) {

@@ -39,6 +39,28 @@ pub enum Error {
         /// The text, or its beginning.
         text: String,
     },
+    /// A motion has no such name.
+    #[error("motion \"{name}\": give {}, or a recording of a person", super::CapturedMotion::NAMES.join(", "))]
+    MotionName {
+        /// The name.
+        name: String,
+    },
+    /// A recording cannot be played as a motion.
+    #[error("no motion of a person: {found}; {wanted}")]
+    Motion {
+        /// The fault.
+        found: String,
+        /// What would be right.
+        wanted: &'static str,
+    },
+    /// The recording of a motion cannot be read.
+    #[error("{path}: {source}", path = path.display())]
+    MotionFile {
+        /// The file.
+        path: PathBuf,
+        /// The fault.
+        source: percept_recording::RecordingError,
+    },
     /// A path's file cannot be read.
     #[error("cannot read the path from {path}: {source}", path = path.display())]
     PathFile {

@@ -10,6 +10,8 @@
 //!   robot along a path while it works, and leaves.
 //! - [`Wanderer`] walks up to the robot and into it, jumps, goes out of sight and comes back.
 //!
+//! A person may also repeat the motion of a real one, [`CapturedMotion`].
+//!
 //! [`Perception`] is the camera, which adds noise and loses joints and frames. Its recogniser is late and sometimes
 //! wrong.
 //!
@@ -25,6 +27,7 @@
 mod activity;
 mod arm;
 mod camera;
+mod captured;
 mod error;
 mod led;
 mod motion;
@@ -43,6 +46,7 @@ mod wanderer;
 pub use activity::Activity;
 pub use arm::Arm;
 pub use camera::CameraSettings;
+pub use captured::CapturedMotion;
 pub use error::Error;
 pub use led::{Facing, Lead, LedPerson, Reach, Way, Workplace};
 pub use motion::Gait;

@@ -155,6 +155,12 @@ impl Motion {
         }
     }
 
+    /// Is at another place \[m, rad\] after `dt` \[s\].
+    pub(super) fn be_at(&mut self, floor: Point2<f64>, heading: f64, dt: f64) {
+        self.velocity = if dt > 0.0 { (floor - self.floor) / dt } else { Vector2::zeros() };
+        (self.floor, self.heading) = (floor, heading);
+    }
+
     pub(super) fn has_reached(&self, goal: &Goal) -> bool {
         let near = if goal.stop { 0.02 } else { 0.12 };
         (goal.floor - self.floor).norm() < near

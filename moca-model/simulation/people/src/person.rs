@@ -1,11 +1,14 @@
 //! The body of a person.
 
+use std::sync::Arc;
+
 use nalgebra::{Point2, Point3, Rotation3, Vector2, Vector3};
 use rand_chacha::ChaCha8Rng;
 use vision_models::{Action, Body25};
 
 use super::activity::Activity;
 use super::arm::Arm;
+use super::captured::{CapturedMotion, Performance};
 use super::motion::{Gait, Goal, Motion};
 use super::movement::Movement;
 use super::skeleton;
@@ -19,6 +22,8 @@ pub struct Person {
     stature: f64,
     motion: Motion,
     activity: Activity,
+    /// The motion of a real person that they repeat in place of their own.
+    performance: Option<Performance>,
 }
 
 /// Shoulder, elbow and wrist.
@@ -46,11 +51,27 @@ impl Person {
         activity: Activity,
     ) -> Self {
         let motion = Motion::starting_at(floor, heading, gait, activity.hands());
-        Self { stature, motion, activity }
+        Self { stature, motion, activity, performance: None }
+    }
+
+    /// Creates a person who repeats the motion of a real one, whatever their goals.
+    pub(super) fn repeating(motion: Arc<CapturedMotion>, activity: Activity) -> Self {
+        let stature = motion.stature();
+        let performance = Performance::new(motion);
+        let (floor, heading) = performance.place(0.0);
+        let performance = Some(performance);
+        Self { performance, ..Self::standing(stature, floor, heading, Gait::NATURAL, activity) }
     }
 
     /// Moves towards a goal for `dt` \[s\].
     pub(super) fn advance(&mut self, goal: &Goal, activity: Activity, dt: f64) {
+        if let Some(performance) = &mut self.performance {
+            performance.advance(dt);
+            let (floor, heading) = performance.place(self.motion.heading);
+            self.motion.be_at(floor, heading, dt);
+            self.activity = activity;
+            return;
+        }
         let (before, bent, hands) = (self.arms(), self.bent_elbows(), self.motion.hands);
         let moving = self.is_busy().then(|| self.motion.moving.clone());
         self.motion.advance(goal, activity.hands(), dt);
@@ -175,14 +196,17 @@ impl Person {
         self.motion.moving.begin(movement, draw);
     }
 
-    /// Returns true while a movement is in progress.
+    /// Returns true while a movement is in progress, as it always is while they repeat a motion.
     pub(super) fn is_busy(&self) -> bool {
-        !self.motion.moving.is_over()
+        self.performance.is_some() || !self.motion.moving.is_over()
     }
 
     /// Displaces the person at once \[m\].
     pub(super) fn jump(&mut self, displacement: Vector2<f64>) {
         self.motion.floor += displacement;
+        if let Some(performance) = &mut self.performance {
+            performance.jump(displacement);
+        }
     }
 
     /// Moves the person in a direction (m), who goes no longer against it.
@@ -197,7 +221,7 @@ impl Person {
     }
 
     pub(super) fn has_reached(&self, goal: &Goal) -> bool {
-        self.motion.has_reached(goal)
+        self.performance.is_some() || self.motion.has_reached(goal)
     }
 
     /// The stature \[m\].
@@ -205,7 +229,8 @@ impl Person {
         self.stature
     }
 
-    /// The point on the floor below the pelvis, without its sway, in the world \[m\].
+    /// The point on the floor below the pelvis, in the world \[m\]: without its sway, unless they repeat the motion of
+    /// a real person.
     pub fn floor(&self) -> Point2<f64> {
         self.motion.floor
     }
@@ -227,7 +252,10 @@ impl Person {
 
     /// The joints in the world.
     pub fn joints(&self) -> Joints {
-        skeleton::joints(self.stature, &self.motion)
+        match &self.performance {
+            Some(performance) => performance.joints(),
+            None => skeleton::joints(self.stature, &self.motion),
+        }
     }
 }
 

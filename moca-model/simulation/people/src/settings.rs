@@ -1,8 +1,10 @@
 //! Settings of a walk.
 
+use std::sync::Arc;
+
 use vision_models::Tool;
 
-use super::{CameraSettings, Movement, WalkingPath};
+use super::{CameraSettings, CapturedMotion, Movement, WalkingPath};
 use crate::Error;
 
 /// The person's purpose.
@@ -41,6 +43,9 @@ pub struct WalkerSettings {
     pub arm_speed: Option<f64>,
     /// Movement on the spot that the person repeats where they stand and work. Default none.
     pub movement: Option<Movement>,
+    /// Motion of a real person, of their own stature, who does nothing else: they say by their actions only that they
+    /// work and leave. Default none.
+    pub captured: Option<Arc<CapturedMotion>>,
     /// Motion of the pelvis about its mean place, as a share of that of real people ([`Gait::sway`](super::Gait::sway)).
     /// Default 0.
     pub sway: f64,
@@ -63,6 +68,7 @@ impl Default for WalkerSettings {
             speed: None,
             arm_speed: None,
             movement: None,
+            captured: None,
             sway: 0.0,
             duration: 56.0,
             seed: 1,

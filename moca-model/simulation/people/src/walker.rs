@@ -1,5 +1,7 @@
 //! A person who acts out the paper's Experiments 3 and 4, as the camera reports them.
 
+use std::sync::Arc;
+
 use nalgebra::{Point2, Vector2};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
@@ -43,7 +45,7 @@ const STANDING: f64 = 0.05;
 pub struct Truth {
     /// Time \[s\].
     pub time: f64,
-    /// The point on the floor below the pelvis, without its sway, in the world \[m\].
+    /// The point on the floor below the pelvis, as [`Person::floor`], in the world \[m\].
     pub floor: Point2<f64>,
     /// The yaw of the forward direction \[rad\].
     pub heading: f64,
@@ -77,6 +79,7 @@ impl Walker {
             speed: None,
             arm_speed: None,
             movement: None,
+            captured: None,
             sway: 1.0,
             duration: 15.0,
             seed,
@@ -93,26 +96,33 @@ impl Walker {
     }
 
     /// Creates a person whose step times are scaled by `pace`.
-    fn at_pace(settings: WalkerSettings, pace: f64) -> Self {
+    fn at_pace(mut settings: WalkerSettings, pace: f64) -> Self {
         let mut draw = generator(settings.seed, Stream::Path);
         let eyes = [Stream::Camera, Stream::Recogniser];
         let eyes = eyes.map(|stream| generator(settings.seed, stream));
-        Self {
-            script: Script::new(&settings, pace, &mut draw),
-            person: Person::standing(
+        let activity = match settings.occupation {
+            Occupation::Working => Activity::CarryObject,
+            Occupation::Walking => Activity::Walk,
+        };
+        let gait = Gait {
+            arm_speed: settings.arm_speed.unwrap_or(f64::INFINITY),
+            sway: settings.sway,
+            ..Gait::NATURAL
+        };
+        let person = match &settings.captured {
+            Some(motion) => Person::repeating(Arc::clone(motion), activity),
+            None => Person::standing(
                 settings.stature,
                 script::START,
                 script::TOWARDS_ROBOT,
-                Gait {
-                    arm_speed: settings.arm_speed.unwrap_or(f64::INFINITY),
-                    sway: settings.sway,
-                    ..Gait::NATURAL
-                },
-                match settings.occupation {
-                    Occupation::Working => Activity::CarryObject,
-                    Occupation::Walking => Activity::Walk,
-                },
+                gait,
+                activity,
             ),
+        };
+        settings.stature = person.stature();
+        Self {
+            script: Script::new(&settings, pace, &mut draw),
+            person,
             perception: Perception::new(
                 PersonId::new(0),
                 settings.camera,

@@ -1,6 +1,7 @@
 //! A person who walks at random, jumps, vanishes and comes back.
 
 use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
 
 use nalgebra::{Point2, Point3, Rotation2, Vector2};
 use rand::Rng;
@@ -8,6 +9,7 @@ use rand_chacha::ChaCha8Rng;
 use vision_models::Tool;
 
 use super::activity::Activity;
+use super::captured::CapturedMotion;
 use super::motion::{Gait, Goal};
 use super::movement::Movement;
 use super::person::Person;
@@ -77,6 +79,15 @@ impl Wanderer {
             next_jump: f64::INFINITY,
             ..Self::new(draw, robot)
         }
+    }
+
+    /// The same person, but for their motion, which is that of a real one around the same place. They jump, vanish and
+    /// work as before.
+    #[must_use]
+    pub fn repeating_motion(mut self, motion: CapturedMotion) -> Self {
+        let motion = motion.moved_to(self.person.floor(), self.person.heading());
+        self.person = Person::repeating(Arc::new(motion), activity(self.together.0));
+        self
     }
 
     /// Creates a person near the object that the robot holds, in this direction from the robot \[m\], who repeats a

@@ -15,7 +15,9 @@ use super::task::Task;
 use super::witnessed::Witnessed;
 use crate::Error;
 use crate::judges::body;
-use crate::people::{CameraSettings, FRAME_RATE, Movement, Perception, Transport, Wanderer};
+use crate::people::{
+    CameraSettings, CapturedMotion, FRAME_RATE, Movement, Perception, Transport, Wanderer,
+};
 use crate::plant::{Plant, PlantSettings};
 
 /// Purpose of a generator.
@@ -29,11 +31,15 @@ enum Stream {
     Task,
     Disturbances,
     PassersBy,
+    Motions = 100,
 }
 
 /// No joint is seen farther than this from where it is \[m\]: well within Z_d, the uncertainty
 /// that the protective distance allows for.
 const LARGEST_ERROR: f64 = 0.02;
+
+/// Share of the people who have the motion of a real one.
+const REAL: f64 = 0.3;
 
 /// Time from the end of a disturbance to its acknowledgement \[s\].
 const ACKNOWLEDGED: f64 = 0.5;
@@ -95,17 +101,28 @@ impl Episode {
         let eyes = draws([Stream::Camera, Stream::Recogniser]);
         let mut draw = generator(seed, Stream::PassersBy);
         let (mut passers_by, mut cameras) = (Vec::new(), Vec::new());
+        let mut motions = generator(seed, Stream::Motions);
+        let largest = settings.safety.separation.human_speed;
+        let mut somebody = |wanderer| -> Result<Witnessed, Error> {
+            let person = Witnessed::new(wanderer);
+            let name = CapturedMotion::NAMES[motions.random_range(0..CapturedMotion::NAMES.len())];
+            if !motions.random_bool(REAL) {
+                return Ok(person);
+            }
+            Ok(person.repeating_motion(CapturedMotion::named(name)?, largest))
+        };
         for number in 0..draw.random_range(0..=PASSERS_BY) {
             let streams = |index| {
                 let stream = Stream::PassersBy as u64 + 1 + number * STREAMS + index;
                 random::generator(seed, stream)
             };
-            passers_by.push(Witnessed::new(Wanderer::passing_by(streams(0), robot)));
+            passers_by.push(somebody(Wanderer::passing_by(streams(0), robot))?);
             let camera = CameraSettings { drop: 0.0, ..camera };
             let eyes = [streams(1), streams(2)];
             let id = PersonId::new(1 + number);
             cameras.push(Perception::new(id, camera, 0.0, Tool::Drill, eyes));
         }
+        let person = somebody(Wanderer::new(generator(seed, Stream::Person), robot))?;
         let period = settings.period;
         let mut monitor = Monitor::new(model, &settings, &start)?;
         let controller = Controller::new(model.clone(), ergonomics()?, settings, &start)?;
@@ -114,7 +131,7 @@ impl Episode {
         plant.grasp(&object)?;
         Ok(Self {
             monitor,
-            person: Witnessed::new(Wanderer::new(generator(seed, Stream::Person), robot)),
+            person,
             perception: Perception::new(PersonId::new(0), camera, 0.0, Tool::Drill, eyes),
             passers_by,
             cameras,

@@ -4,10 +4,36 @@ use nalgebra::{Isometry3, Point3};
 
 use crate::Error;
 use crate::judges::{Moment, Witness, body};
-use crate::people::Wanderer;
+use crate::people::{CapturedMotion, Wanderer};
 
 /// Largest speed of arms \[m/s\].
 const FASTEST_ARM: f64 = 8.0;
+
+/// Time between samples of a motion \[s\], and the share of a limit to which it is slowed, since it may be faster
+/// between them.
+const SAMPLE: f64 = 5e-3;
+const WITHIN: f64 = 0.95;
+
+/// Largest speed of a part, whose body keeps to `largest` \[m/s\].
+fn limit(part: usize, largest: f64) -> f64 {
+    if body::is_arm(part) { FASTEST_ARM } else { largest }
+}
+
+/// The largest share of its speed at which a motion keeps to the limits.
+fn pace(motion: &CapturedMotion, largest: f64) -> f64 {
+    let (mut pace, mut time) = (1.0_f64, 0.0);
+    let mut before = body::capsules(&motion.joints(0.0));
+    while time < motion.cycle() {
+        time += SAMPLE;
+        let now = body::capsules(&motion.joints(time));
+        for (part, (from, to)) in before.iter().zip(&now).enumerate() {
+            let speed = from.farthest_move(to) / SAMPLE;
+            pace = pace.min(WITHIN * limit(part, largest) / speed);
+        }
+        before = now;
+    }
+    pace
+}
 
 /// A person, from the beginning of the episode on.
 #[derive(Clone, Debug)]
@@ -19,6 +45,14 @@ pub(super) struct Witnessed {
 impl Witnessed {
     pub(super) fn new(person: Wanderer) -> Self {
         Self { person, witness: Witness::default() }
+    }
+
+    /// The same person, with the motion of a real one, slow enough for [`advance`](Self::advance) with this speed
+    /// \[m/s\].
+    pub(super) fn repeating_motion(self, motion: CapturedMotion, largest: f64) -> Self {
+        let pace = pace(&motion, largest);
+        let person = self.person.repeating_motion(motion.at_pace(pace));
+        Self { person, ..self }
     }
 
     /// Goes on by a period, to `time` \[s\]; the robot holds something to work on at `object` \[m\].
@@ -37,12 +71,10 @@ impl Witnessed {
         let Some((now, Some(before))) = self.witness.newest() else { return Ok(()) };
         let (from, to) = (body::capsules(before), body::capsules(now));
         for (part, (from, to)) in from.iter().zip(&to).enumerate() {
-            let largest = if body::is_arm(part) { FASTEST_ARM } else { largest };
-            let speeds =
-                from.ends.iter().zip(&to.ends).map(|(from, to)| (to - from).norm() / period);
-            let speed = speeds.fold(0.0, f64::max);
-            if speed > largest {
-                return Err(Error::TooFast { part, speed, limit: largest });
+            let limit = limit(part, largest);
+            let speed = from.farthest_move(to) / period;
+            if speed > limit {
+                return Err(Error::TooFast { part, speed, limit });
             }
         }
         Ok(())
@@ -66,5 +98,35 @@ impl Witnessed {
     /// Record of this tick for the judge; `contact` says whether all but the head may touch the robot.
     pub(super) fn moment(&self, contact: bool) -> Option<Moment<'_>> {
         self.witness.moment(contact)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector2;
+
+    use super::*;
+    use crate::people;
+
+    #[test]
+    fn real_people_keep_to_the_speeds() {
+        let (largest, period) = (1.6, 1e-3);
+        for (stream, name) in (0..).zip(CapturedMotion::NAMES) {
+            let motion = CapturedMotion::named(name).unwrap();
+            let draw = people::generator(1, stream);
+            let wanderer = Wanderer::passing_by(draw, Vector2::zeros());
+            let mut person = Witnessed::new(wanderer).repeating_motion(motion.clone(), largest);
+            let begin = person.person.person().joints();
+            let mut moved = 0.0_f64;
+            for tick in 0..6000_u32 {
+                let time = f64::from(tick) * period;
+                person.advance((time, period), &Point3::origin(), largest).unwrap();
+                let now = person.person.person().joints();
+                let ways = now.iter().zip(&begin).map(|(now, begin)| (now - begin).norm());
+                moved = ways.fold(moved, f64::max);
+            }
+            assert!(moved > 0.3, "{name}: {moved} m");
+            assert!((0.2..=1.0).contains(&pace(&motion, largest)), "{name}");
+        }
     }
 }

@@ -7,7 +7,7 @@ use super::super::joints::{JointFilter, JointVelocity};
 use super::super::keypoints::{Body, Body25};
 use super::super::lengths::{SegmentLength, StatureEstimate};
 use super::super::pose::TrackedPerson;
-use super::super::seen::{Facing, Seen};
+use super::super::seen::Facing;
 use super::super::segment::BodySegment;
 use super::super::settings::TrackerSettings;
 use super::super::tracker::BodyTracker;
@@ -143,7 +143,7 @@ impl PersonTrack {
         let interval = time - self.last;
         let percept = Percept { time, body: Some(body.clone()), action: None, surface: None };
         self.tracker.update(&percept)?;
-        let seen = Seen::new(body, self.tracker.settings(), interval);
+        let seen = self.tracker.look(body, interval);
         let floor = seen.best_floor(self.tracker.facing(time));
         self.expected = floor.map(|floor| floor.position).or(self.expected);
         let length = |segment| self.tracker.segment(segment).map(|known| known.length);

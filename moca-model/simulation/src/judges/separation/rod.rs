@@ -16,7 +16,7 @@ impl Rod {
     }
 
     /// The largest distance that a point of the segment moves to that of `other`, for equal radii \[m\].
-    pub(super) fn farthest_move(&self, other: &Self) -> f64 {
+    pub(crate) fn farthest_move(&self, other: &Self) -> f64 {
         let ends = self.ends.iter().zip(&other.ends);
         ends.map(|(end, other)| (other - end).norm_squared()).fold(0.0, f64::max).sqrt()
     }
