@@ -62,8 +62,8 @@ struct Options {
     /// lean-sideways, reach-overhead, turn, squat, pick-up, step-sideways and swing-arms.
     #[arg(long, value_parser = movement)]
     movement: Option<Movement>,
-    /// Repeat the motion of a real person, where it is: walk, balance, punch, dance, get-up, or a recording of somebody.
-    /// Only the actions are those of somebody who works.
+    /// Repeat the motion of a real person to and fro, where it is: walk, balance, punch, dance, get-up, or a recording of
+    /// somebody, best one without noise. Actions are those of somebody who works, or walks.
     #[arg(long, value_name = "NAME|FILE", value_parser = CapturedMotion::from_argument, conflicts_with_all = ["stature", "path", "movement", "speed", "sway"])]
     motion: Option<CapturedMotion>,
     /// Also write the true joints at 100 Hz, for `follow --truth` (JSON Lines).
@@ -162,7 +162,7 @@ impl Program for Options {
             speed: self.speed,
             arm_speed: None,
             movement: self.movement,
-            captured: self.motion.map(Arc::new),
+            motion: self.motion.map(Arc::new),
             sway: self.sway,
             duration: self.duration,
             seed: self.seed.seed,

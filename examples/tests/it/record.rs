@@ -92,7 +92,8 @@ fn motions_of_real_people_are_repeated() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let repeat = |motion: &str, output: &str| {
-        let options = ["--motion", motion, "--output", output, "--duration=12", "--noise=0"];
+        let more = ["--duration=12", "--noise=0", "--drop=0"];
+        let options = [&["--motion", motion, "--output", output][..], &more].concat();
         let output = record(&options);
         assert!(output.status.success(), "{output:?}");
     };
@@ -115,7 +116,8 @@ fn motions_of_real_people_are_repeated() {
         places.windows(2).map(|pair| (pair[1] - pair[0]).norm()).sum()
     };
     assert!(way(&once) > 20.0, "{} m", way(&once));
-    assert!((0.3..=1.05).contains(&(way(&twice) / way(&once))), "{} m", way(&twice));
+    // It is played slowly towards its ends.
+    assert!((0.5..=1.0).contains(&(way(&twice) / way(&once))), "{} m", way(&twice));
 }
 
 #[test]

@@ -358,6 +358,7 @@ fn joint_velocities_are_as_certain_as_claimed() {
         }
         for (part, claims) in ["trunk", "arms", "legs"].into_iter().zip(&all) {
             check(&claims[0], &format!("{name}, velocity of the {part}"));
+            assert!(claims[0].ratio() < 2.5, "{name}, {part}: {claims:?}");
             claims[1].say(&format!("{name}, place of the {part}"));
             // Joints without covariances are returned as measured.
             assert_eq!(claims[1].frames > 0.0, sight.tells);

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use nalgebra::{Isometry3, Point2, Point3, Translation3, UnitQuaternion, Vector2, Vector3};
-use percept_recording::{IfPartial, Reader, Recording};
+use percept_recording::{IfPartial, Reader, Recording, RecordingError};
 use vision_models::Body25::{
     LeftAnkle, LeftHip, LeftShoulder, MidHip, Nose, RightAnkle, RightHip, RightShoulder,
 };
@@ -24,10 +24,19 @@ const BUILT_IN: [(&str, &str); 5] = [
     ("get-up", include_str!("../motions/get-up.jsonl")),
 ];
 
+/// Joints of less confidence count as hidden.
+const CERTAIN: f64 = 0.5;
+/// The longest time for which a joint of trunk or limbs may be hidden, and the shortest motion \[s\].
+const LONGEST_GAP: f64 = 1.0;
+const SHORTEST: f64 = 0.2;
+/// The person faces nowhere if shoulders and hips are nearer to each other along the floor \[m\].
+const FACING: f64 = 0.02;
+
 /// The measured motion of a real person.
 ///
-/// It is played to and fro without end, slower towards both ends, and at most at the person's own speed. Joints that
-/// some frames do not show move evenly from where they were seen to where they are seen again.
+/// It is played to and fro without end: forwards, then backwards in time. It is slower towards both ends, and at most as
+/// fast as the person was. A joint that some frames do not surely show moves along with the pelvis, from where it was seen
+/// to where it is seen again.
 ///
 /// ```
 /// use simulated_people::CapturedMotion;
@@ -76,8 +85,12 @@ impl CapturedMotion {
             return Self::named(argument);
         }
         let fail = |source| Error::MotionFile { path: path.to_owned(), source };
-        let recording = percept_recording::open(path).map_err(fail)?;
-        Self::new(&Recording::read(recording, IfPartial::Refuse).map_err(fail)?)
+        let reader = percept_recording::open(path).map_err(|error| match error {
+            // The error already contains the file's name.
+            RecordingError::Open { .. } => Error::Open(error),
+            error => fail(error),
+        })?;
+        Self::new(&Recording::read(reader, IfPartial::Refuse).map_err(fail)?)
     }
 
     fn read(text: impl BufRead, path: &Path) -> Result<Self, Error> {
@@ -86,11 +99,12 @@ impl CapturedMotion {
         Self::new(&Recording::read(reader, IfPartial::Refuse).map_err(fail)?)
     }
 
-    /// Takes the person of a recording, where they are.
+    /// Takes the person of a recording, where they are. The joints are taken as they are, so noise of single frames is
+    /// motion.
     ///
     /// # Errors
-    /// [`Error::Motion`] if the recording has no stature, fewer than two frames with a person, or never shows a joint
-    /// of trunk, limbs or nose.
+    /// [`Error::Motion`] for a recording without a stature, with fewer than two frames of a person or less than 0.2 s. The
+    /// same for times that do not increase, and for a joint of trunk, limbs or nose that is hidden for more than a second.
     pub fn new(recording: &Recording) -> Result<Self, Error> {
         let unfit = |found: String, wanted| Error::Motion { found, wanted };
         let stature = recording.header.stature.ok_or_else(|| {
@@ -105,24 +119,44 @@ impl CapturedMotion {
             .filter_map(|percept| Some((percept.time, percept.body.as_ref()?)))
             .collect();
         let ([(first, _), _, ..], [.., (last, _)]) = (&seen[..], &seen[..]) else {
-            let found = format!("it has {} frames with a person", seen.len());
+            let found = format!("frames with a person: {}", seen.len());
             return Err(unfit(found, "give at least 2"));
         };
-        if last <= first {
-            return Err(unfit("its frames have the same time".into(), "give a motion that lasts"));
+        if !seen.is_sorted_by(|(before, _), (after, _)| before < after) {
+            return Err(unfit("the times of its frames do not increase".into(), "sort them"));
+        }
+        let duration = last - first;
+        if !(SHORTEST..f64::INFINITY).contains(&duration) {
+            return Err(unfit(format!("it lasts {duration} s"), "give at least 0.2 s"));
         }
         let times: Vec<_> = seen.iter().map(|(time, _)| time - first).collect();
         let mut frames = vec![[Point3::origin(); Body25::COUNT]; seen.len()];
-        for joint in Body25::ALL {
-            // What a detector never sees of face and feet is where the nearest joint is.
-            let places = between(&seen, joint).or_else(|| between(&seen, nearest(joint)?));
-            let Some(places) = places else {
-                let found = format!("no frame shows the {}", joint.name());
-                return Err(unfit(found, "give one that shows trunk, limbs and nose"));
-            };
-            for (frame, place) in frames.iter_mut().zip(places) {
+        let mut joints = Body25::ALL;
+        joints.sort_by_key(|&joint| Anchor::of(joint).order());
+        for joint in joints {
+            let anchor = Anchor::of(joint);
+            let anchors = frames.iter().map(|frame| match anchor {
+                Anchor::World => Point3::origin(),
+                Anchor::Pelvis => place(frame, MidHip),
+                Anchor::Limb(near) => place(frame, near),
+            });
+            let shown = shown(&seen, joint, anchors);
+            if !matches!(anchor, Anchor::Limb(_)) {
+                let hidden = longest_gap(&shown, *first, *last);
+                if hidden > LONGEST_GAP {
+                    let found = format!("the {} is hidden for {hidden:.2} s", joint.name());
+                    return Err(unfit(found, "give trunk, limbs and nose in every second"));
+                }
+            }
+            let offsets: Vec<_> = seen.iter().map(|(time, _)| between(&shown, *time)).collect();
+            for (frame, offset) in frames.iter_mut().zip(offsets) {
+                let from = match anchor {
+                    Anchor::World => Point3::origin(),
+                    Anchor::Pelvis => place(frame, MidHip),
+                    Anchor::Limb(near) => place(frame, near),
+                };
                 if let Some(slot) = frame.get_mut(joint.index()) {
-                    *slot = place;
+                    *slot = from + offset;
                 }
             }
         }
@@ -202,35 +236,73 @@ impl CapturedMotion {
     }
 }
 
-/// A joint in every frame; evenly from where it was seen to where it is seen again, and before and after as there.
-/// `None` if no frame shows it.
-fn between(seen: &[(f64, &Body)], joint: Body25) -> Option<Vec<Point3<f64>>> {
-    let shown: Vec<_> =
-        seen.iter().filter_map(|(time, body)| Some((*time, body.get(joint)?.position))).collect();
-    let (first, last) = (shown.first()?, shown.last()?);
-    let places = seen.iter().map(|(time, _)| {
-        let next = shown.partition_point(|(at, _)| at <= time);
-        let before = next.checked_sub(1).and_then(|index| shown.get(index)).unwrap_or(first);
-        let after = shown.get(next).unwrap_or(last);
-        let span = after.0 - before.0;
-        let share = if span > 0.0 { (time - before.0) / span } else { 0.0 };
-        before.1 + (after.1 - before.1) * share
-    });
-    Some(places.collect())
+/// What a joint moves with while it is hidden.
+#[derive(Clone, Copy, Debug)]
+enum Anchor {
+    World,
+    Pelvis,
+    /// The joint that is nearest to one of face or feet, where it is until it is seen.
+    Limb(Body25),
 }
 
-/// The joint of the limbs that is nearest to one of face or feet; `None` for one that is needed itself.
-fn nearest(joint: Body25) -> Option<Body25> {
-    use Body25::{
-        LeftBigToe, LeftEar, LeftEye, LeftHeel, LeftSmallToe, RightBigToe, RightEar, RightEye,
-        RightHeel, RightSmallToe,
-    };
-    match joint {
-        LeftBigToe | LeftSmallToe | LeftHeel => Some(LeftAnkle),
-        RightBigToe | RightSmallToe | RightHeel => Some(RightAnkle),
-        LeftEye | RightEye | LeftEar | RightEar => Some(Nose),
-        _ => None,
+impl Anchor {
+    fn of(joint: Body25) -> Self {
+        use Body25::{
+            LeftBigToe, LeftEar, LeftEye, LeftHeel, LeftSmallToe, RightBigToe, RightEar, RightEye,
+            RightHeel, RightSmallToe,
+        };
+        match joint {
+            MidHip => Self::World,
+            LeftBigToe | LeftSmallToe | LeftHeel => Self::Limb(LeftAnkle),
+            RightBigToe | RightSmallToe | RightHeel => Self::Limb(RightAnkle),
+            LeftEye | RightEye | LeftEar | RightEar => Self::Limb(Nose),
+            _ => Self::Pelvis,
+        }
     }
+
+    /// Joints follow what they are anchored to.
+    fn order(self) -> u8 {
+        match self {
+            Self::World => 0,
+            Self::Pelvis => 1,
+            Self::Limb(_) => 2,
+        }
+    }
+}
+
+/// Times of the frames that surely show a joint, and its displacement from the anchor then \[s, m\].
+fn shown(
+    seen: &[(f64, &Body)],
+    joint: Body25,
+    anchors: impl Iterator<Item = Point3<f64>>,
+) -> Vec<(f64, Vector3<f64>)> {
+    let frames = seen.iter().zip(anchors);
+    let shown = frames.filter_map(|((time, body), anchor)| {
+        let keypoint = body.get(joint)?;
+        let sure = keypoint.confidence.value() >= CERTAIN;
+        let offset = keypoint.position - anchor;
+        (sure && offset.iter().all(|part| part.is_finite())).then_some((*time, offset))
+    });
+    shown.collect()
+}
+
+/// The longest time between two of these frames, from the first time to the last \[s\].
+fn longest_gap(shown: &[(f64, Vector3<f64>)], first: f64, last: f64) -> f64 {
+    let times = shown.iter().map(|(time, _)| *time).chain([last]);
+    let gaps = times.scan(first, |before, time| Some(time - std::mem::replace(before, time)));
+    gaps.fold(0.0, f64::max)
+}
+
+/// A displacement at a time: evenly from where it was seen to where it is seen again, before and after as there, and zero
+/// where it was never seen.
+fn between(shown: &[(f64, Vector3<f64>)], time: f64) -> Vector3<f64> {
+    let (Some(first), Some(last)) = (shown.first(), shown.last()) else { return Vector3::zeros() };
+    let next = shown.partition_point(|(at, _)| *at <= time);
+    let before = next.checked_sub(1).and_then(|index| shown.get(index)).unwrap_or(first);
+    let after = shown.get(next).unwrap_or(last);
+    let span = after.0 - before.0;
+    let share = if span > 0.0 { (time - before.0) / span } else { 0.0 };
+    before.1 + (after.1 - before.1) * share
 }
 
 fn place(joints: &Joints, joint: Body25) -> Point3<f64> {
@@ -285,133 +357,13 @@ impl Performance {
     pub(super) fn place(&self, heading: f64) -> (Point2<f64>, f64) {
         let joints = self.joints();
         let towards = forwards(&joints);
+        if towards.norm() < FACING {
+            return (pelvis(&joints), heading);
+        }
         let turn = (towards.y.atan2(towards.x) - heading + PI).rem_euclid(TAU) - PI;
         (pelvis(&joints), heading + turn)
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use percept_recording::{Header, Writer};
-    use vision_models::Body25::{LeftKnee, LeftWrist};
-    use vision_models::{Confidence, Keypoint, Percept};
-
-    use super::*;
-
-    fn motions() -> impl Iterator<Item = CapturedMotion> {
-        CapturedMotion::NAMES.into_iter().map(|name| CapturedMotion::named(name).unwrap())
-    }
-
-    /// A recording of these frames, which are 0.1 s apart.
-    fn recording(frames: &[Option<Body>], stature: Option<f64>) -> Recording {
-        let mut writer = Writer::new(Vec::new(), &Header { stature, ..Header::default() }).unwrap();
-        for (frame, body) in (0_u32..).zip(frames) {
-            let time = 0.1 * f64::from(frame);
-            let percept = Percept { time, body: body.clone(), action: None, surface: None };
-            writer.write(&percept).unwrap();
-        }
-        let bytes = writer.finish().unwrap();
-        Recording::read(Reader::new(&bytes[..]).unwrap(), IfPartial::Refuse).unwrap()
-    }
-
-    /// A body whose joints are in a column at `x` \[m\], but for some that are not seen.
-    fn column(x: f64, hidden: &[Body25]) -> Body {
-        let mut body = Body::default();
-        for joint in Body25::ALL.into_iter().filter(|joint| !hidden.contains(joint)) {
-            let position = Point3::new(x, 0.0, 0.05 * joint.index() as f64);
-            body.set(joint, Some(Keypoint { position, confidence: Confidence::ONE }));
-        }
-        body
-    }
-
-    #[test]
-    fn played_no_faster_than_recorded() {
-        for motion in motions() {
-            let frames = motion.times.windows(2).zip(motion.frames.windows(2));
-            let fastest = |joint: usize| {
-                let speeds = frames.clone().map(|(times, frames)| {
-                    (frames[1][joint] - frames[0][joint]).norm() / (times[1] - times[0])
-                });
-                speeds.fold(0.0, f64::max)
-            };
-            let own: [f64; Body25::COUNT] = std::array::from_fn(fastest);
-            let (step, mut before) = (1e-3, motion.joints(0.0));
-            let mut reached = [0.0_f64; Body25::COUNT];
-            let mut time = 0.0;
-            while time < motion.cycle() {
-                time += step;
-                let now = motion.joints(time);
-                for ((reached, now), before) in reached.iter_mut().zip(&now).zip(&before) {
-                    *reached = reached.max((now - before).norm() / step);
-                }
-                before = now;
-            }
-            for (own, reached) in own.into_iter().zip(reached) {
-                // A curve through the frames is a little faster than the chords between them.
-                assert!(reached <= 1.2 * own + 0.05, "{reached} m/s of {own} m/s");
-                assert!(reached > 0.4 * own, "{reached} m/s of {own} m/s");
-            }
-            let again = motion.joints(motion.cycle());
-            for (now, first) in again.iter().zip(&motion.joints(0.0)) {
-                assert!((now - first).norm() < 1e-9);
-            }
-        }
-    }
-
-    #[test]
-    fn moved_to_a_place_and_heading() {
-        let (floor, heading) = (Point2::new(-2.0, 0.7), 2.2);
-        for motion in motions() {
-            let moved = motion.clone().moved_to(floor, heading);
-            let count = moved.frames.len() as f64;
-            let mean = moved.frames.iter().map(|frame| pelvis(frame).coords).sum::<Vector2<f64>>();
-            assert!((mean / count - floor.coords).norm() < 1e-9);
-            let towards: Vector2<f64> = moved.frames.iter().map(forwards).sum();
-            assert!((towards.y.atan2(towards.x) - heading).abs() < 1e-9);
-            for (before, after) in motion.frames.iter().flatten().zip(moved.frames.iter().flatten())
-            {
-                assert!((before.z - after.z).abs() < 1e-12);
-            }
-        }
-    }
-
-    #[test]
-    fn hidden_joints_are_filled_in() {
-        let toe = Body25::LeftBigToe;
-        let frames = [
-            Some(column(0.0, &[toe])),
-            Some(column(5.0, &[toe, LeftKnee])),
-            None,
-            Some(column(0.3, &[toe])),
-        ];
-        let motion = CapturedMotion::new(&recording(&frames, Some(1.7))).unwrap();
-        assert_eq!(motion.times, [0.0, 0.1, 0.3]);
-        let knee = motion.frames[1][LeftKnee.index()];
-        assert!((knee.x - 0.1).abs() < 1e-12, "{knee}");
-        assert_eq!(motion.frames[1][toe.index()], motion.frames[1][LeftAnkle.index()]);
-        assert_eq!(motion.at(0.1), motion.frames[1]);
-        assert!((motion.duration() - 0.3).abs() < 1e-12);
-    }
-
-    #[test]
-    fn unfit_recordings_say_what_is_missing() {
-        let whole = || Some(column(0.0, &[]));
-        let refused = |frames: &[Option<Body>], stature| {
-            CapturedMotion::new(&recording(frames, stature)).unwrap_err().to_string()
-        };
-        let says = refused(&[whole(), whole()], None);
-        assert!(says.contains("how tall"), "{says}");
-        let says = refused(&[whole(), None], Some(1.7));
-        assert!(says.contains("1 frames with a person; give at least 2"), "{says}");
-        let no_wrist = || Some(column(0.0, &[LeftWrist]));
-        let says = refused(&[no_wrist(), no_wrist()], Some(1.7));
-        assert!(says.contains("left wrist"), "{says}");
-        let says = CapturedMotion::from_argument("fly").unwrap_err().to_string();
-        assert_eq!(
-            says,
-            "motion \"fly\": give walk, balance, punch, dance, get-up, or a recording of a person"
-        );
-        let says = CapturedMotion::from_argument("Cargo.toml").unwrap_err().to_string();
-        assert!(says.starts_with("Cargo.toml: "), "{says}");
-    }
-}
+mod tests;

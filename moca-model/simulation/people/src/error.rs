@@ -46,13 +46,16 @@ pub enum Error {
         name: String,
     },
     /// A recording cannot be played as a motion.
-    #[error("no motion of a person: {found}; {wanted}")]
+    #[error("this recording is no motion to repeat: {found}; {wanted}")]
     Motion {
         /// The fault.
         found: String,
         /// What would be right.
         wanted: &'static str,
     },
+    /// The recording of a motion cannot be opened.
+    #[error(transparent)]
+    Open(percept_recording::RecordingError),
     /// The recording of a motion cannot be read.
     #[error("{path}: {source}", path = path.display())]
     MotionFile {

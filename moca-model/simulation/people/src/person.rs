@@ -55,7 +55,7 @@ impl Person {
     }
 
     /// Creates a person who repeats the motion of a real one, whatever their goals.
-    pub(super) fn repeating(motion: Arc<CapturedMotion>, activity: Activity) -> Self {
+    pub(super) fn performing(motion: Arc<CapturedMotion>, activity: Activity) -> Self {
         let stature = motion.stature();
         let performance = Performance::new(motion);
         let (floor, heading) = performance.place(0.0);
@@ -240,7 +240,7 @@ impl Person {
         self.motion.heading
     }
 
-    /// The velocity over the floor, without the sway, in the world \[m/s\].
+    /// The velocity over the floor of [`floor`](Self::floor), in the world \[m/s\].
     pub fn velocity(&self) -> Vector2<f64> {
         self.motion.velocity
     }

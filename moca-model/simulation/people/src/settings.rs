@@ -27,7 +27,7 @@ pub enum Occupation {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct WalkerSettings {
-    /// Stature of the person \[m\]. Default 1.75.
+    /// Stature of the person \[m\], unless there is a `motion`. Default 1.75.
     pub stature: f64,
     /// Path along which the person leads the robot. Default [`WalkingPath::Stations`].
     pub path: WalkingPath,
@@ -43,9 +43,9 @@ pub struct WalkerSettings {
     pub arm_speed: Option<f64>,
     /// Movement on the spot that the person repeats where they stand and work. Default none.
     pub movement: Option<Movement>,
-    /// Motion of a real person, of their own stature, who does nothing else: they say by their actions only that they
-    /// work and leave. Default none.
-    pub captured: Option<Arc<CapturedMotion>>,
+    /// Motion of a real person, in place of walking and working. Their actions are those of the occupation. Their stature
+    /// is that of the motion. Default none.
+    pub motion: Option<Arc<CapturedMotion>>,
     /// Motion of the pelvis about its mean place, as a share of that of real people ([`Gait::sway`](super::Gait::sway)).
     /// Default 0.
     pub sway: f64,
@@ -68,7 +68,7 @@ impl Default for WalkerSettings {
             speed: None,
             arm_speed: None,
             movement: None,
-            captured: None,
+            motion: None,
             sway: 0.0,
             duration: 56.0,
             seed: 1,
@@ -90,7 +90,8 @@ impl WalkerSettings {
                 Err(Error::Setting { name, value, expected })
             }
         };
-        in_range("stature", self.stature, 1.0, 2.3, "1 to 2.3 m")?;
+        let stature = self.motion.as_ref().map_or(self.stature, |motion| motion.stature());
+        in_range("stature", stature, 1.0, 2.3, "1 to 2.3 m")?;
         if let Some(speed) = self.speed {
             in_range("speed", speed, 0.1, 2.0, "0.1 to 2 m/s")?;
         }

@@ -49,7 +49,7 @@ pub struct Truth {
     pub floor: Point2<f64>,
     /// The yaw of the forward direction \[rad\].
     pub heading: f64,
-    /// Velocity over the floor, without the sway, in the world \[m/s\].
+    /// Velocity of that point, in the world \[m/s\].
     pub velocity: Vector2<f64>,
     /// The person's action.
     pub action: Action,
@@ -79,7 +79,7 @@ impl Walker {
             speed: None,
             arm_speed: None,
             movement: None,
-            captured: None,
+            motion: None,
             sway: 1.0,
             duration: 15.0,
             seed,
@@ -109,8 +109,8 @@ impl Walker {
             sway: settings.sway,
             ..Gait::NATURAL
         };
-        let person = match &settings.captured {
-            Some(motion) => Person::repeating(Arc::clone(motion), activity),
+        let person = match &settings.motion {
+            Some(motion) => Person::performing(Arc::clone(motion), activity),
             None => Person::standing(
                 settings.stature,
                 script::START,

@@ -81,12 +81,12 @@ impl Wanderer {
         }
     }
 
-    /// The same person, but for their motion, which is that of a real one around the same place. They jump, vanish and
-    /// work as before.
+    /// The same person, but for their motion, which is that of a real one around the same place. They jump, vanish, and
+    /// begin and end working as before, but neither walk nor move a hand to the object.
     #[must_use]
-    pub fn repeating_motion(mut self, motion: CapturedMotion) -> Self {
+    pub fn performing(mut self, motion: CapturedMotion) -> Self {
         let motion = motion.moved_to(self.person.floor(), self.person.heading());
-        self.person = Person::repeating(Arc::new(motion), activity(self.together.0));
+        self.person = Person::performing(Arc::new(motion), activity(self.together.0));
         self
     }
 
@@ -115,7 +115,7 @@ impl Wanderer {
     }
 
     /// Advances by `dt` to `time` \[s\]. The robot holds an object at `object` \[m\]. The hand is there while they work
-    /// with the robot and the arm reaches it.
+    /// with the robot and the arm reaches it, unless they repeat the motion of a real person.
     pub fn advance(&mut self, time: f64, dt: f64, object: &Point3<f64>) {
         if time >= self.goal_ends && !self.person.is_busy() && self.movement.is_none() {
             if self.only.is_some() || self.draw.random_bool(MOVEMENTS) {

@@ -109,7 +109,7 @@ impl Episode {
             if !motions.random_bool(REAL) {
                 return Ok(person);
             }
-            Ok(person.repeating_motion(CapturedMotion::named(name)?, largest))
+            Ok(person.performing(CapturedMotion::named(name)?, largest))
         };
         for number in 0..draw.random_range(0..=PASSERS_BY) {
             let streams = |index| {
