@@ -268,19 +268,6 @@ impl Error {
             _ => None,
         }
     }
-
-    /// Replaces the ids of levels.
-    pub(crate) fn renamed(mut self, rename: impl Fn(LevelId) -> LevelId) -> Self {
-        if let Self::Infeasible { level, .. } = &mut self {
-            *level = rename(*level);
-        }
-        match self.spot_mut() {
-            Some(Spot::Row(row, _)) => *row = row.renamed(rename),
-            Some(Spot::Level(level, _)) => *level = rename(*level),
-            None => {}
-        }
-        self
-    }
 }
 
 /// Subject of an error.

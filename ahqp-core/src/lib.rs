@@ -52,7 +52,6 @@ mod problem;
 #[cfg(feature = "reference")]
 mod reference;
 mod solver;
-mod stack;
 #[cfg(feature = "testing")]
 pub mod testing;
 
@@ -77,7 +76,6 @@ pub use solver::budget::Budget;
 pub use solver::settings::{Settings, Stacking, WarmStart};
 pub use solver::solution::Solution;
 pub use solver::status::Status;
-pub use stack::{CertifiedPart, ContinuousStack, Part, Place};
 
 /// Compiles the program of the crate's README.
 #[cfg(doctest)]

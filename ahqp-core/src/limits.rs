@@ -204,26 +204,6 @@ impl Limits {
         VelocityInterval { lower, upper }
     }
 
-    /// Returns the velocities from which the position limits leave room to brake, whatever the
-    /// current velocity is. These are the velocities that the limits allow in the long run.
-    /// `position` \[rad or m\], `period` \[s\].
-    ///
-    /// The interval is never empty. Both ends are NaN if the position is NaN or the period is not
-    /// positive.
-    pub fn cruising_interval(&self, position: f64, period: f64) -> VelocityInterval {
-        if position.is_nan() || !is_positive(period) {
-            return VelocityInterval::UNKNOWN;
-        }
-        let within = |velocity: f64| velocity.min(self.velocity).max(-self.velocity);
-        let upper = within(self.approach(self.upper - position, period));
-        let lower = within(-self.approach(position - self.lower, period));
-        if position > self.upper {
-            VelocityInterval { lower: lower.min(upper), upper }
-        } else {
-            VelocityInterval { lower, upper: upper.max(lower) }
-        }
-    }
-
     /// Returns the largest v with vT + v²/(2a) ≤ d, where T is how long it may last. Beyond the
     /// limit, returns the velocity that is back at the limit after one period.
     fn approach(&self, distance: f64, period: f64) -> f64 {
@@ -340,23 +320,6 @@ mod tests {
             let stop = next.velocity.powi(2) / (2.0 * limits.acceleration);
             let end = next.position + stop.copysign(next.velocity);
             prop_assert!(end <= limits.upper + 1e-12 && end >= limits.lower - 1e-12);
-        }
-    }
-
-    proptest! {
-        #[test]
-        fn the_cruising_interval_agrees_with_the_velocity_interval(
-            limits in limits(), start in -0.5..1.5_f64, speed in -1.0..1.0_f64,
-        ) {
-            let position = limits.lower + start * (limits.upper - limits.lower);
-            let state = MotionState { position, velocity: speed * limits.velocity };
-            let cruising = limits.cruising_interval(position, PERIOD);
-            prop_assert!(cruising.lower <= cruising.upper);
-            prop_assert!(cruising.lower >= -limits.velocity && cruising.upper <= limits.velocity);
-            if limits.admits(state) {
-                let now = limits.velocity_interval(state, PERIOD);
-                prop_assert!(now.lower >= cruising.lower && now.upper <= cruising.upper);
-            }
         }
     }
 

@@ -135,11 +135,6 @@ impl Workspace {
         Ok(())
     }
 
-    /// Replaces the shape of positions at once.
-    pub fn set_position(&mut self, position: impl Into<PositionShape>) {
-        self.position = Change::still(position.into());
-    }
-
     /// Starts a continuous change of the shape of positions over `duration` \[s\].
     ///
     /// In between, the shape is the blend (1 − λ)A ⊕ λB of the old and the new one, bounded along
@@ -181,12 +176,6 @@ impl Workspace {
     /// Returns true if a change of shape is in progress.
     pub fn is_changing(&self) -> bool {
         !(self.position.is_still() && self.orientation.is_still())
-    }
-
-    /// Returns the coordinates z of a pose \[m, rad\].
-    pub fn coordinates(&self, pose: &Isometry3<f64>) -> Vector6<f64> {
-        let at = self.point(pose);
-        stack(&at.position, at.rotation.vector())
     }
 
     /// Returns the bounds of a pose: those of the position, then those of the orientation.

@@ -2,13 +2,10 @@
 
 use std::fmt;
 
-/// Identifier of a level of a [`Hierarchy`](crate::Hierarchy) or a
-/// [`ContinuousStack`](crate::ContinuousStack).
+/// Identifier of a level of a [`Hierarchy`](crate::Hierarchy).
 ///
-/// [`Hierarchy::push`](crate::Hierarchy::push) and
-/// [`ContinuousStack::insert`](crate::ContinuousStack::insert) return it. Levels are numbered from
-/// 0 in the order in which they were added, and no number is used twice. In a hierarchy this is the
-/// order of priority. A stack keeps the ids of the hierarchy that it was made from.
+/// [`Hierarchy::push`](crate::Hierarchy::push) returns it. Levels are numbered from 0 in the order
+/// of priority.
 ///
 /// ```
 /// use ahqp_core::{Hierarchy, Level, Rows};
@@ -29,8 +26,7 @@ impl LevelId {
         Self(index)
     }
 
-    /// Number of levels that were added before. In a hierarchy, this is the index in
-    /// [`levels`](crate::Hierarchy::levels).
+    /// Number of levels above. This is the index in [`levels`](crate::Hierarchy::levels).
     pub fn index(self) -> usize {
         self.0
     }

@@ -38,15 +38,6 @@ impl ConstraintSource {
             Self::Constraint { level, .. } | Self::Objective { level, .. } => Some(level),
         }
     }
-
-    /// Replaces the ids of levels.
-    pub(crate) fn renamed(self, rename: impl Fn(LevelId) -> LevelId) -> Self {
-        match self {
-            Self::Bound { .. } => self,
-            Self::Constraint { level, row } => Self::Constraint { level: rename(level), row },
-            Self::Objective { level, row } => Self::Objective { level: rename(level), row },
-        }
-    }
 }
 
 impl fmt::Display for ConstraintSource {

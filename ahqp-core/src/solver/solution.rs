@@ -3,8 +3,7 @@
 use crate::error::Error;
 use crate::solver::status::Status;
 
-/// Result of [`Solver::solve`](crate::Solver::solve) and
-/// [`ContinuousStack::solve`](crate::ContinuousStack::solve), which own it.
+/// Result of [`Solver::solve`](crate::Solver::solve), which owns it.
 ///
 /// ```
 /// use ahqp_core::{Budget, Error, Hierarchy, Level, Rows, Settings, Solver};

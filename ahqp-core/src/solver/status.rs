@@ -27,26 +27,6 @@ pub enum Status {
     },
 }
 
-impl Status {
-    /// Replaces the ids of levels.
-    pub(crate) fn renamed(self, rename: impl Fn(LevelId) -> LevelId) -> Self {
-        match self {
-            Self::Solved => self,
-            Self::IterationLimit { level } => Self::IterationLimit { level: level.map(rename) },
-            Self::TimeLimit { level } => Self::TimeLimit { level: level.map(rename) },
-        }
-    }
-
-    /// Replaces the level by the choice of least norm after all levels.
-    pub(crate) fn behind_all_levels(self) -> Self {
-        match self {
-            Self::Solved => self,
-            Self::IterationLimit { .. } => Self::IterationLimit { level: None },
-            Self::TimeLimit { .. } => Self::TimeLimit { level: None },
-        }
-    }
-}
-
 impl fmt::Display for Status {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (what, level) = match self {

@@ -1,8 +1,8 @@
 //! Every error is provoked. Its message names the place and the remedy.
 
 use ahqp_core::{
-    AugmentedClik, AugmentedState, ContinuousStack, Error, Hierarchy, Level, Limits, PoseAxes,
-    Rows, Settings, Solution, Solver,
+    AugmentedClik, AugmentedState, Error, Hierarchy, Level, Limits, PoseAxes, Rows, Settings,
+    Solution, Solver,
 };
 use nalgebra::{DMatrix, Vector6, dmatrix, dvector};
 
@@ -420,9 +420,6 @@ fn the_error_names_the_other_kind_of_objective() {
         assert!(matches!(error, Error::OtherObjective { .. }), "{error}");
         expect_words(&error, &words);
     }
-    let mut stack = ContinuousStack::new(&hierarchy, Settings::default()).unwrap();
-    assert_eq!(stack.rows_mut(quadratic).unwrap_err(), hierarchy.rows_mut(quadratic).unwrap_err());
-    assert_eq!(stack.quadratic_mut(rows).unwrap_err(), hierarchy.quadratic_mut(rows).unwrap_err());
 }
 
 #[test]

@@ -5,8 +5,7 @@ use std::time::Duration;
 use ahqp_core::testing::problems::humanoid_sequence;
 use ahqp_core::testing::{Sizes, hierarchies, hierarchy_sequences};
 use ahqp_core::{
-    Budget, ContinuousStack, Error, Hierarchy, Level, LevelId, Place, Rows, Settings, Solver,
-    Status, WarmStart,
+    Budget, Error, Hierarchy, Level, LevelId, Rows, Settings, Solver, Status, WarmStart,
 };
 use nalgebra::{dmatrix, dvector};
 use proptest::prelude::*;
@@ -129,22 +128,6 @@ fn what_ran_out_is_said() {
 }
 
 #[test]
-fn every_part_of_a_stack_keeps_its_budget() {
-    let problem = humanoid_sequence(1, 1).unwrap().remove(0);
-    let mut stack = ContinuousStack::new(&problem, Settings::default()).unwrap();
-    let lowest = stack.ids().last().unwrap();
-    let near = Rows::equalities(&nalgebra::DMatrix::identity(38, 38), &[0.1; 38]).unwrap();
-    let new = stack.insert(Level::least_squares(near), Place::Above(lowest), 1.0).unwrap();
-    let solution = stack.solve_within(0.5, Budget::iterations(20)).unwrap();
-    assert!(matches!(solution.status(), Status::IterationLimit { level: Some(_) }));
-    assert!(solution.iterations() <= 2 * 20);
-    let solution = stack.solve_within(0.0, Budget::time(Duration::ZERO)).unwrap();
-    assert!(matches!(solution.status(), Status::TimeLimit { .. }), "{:?}", solution.status());
-    assert!(stack.solve(0.0).unwrap().optimum().is_ok());
-    assert!((stack.activation(new).unwrap() - 0.5).abs() < 1e-12);
-}
-
-#[test]
 fn settings_change_on_a_solver_that_lives() {
     let hierarchy = humanoid_sequence(1, 1).unwrap().remove(0);
     let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
@@ -177,19 +160,14 @@ fn tolerances_that_change_decide_the_next_solve() {
     hierarchy.push(Level::least_squares(first)).unwrap();
     hierarchy.push(Level::least_squares(second)).unwrap();
     let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
-    let mut stack = ContinuousStack::new(&hierarchy, Settings::default()).unwrap();
     for (rank_tolerance, second) in [(1e-10, 1e8), (1e-7, 0.0), (1e-10, 1e8)] {
         let settings = Settings { rank_tolerance, ..Settings::default() };
         solver.set_settings(settings).unwrap();
         let x = solver.solve(&hierarchy).unwrap().optimum().unwrap();
         assert!((x[1] - second).abs() < 1.0, "{x:?}");
-        stack.set_settings(settings).unwrap();
-        assert_eq!(stack.settings(), &settings);
-        let x = stack.solve(1e-3).unwrap().optimum().unwrap();
-        assert!((x[1] - second).abs() < 1.0, "{x:?}");
     }
     let bad = Settings { max_iterations: 0, ..Settings::default() };
-    assert!(stack.set_settings(bad).is_err());
+    assert!(solver.set_settings(bad).is_err());
 }
 
 /// Also at a vertex that the objective alone reaches, rounding makes a bound active and inactive in

@@ -1,8 +1,7 @@
 //! Names of levels, rows and variables in errors and conflicts.
 
 use ahqp_core::{
-    ConstraintSource, ContinuousStack, Error, Hierarchy, Level, Place, Rows, Settings, Solver,
-    solve_reference,
+    ConstraintSource, Error, Hierarchy, Level, Rows, Settings, Solver, solve_reference,
 };
 use nalgebra::{DMatrix, dmatrix};
 
@@ -137,58 +136,4 @@ fn conflicts_are_described_by_name() {
     let row = ConstraintSource::Constraint { level, row: 0 };
     assert_eq!(plain.describe(row).to_string(), "constraint row 0 of level 0");
     assert_eq!(row.to_string(), "constraint row 0 of level 0");
-}
-
-#[test]
-fn a_stack_names_levels_by_id_after_changes() {
-    let mut hierarchy = Hierarchy::new(1).unwrap();
-    hierarchy.name_variables(["height"]).unwrap();
-    let near =
-        |target: f64| Level::least_squares(Rows::equalities(&dmatrix![1.0], &[target]).unwrap());
-    hierarchy.push(near(0.0).named("rest")).unwrap();
-    let mut stack = ContinuousStack::new(&hierarchy, Settings::default()).unwrap();
-    // Later levels are above earlier ones.
-    let most = Rows::at_most(&dmatrix![1.0], &[1.0]).unwrap().with_names(["ceiling"]).unwrap();
-    let most = stack.insert(Level::constraints_only(most).named("most"), Place::Top, 0.0).unwrap();
-    let least = Rows::at_least(&dmatrix![1.0], &[2.0]).unwrap().with_names(["floor"]).unwrap();
-    let least = Level::constraints_only(least).named("least");
-    let least = stack.insert(least, Place::Above(most), 0.0).unwrap();
-    assert!(stack.ids().eq([least, most, first(&hierarchy)]));
-    let error = stack.solve(1e-3).unwrap_err();
-    let Error::Infeasible { level, worst, ref names, .. } = error else { panic!("{error}") };
-    assert_eq!((level, worst), (most, ConstraintSource::Constraint { level: most, row: 0 }));
-    assert_eq!((names.level.as_deref(), names.row.as_deref()), (Some("most"), Some("ceiling")));
-    let part = stack.failed_part().unwrap();
-    let conflict: Vec<String> =
-        part.conflict().map(|row| stack.describe(row).to_string()).collect();
-    assert_eq!(
-        conflict,
-        [
-            "constraint row 0 \"ceiling\" of level 1 \"most\"",
-            "constraint row 0 \"floor\" of level 2 \"least\"",
-        ]
-    );
-    stack.bounds_mut().0[0] = f64::NAN;
-    let error = stack.solve(1e-3).unwrap_err();
-    assert!(error.to_string().contains("variable 0 \"height\""), "{error}");
-}
-
-#[test]
-fn a_constraint_violated_by_output_bounds_is_named() {
-    let mut hierarchy = Hierarchy::new(1).unwrap();
-    let near =
-        |target: f64| Level::least_squares(Rows::equalities(&dmatrix![1.0], &[target]).unwrap());
-    let least = Rows::at_least(&dmatrix![1.0], &[2.0]).unwrap().with_names(["floor"]).unwrap();
-    let unbinding = Rows::at_most(&dmatrix![1.0; 1.0], &[9.0, 9.0]).unwrap();
-    hierarchy.push(near(3.0).with_constraints(unbinding)).unwrap();
-    let floor = hierarchy.push(Level::constraints_only(least).named("least")).unwrap();
-    let mut stack = ContinuousStack::new(&hierarchy, Settings::default()).unwrap();
-    stack.insert(near(5.0), Place::Top, 1.0).unwrap();
-    // Halfway between the two, the output is held far from the floor.
-    stack.solve(0.5).unwrap().optimum().unwrap();
-    stack.output_bounds_mut().1[0] = 1.0;
-    let error = stack.solve(0.0).unwrap_err();
-    let Error::Infeasible { level, worst, ref names, .. } = error else { panic!("{error}") };
-    assert_eq!((level, worst), (floor, ConstraintSource::Constraint { level: floor, row: 0 }));
-    assert_eq!((names.level.as_deref(), names.row.as_deref()), (Some("least"), Some("floor")));
 }

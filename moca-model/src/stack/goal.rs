@@ -20,8 +20,7 @@ pub(crate) struct GoalTerms<'a> {
 
 /// activation · e_s(x_d + τ (ẋ_d − drift)) + (1 − activation) ‖ẋ_d‖², over ẋ_d.
 ///
-/// A single level changes its weights, so that the solution does not jump. Two levels that change places in a
-/// [`ContinuousStack`](ahqp_core::ContinuousStack) would need two hierarchies in a tick.
+/// A single level changes its weights, so that the solution does not jump, as it would if two levels changed places.
 #[derive(Debug, Clone)]
 pub(super) struct GoalTask {
     desired_twist: Variables,

@@ -88,18 +88,6 @@ impl OtherFiles {
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
-
-    /// Returns the number of other files.
-    pub fn count(&self) -> usize {
-        self.0.values().sum()
-    }
-
-    /// Adds the files of another folder.
-    pub fn add(&mut self, others: &Self) {
-        for (extension, count) in &others.0 {
-            *self.0.entry(extension.clone()).or_default() += count;
-        }
-    }
 }
 
 impl fmt::Display for OtherFiles {

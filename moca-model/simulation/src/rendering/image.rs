@@ -27,14 +27,6 @@ impl RenderedImage {
         depth.copied().unwrap_or(f32::INFINITY)
     }
 
-    /// The depths without noise.
-    ///
-    /// # Errors
-    /// Never, for a rendered image.
-    pub fn depth_image(&self) -> Result<DepthImage, Error> {
-        DepthImage::from_metres(self.size, self.depth.clone())
-    }
-
     /// The colours.
     pub fn colours(&self) -> ColourImage<'_> {
         ColourImage { size: self.size, pixels: &self.colour }
