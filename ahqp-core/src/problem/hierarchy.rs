@@ -104,11 +104,6 @@ impl Hierarchy {
         &self.levels
     }
 
-    /// Exchanges the levels for others of the same number and shapes.
-    pub(crate) fn exchange_levels(&mut self, levels: &mut Vec<Level>) {
-        std::mem::swap(&mut self.levels, levels);
-    }
-
     /// The ids of the levels, highest priority first.
     pub fn ids(&self) -> impl Iterator<Item = LevelId> + use<> {
         (0..self.levels.len()).map(LevelId::new)

@@ -3,7 +3,7 @@
 use ahqp_core::testing::{Sizes, hierarchy_sequences};
 use ahqp_core::{
     AugmentedClik, AugmentedState, Budget, Clik, Error, Hierarchy, Level, Limits, MotionState,
-    PoseAxes, Rows, Settings, Solution, Solver, Status, WarmStart, integrate_pose, pose_error,
+    PoseAxes, Rows, Settings, Solver, Status, WarmStart, integrate_pose, pose_error,
 };
 use nalgebra::{DMatrix, Isometry3, Vector3, Vector6, dmatrix, dvector};
 use proptest::prelude::*;
