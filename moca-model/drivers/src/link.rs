@@ -140,6 +140,11 @@ impl LinkStatistics {
     pub fn refused(&self) -> &[RefusedPackets] {
         &self.refused
     }
+
+    /// Returns the number of all refused packets.
+    pub fn refused_count(&self) -> u64 {
+        self.refused.iter().map(|refused| refused.count).sum()
+    }
 }
 
 /// Packets of a connection, for people and for programs.

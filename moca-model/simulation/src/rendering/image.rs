@@ -1,7 +1,6 @@
 //! Colour and depth images.
 
 use human_perception::frames::ColourImage;
-use vision_models::{DepthImage, Error};
 
 /// A colour image with the depth of each pixel.
 #[derive(Clone, Debug)]
