@@ -178,6 +178,12 @@ impl Workspace {
         !(self.position.is_still() && self.orientation.is_still())
     }
 
+    /// Returns the coordinates z of a pose \[m, rad\].
+    pub fn coordinates(&self, pose: &Isometry3<f64>) -> Vector6<f64> {
+        let at = self.point(pose);
+        stack(&at.position, at.rotation.vector())
+    }
+
     /// Returns the bounds of a pose: those of the position, then those of the orientation.
     pub fn rows(&self, pose: &Isometry3<f64>) -> impl Iterator<Item = PoseRow> + '_ {
         let at = self.point(pose);

@@ -134,6 +134,11 @@ impl RotationPoint {
         Self { rotation, vector, vector_rate: left_jacobian_inverse(&vector) }
     }
 
+    /// Returns log R \[rad\].
+    pub(crate) fn vector(&self) -> &Vector3<f64> {
+        &self.vector
+    }
+
     /// Returns the gradient of direction · log R with respect to the angular velocity.
     fn coordinate_gradient(&self, direction: &Vector3<f64>) -> Vector3<f64> {
         self.vector_rate.tr_mul(direction)

@@ -88,6 +88,11 @@ impl OtherFiles {
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
+
+    /// Returns the number of other files.
+    pub fn count(&self) -> usize {
+        self.0.values().sum()
+    }
 }
 
 impl fmt::Display for OtherFiles {
