@@ -26,7 +26,7 @@ pub struct AugmentedState {
     pub joints: usize,
     /// m, the dimension of the task.
     pub task: usize,
-    /// Number of slack variables. Zero for a hard or row-wise softened workspace.
+    /// Number of slack variables. Zero for a hard workspace.
     pub slack: usize,
 }
 
