@@ -127,9 +127,7 @@ pub enum Error {
     },
 
     /// The hierarchy has no such level.
-    #[error(
-        "there is no {level}: it belongs to another problem, or has been removed; take the id that push or insert returned"
-    )]
+    #[error("there is no {level}: it belongs to another problem; take the id that push returned")]
     NoSuchLevel {
         /// The requested level.
         level: LevelId,
@@ -260,11 +258,11 @@ impl Error {
             | Self::Inaccurate { source_of_row, names, .. }
             | Self::DataChanged { source_of_row, names }
             | Self::Infeasible { worst: source_of_row, names, .. } => {
-                Some(Spot::Row(source_of_row, names))
+                Some(Spot::Row(*source_of_row, names))
             }
             Self::Hessian { level, names, .. }
             | Self::ShapeChanged { level, names }
-            | Self::Unbounded { level, names } => Some(Spot::Level(level, names)),
+            | Self::Unbounded { level, names } => Some(Spot::Level(*level, names)),
             _ => None,
         }
     }
@@ -272,6 +270,6 @@ impl Error {
 
 /// Subject of an error.
 pub(crate) enum Spot<'a> {
-    Row(&'a mut ConstraintSource, &'a mut Names),
-    Level(&'a mut LevelId, &'a mut Names),
+    Row(ConstraintSource, &'a mut Names),
+    Level(LevelId, &'a mut Names),
 }

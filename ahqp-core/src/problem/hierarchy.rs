@@ -187,9 +187,9 @@ impl Hierarchy {
     /// Adds the names of this hierarchy to an error.
     pub(crate) fn named(&self, mut error: Error) -> Error {
         match error.spot_mut() {
-            Some(Spot::Row(row, names)) => *names = self.names(*row),
+            Some(Spot::Row(row, names)) => *names = self.names(row),
             Some(Spot::Level(level, names)) => {
-                let level = self.level(*level).ok();
+                let level = self.level(level).ok();
                 names.level = level.and_then(|level| level.shared_name().cloned());
             }
             None => {}

@@ -104,7 +104,8 @@ impl CapturedMotion {
     ///
     /// # Errors
     /// [`Error::Motion`] for a recording without a stature, with fewer than two frames of a person or less than 0.2 s. The
-    /// same for times that do not increase, and for a joint of trunk, limbs or nose that is hidden for more than a second.
+    /// same for times that do not increase. The same for a joint of trunk, limbs or nose that is never seen, or hidden for
+    /// more than a second.
     pub fn new(recording: &Recording) -> Result<Self, Error> {
         let unfit = |found: String, wanted| Error::Motion { found, wanted };
         let stature = recording.header.stature.ok_or_else(|| {
@@ -142,10 +143,13 @@ impl CapturedMotion {
             });
             let shown = shown(&seen, joint, anchors);
             if !matches!(anchor, Anchor::Limb(_)) {
+                let (wanted, name) = ("give trunk, limbs and nose in every second", joint.name());
+                if shown.is_empty() {
+                    return Err(unfit(format!("no frame surely shows the {name}"), wanted));
+                }
                 let hidden = longest_gap(&shown, *first, *last);
                 if hidden > LONGEST_GAP {
-                    let found = format!("the {} is hidden for {hidden:.2} s", joint.name());
-                    return Err(unfit(found, "give trunk, limbs and nose in every second"));
+                    return Err(unfit(format!("the {name} is hidden for {hidden:.2} s"), wanted));
                 }
             }
             let offsets: Vec<_> = seen.iter().map(|(time, _)| between(&shown, *time)).collect();

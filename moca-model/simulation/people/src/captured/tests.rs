@@ -116,6 +116,11 @@ fn unfit_recordings_say_what_is_missing() {
     let frames: Vec<_> = (0..15).map(|frame| if frame == 0 { whole() } else { hidden() }).collect();
     let says = refused(&frames, Some(1.7));
     assert!(says.contains("the left wrist is hidden for 1.40 s"), "{says}");
+    for joint in [MidHip, Nose, LeftWrist] {
+        let frames: Vec<_> = (0..5).map(|_| Some(column(0.0, &[joint]))).collect();
+        let says = refused(&frames, Some(1.7));
+        assert!(says.contains(&format!("no frame surely shows the {}", joint.name())), "{says}");
+    }
     let mut disordered = recording(&[whole(), whole(), whole(), whole()], Some(1.7));
     disordered.percepts[2].time = 0.05;
     let says = CapturedMotion::new(&disordered).unwrap_err().to_string();
