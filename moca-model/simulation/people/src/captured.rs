@@ -136,12 +136,7 @@ impl CapturedMotion {
         joints.sort_by_key(|&joint| Anchor::of(joint).order());
         for joint in joints {
             let anchor = Anchor::of(joint);
-            let anchors = frames.iter().map(|frame| match anchor {
-                Anchor::World => Point3::origin(),
-                Anchor::Pelvis => place(frame, MidHip),
-                Anchor::Limb(near) => place(frame, near),
-            });
-            let shown = shown(&seen, joint, anchors);
+            let shown = shown(&seen, joint, frames.iter().map(|frame| anchor.place(frame)));
             if !matches!(anchor, Anchor::Limb(_)) {
                 let (wanted, name) = ("give trunk, limbs and nose in every second", joint.name());
                 if shown.is_empty() {
@@ -152,15 +147,10 @@ impl CapturedMotion {
                     return Err(unfit(format!("the {name} is hidden for {hidden:.2} s"), wanted));
                 }
             }
-            let offsets: Vec<_> = seen.iter().map(|(time, _)| between(&shown, *time)).collect();
-            for (frame, offset) in frames.iter_mut().zip(offsets) {
-                let from = match anchor {
-                    Anchor::World => Point3::origin(),
-                    Anchor::Pelvis => place(frame, MidHip),
-                    Anchor::Limb(near) => place(frame, near),
-                };
+            for (frame, (time, _)) in frames.iter_mut().zip(&seen) {
+                let at = anchor.place(frame) + between(&shown, *time);
                 if let Some(slot) = frame.get_mut(joint.index()) {
-                    *slot = from + offset;
+                    *slot = at;
                 }
             }
         }
@@ -261,6 +251,15 @@ impl Anchor {
             RightBigToe | RightSmallToe | RightHeel => Self::Limb(RightAnkle),
             LeftEye | RightEye | LeftEar | RightEar => Self::Limb(Nose),
             _ => Self::Pelvis,
+        }
+    }
+
+    /// Its place in a frame whose joints of lower order are known \[m\].
+    fn place(self, frame: &Joints) -> Point3<f64> {
+        match self {
+            Self::World => Point3::origin(),
+            Self::Pelvis => place(frame, MidHip),
+            Self::Limb(near) => place(frame, near),
         }
     }
 
