@@ -4,7 +4,6 @@ use std::{fmt, str::FromStr};
 
 use serde::{Deserialize, Serialize};
 
-use crate::action::Tool;
 use crate::error::Error;
 
 /// A surface of the object, one of the paper's two classes (Sec. "Surface Classification Model").
@@ -28,14 +27,6 @@ pub enum Surface {
 }
 
 impl Surface {
-    /// Returns the tool that works on this surface.
-    pub fn tool(self) -> Tool {
-        match self {
-            Self::Smooth => Tool::Polisher,
-            Self::Drilled => Tool::Drill,
-        }
-    }
-
     /// Returns `"smooth"` or `"drilled"`.
     pub fn name(self) -> &'static str {
         match self {

@@ -30,3 +30,13 @@ impl Tool {
         }
     }
 }
+
+impl Surface {
+    /// Returns the tool that works on this surface.
+    pub fn tool(self) -> Tool {
+        match self {
+            Self::Smooth => Tool::Polisher,
+            Self::Drilled => Tool::Drill,
+        }
+    }
+}

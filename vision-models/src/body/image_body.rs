@@ -2,7 +2,7 @@
 
 use nalgebra::{Point2, center};
 
-use super::{joint_layout::Middle, keypoints::Body25};
+use super::{body_25::Body25, middle::Middle};
 use crate::confidence::Confidence;
 
 /// Joint of a person in an image.

@@ -3,8 +3,9 @@
 use nalgebra::Point3;
 
 use super::{
+    body_25::Body25,
     image_body::{ImageBody, ImageKeypoint},
-    keypoints::Body25,
+    middle::Middle,
     observed::MetricBody,
 };
 
@@ -261,32 +262,6 @@ impl JointLayout {
             .into_iter()
             .filter(move |middle| self.joints().all(|(joint, _)| joint != middle.joint))
     }
-}
-
-/// Joint at the midpoint of two others.
-///
-/// ```
-/// use vision_models::{Body25, JointLayout, Middle};
-///
-/// let derived: Vec<_> = JointLayout::Coco18.derived().collect();
-/// assert_eq!(derived, [Middle::HIPS]);
-/// assert_eq!(Middle::HIPS.sides, [Body25::LeftHip, Body25::RightHip]);
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Middle {
-    /// Joint at the midpoint.
-    pub joint: Body25,
-    /// Joints on the left and on the right of it.
-    pub sides: [Body25; 2],
-}
-
-impl Middle {
-    /// The neck, between the shoulders.
-    pub const SHOULDERS: Self = Self { joint: Neck, sides: [LeftShoulder, RightShoulder] };
-    /// The mid hip, between the hips.
-    pub const HIPS: Self = Self { joint: MidHip, sides: [LeftHip, RightHip] };
-    /// The neck and the mid hip.
-    pub const ALL: [Self; 2] = [Self::SHOULDERS, Self::HIPS];
 }
 
 #[cfg(test)]

@@ -3,28 +3,14 @@
 use nalgebra::{Matrix3, Point3, Vector2, Vector3};
 
 use super::{
+    body_25::Body25,
     filter::{Measurement, Motion, PointFilter},
-    keypoints::{Body, Body25, Keypoint},
+    keypoints::{Body, Keypoint},
     seen::Seen,
     segment::{BodySegment, ENDS},
     settings::{ACQUIRE_FRAMES, moving, outlier_distance},
 };
 use crate::confidence::Confidence;
-
-/// Joints of the head and the trunk.
-pub(super) const TRUNK: [Body25; 11] = [
-    Body25::Nose,
-    Body25::Neck,
-    Body25::LeftShoulder,
-    Body25::RightShoulder,
-    Body25::MidHip,
-    Body25::LeftHip,
-    Body25::RightHip,
-    Body25::LeftEye,
-    Body25::RightEye,
-    Body25::LeftEar,
-    Body25::RightEar,
-];
 
 /// Longest time for which a joint is known without a measurement (s).
 const COAST: f64 = 0.2;

@@ -2,7 +2,7 @@
 
 use nalgebra::Point3;
 
-use super::{image_body::ImageBody, keypoints::Body25};
+use super::{body_25::Body25, image_body::ImageBody};
 
 /// A person's joints in metres from the middle of their hips, as a network sees them in an image: x to the right,
 /// y downwards, z away from the camera. The default has none.

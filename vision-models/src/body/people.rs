@@ -5,11 +5,12 @@ mod settings;
 
 use nalgebra::Vector2;
 
-pub use person::{PersonId, PersonTrack};
+pub use person::PersonTrack;
 pub use settings::PeopleSettings;
 
 use super::{
     keypoints::Body,
+    person_id::PersonId,
     seen::{Facing, Seen},
     settings::TrackerSettings,
     tracker::check_time,

@@ -2,7 +2,8 @@
 
 use nalgebra::Point3;
 
-use super::keypoints::{Body, Body25};
+use super::body_25::Body25;
+use super::keypoints::Body;
 use super::lengths::is_possible;
 use super::segment::ENDS;
 

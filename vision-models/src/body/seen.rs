@@ -3,8 +3,10 @@
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3, vector};
 
 use super::{
+    body_25::Body25,
     filter::{LASTING, Measurement},
-    keypoints::{Body, Body25},
+    heading::Heading,
+    keypoints::Body,
     lean::LeanInWorld,
     settings::{TrackerSettings, inflation},
 };
@@ -43,17 +45,6 @@ pub(super) struct Seen<'body> {
 pub(super) struct Joint {
     pub(super) position: Vector3<f64>,
     pub(super) covariance: Option<Matrix3<f64>>,
-}
-
-/// The heading in one frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Heading {
-    /// Angle in (-π, π] (rad).
-    pub(super) angle: f64,
-    /// Variance, if it is known (rad²).
-    pub(super) variance: Option<f64>,
-    /// Share of the variance that lasts.
-    pub(super) lasting: f64,
 }
 
 /// The known direction that a person faces.

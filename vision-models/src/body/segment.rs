@@ -1,6 +1,6 @@
 //! The segments of the body that keep their length in every posture.
 
-use super::keypoints::Body25;
+use super::body_25::Body25;
 
 /// A segment of the body. Segments with a left and a right side count as one.
 ///

@@ -1,11 +1,25 @@
 //! The parameters of the tracker.
 
+use super::body_25::Body25;
 use super::filter::{Measurement, Motion};
 use super::freshness::Freshness;
-use super::joints::TRUNK;
-use super::keypoints::Body25;
-use super::seen::Heading;
+use super::heading::Heading;
 use crate::error::Error;
+
+/// Joints of the head and the trunk.
+const TRUNK: [Body25; 11] = [
+    Body25::Nose,
+    Body25::Neck,
+    Body25::LeftShoulder,
+    Body25::RightShoulder,
+    Body25::MidHip,
+    Body25::LeftHip,
+    Body25::RightHip,
+    Body25::LeftEye,
+    Body25::RightEye,
+    Body25::LeftEar,
+    Body25::RightEar,
+];
 
 /// Spectral density of a walking person's acceleration (m²/s³), for gait up to 1.4 m/s.
 const WALKING: f64 = 0.53;

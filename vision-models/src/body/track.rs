@@ -5,7 +5,7 @@ use nalgebra::Vector2;
 use super::{
     filter::Measurement,
     freshness::Freshness,
-    seen::Heading,
+    heading::Heading,
     settings::{
         ACQUIRE_FRAMES, ACQUIRE_RADIUS, MAX_SPEED, TrackerSettings, jump_distance,
         outlier_distance, turning, walking,

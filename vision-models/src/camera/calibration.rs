@@ -3,6 +3,8 @@
 #[cfg(feature = "inference")]
 mod files;
 #[cfg(feature = "inference")]
+mod pose;
+#[cfg(feature = "inference")]
 mod qualisys;
 #[cfg(feature = "inference")]
 mod yaml;

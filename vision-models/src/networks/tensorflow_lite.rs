@@ -15,6 +15,7 @@ use crate::file::{in_file, read_bytes};
 use crate::weights::tensorflow_lite::is_tensorflow_lite;
 
 use lowering::Lowering;
+use operators::operate;
 use values::Shape;
 use weights::Weights;
 
@@ -87,7 +88,11 @@ impl TensorFlowLite {
     }
 
     fn of(file: Vec<u8>, kept: &[usize]) -> Result<Self, Error> {
-        let Lowering { graph, weights, input, outputs, .. } = Lowering::of(&file, kept)?;
+        let (mut lowering, needed) = Lowering::begin(&file, kept)?;
+        for (operator, _) in needed.into_iter().enumerate().filter(|(_, needed)| *needed) {
+            operate(&mut lowering, operator)?;
+        }
+        let Lowering { graph, weights, input, outputs, .. } = lowering.finish()?;
         Ok(Self { graph, weights: Weights::new(file, weights), input, outputs })
     }
 

@@ -3,9 +3,9 @@
 use nalgebra::{Point2, center};
 
 use crate::body::{
+    body_25::Body25,
     image_body::{ImageBody, ImageKeypoint},
     joint_layout::JointLayout,
-    keypoints::Body25,
 };
 
 /// Largest distance of neck and mid hip from the midpoints of shoulders and hips, as a share of the

@@ -2,10 +2,12 @@
 
 use nalgebra::Vector2;
 
+use super::super::body_25::Body25;
 use super::super::freshness::Freshness;
 use super::super::joints::{JointFilter, JointVelocity};
-use super::super::keypoints::{Body, Body25};
+use super::super::keypoints::Body;
 use super::super::lengths::{SegmentLength, StatureEstimate};
+use super::super::person_id::PersonId;
 use super::super::pose::TrackedPerson;
 use super::super::seen::Facing;
 use super::super::segment::BodySegment;
@@ -14,28 +16,6 @@ use super::super::tracker::BodyTracker;
 use crate::body::people::settings::PeopleSettings;
 use crate::error::Error;
 use crate::percept::Percept;
-
-/// The number of a tracked person. No number is used twice.
-///
-/// ```
-/// use vision_models::PersonId;
-///
-/// assert_eq!(PersonId::new(3).number(), 3);
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct PersonId(u64);
-
-impl PersonId {
-    /// Creates the id of a source that tracks people.
-    pub const fn new(number: u64) -> Self {
-        Self(number)
-    }
-
-    /// Returns the number that the source gave.
-    pub fn number(self) -> u64 {
-        self.0
-    }
-}
 
 /// Person among several who are followed: the track, the joints and the lengths of the segments.
 #[derive(Clone, Debug)]

@@ -11,7 +11,7 @@ use quick_xml::{
 
 use super::{
     CalibratedCamera,
-    files::{pose, refuse},
+    pose::{pose, refuse},
 };
 use crate::camera::{Distortion, Intrinsics};
 use crate::error::Error;

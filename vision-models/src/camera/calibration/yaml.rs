@@ -7,7 +7,7 @@ use saphyr_parser::{Event, Parser};
 
 use super::{
     CalibratedCamera,
-    files::{pose, refuse},
+    pose::{pose, refuse},
 };
 use crate::camera::{Distortion, Intrinsics};
 use crate::error::Error;

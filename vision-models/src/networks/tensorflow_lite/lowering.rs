@@ -10,7 +10,6 @@ use crate::error::Error;
 use crate::weights::tensorflow_lite::{Constant, Model};
 use crate::weights::{Budget, refused};
 
-use super::operators::operate;
 use super::values::{Known, Shape, Written, Zeros};
 use super::weights::{Source, Weight};
 
@@ -27,6 +26,8 @@ pub(super) struct Lowering<'a> {
     pub(super) weights: BTreeMap<String, Weight>,
     pub(super) input: Shape,
     pub(super) outputs: Vec<Shape>,
+    /// Tensors that become outputs, in order.
+    ends: Vec<usize>,
     /// The meaning of each tensor that is written.
     written: Vec<Option<Box<Written>>>,
     /// Number of reads of each tensor.
@@ -36,11 +37,12 @@ pub(super) struct Lowering<'a> {
 }
 
 impl<'a> Lowering<'a> {
-    /// Builds the graph for some outputs of a file, in this order. All outputs if none are given.
+    /// Begins the graph for some outputs of a file, in this order. All outputs if none are given. The flags are true for
+    /// the operators that the outputs need.
     ///
     /// # Errors
     /// [`Error::Checkpoint`] if the file is rejected.
-    pub(super) fn of(file: &'a [u8], kept: &[usize]) -> Result<Self, Error> {
+    pub(super) fn begin(file: &'a [u8], kept: &[usize]) -> Result<(Self, Vec<bool>), Error> {
         let model = Model::of(file)?;
         let length = file.len() as u64;
         model.pay(&mut Budget::of_graph(length))?;
@@ -79,20 +81,26 @@ impl<'a> Lowering<'a> {
             weights: BTreeMap::new(),
             input,
             outputs: Vec::new(),
+            ends,
             written: vec![None; reads.len()],
             reads,
             activations: 0,
         };
         lowering.write(image, Written::Activation(Known { value, shape: input }))?;
-        for (index, _) in needed.into_iter().enumerate().filter(|(_, needed)| *needed) {
-            operate(&mut lowering, index)?;
+        Ok((lowering, needed))
+    }
+
+    /// Ends the graph with its outputs.
+    ///
+    /// # Errors
+    /// [`Error::Checkpoint`] if no operator has written one of them.
+    pub(super) fn finish(mut self) -> Result<Self, Error> {
+        for end in std::mem::take(&mut self.ends) {
+            let Known { value, shape } = self.activation(end)?;
+            self.graph.output(value);
+            self.outputs.push(shape);
         }
-        for end in ends {
-            let Known { value, shape } = lowering.activation(end)?;
-            lowering.graph.output(value);
-            lowering.outputs.push(shape);
-        }
-        Ok(lowering)
+        Ok(self)
     }
 
     /// Records what an operator has written, if it agrees with the file.
