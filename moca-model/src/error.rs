@@ -5,7 +5,7 @@ use thiserror::Error;
 use vision_models::ImpossibleBody;
 use whole_body::{Base, Model};
 
-use crate::grasped_object::BoxSide;
+use crate::box_side::BoxSide;
 
 /// Error with its place, and what would be right.
 #[derive(Debug, Error)]

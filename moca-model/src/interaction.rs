@@ -2,7 +2,7 @@
 
 use vision_models::{Intention, Surface, WalkingDirection};
 
-use crate::grasped_object::BoxSide;
+use crate::box_side::BoxSide;
 
 /// The phase of the interaction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

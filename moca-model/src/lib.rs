@@ -57,6 +57,7 @@
 //!
 //! This is not safety-rated software.
 
+mod box_side;
 mod command;
 mod controller;
 mod dynamic_robot;
@@ -79,17 +80,17 @@ mod situation;
 mod stack;
 mod torque;
 
+pub use box_side::BoxSide;
 pub use command::{BaseMotion, Command, DriveReason, Outcome};
 pub use controller::Controller;
 pub use dynamic_robot::{DynamicRobot, DynamicRobotSettings};
 pub use error::Error;
 pub use following_error::FollowingErrorSettings;
-pub use grasped_object::{BoxSide, GraspedObject, HandSettings, WorkFace};
+pub use grasped_object::{GraspedObject, HandSettings, WorkFace};
 pub use gripping::GripTime;
 pub use intention::{IntentionFilter, IntentionSettings};
 pub use interaction::{Phase, Reason, Transition};
 pub use loop_controller::{Acknowledgement, LoopController};
-pub use motion_limits::MecanumBase;
 pub use nalgebra;
 pub use robot::kinematics::Kinematics;
 pub use robot::moca::{
@@ -99,11 +100,13 @@ pub use robot::moca::{
 pub use robot::moca_safety::moca_safety;
 pub use robot::self_collision::SelfCollisionLimit;
 pub use scene::Scene;
-pub use settings::{ControllerSettings, DesiredMotion, Goal, SpaceSettings};
+pub use settings::{
+    ControllerSettings, DesiredMotion, Goal, Levels, MecanumBase, PostureSettings, SpaceSettings,
+};
 pub use shared_space::SharedSpace;
 pub use simulation::SimulatedRobot;
 pub use situation::Situation;
-pub use stack::{CollaborationStack, Levels, PostureSettings};
+pub use stack::CollaborationStack;
 pub use torque::{AnswerDelay, TorqueController, TorqueLoopSettings};
 pub use vision_models::Intention;
 pub use whole_body;

@@ -1,6 +1,8 @@
 //! Thresholds and gains of the controller, with their defaults.
 
+mod mecanum_base;
 mod other_robot;
+mod stack;
 
 use ahqp_core::{Budget, Stacking};
 use ergo_map::{Person, Region, Side};
@@ -12,10 +14,10 @@ use crate::error::{Error, check_not_negative, check_positive, check_settings};
 use crate::following_error::FollowingErrorSettings;
 use crate::grasped_object::HandSettings;
 use crate::intention::IntentionSettings;
-use crate::motion_limits::MecanumBase;
 use crate::robot::moca::{MOCA_BASE_JOINTS, MOCA_HOME, MOCA_TOOL};
 use crate::robot::moca_safety::moca_safety;
-use crate::stack::{Levels, PostureSettings};
+pub use mecanum_base::MecanumBase;
+pub use stack::{Levels, PostureSettings};
 
 /// Largest gain \[1/s\]. Above it a tracking error would overshoot within a period, at any usual period.
 const HIGHEST_GAIN: f64 = 1e3;

@@ -2,7 +2,6 @@
 //! ergonomics or its benchmark), and a posture for what is left.
 
 mod goal;
-mod settings;
 
 use ahqp_core::{AugmentedState, Budget, Hierarchy, Rows, Settings, Solution, VelocityInterval};
 use hrsw::{SoftWorkspace, Softening, Workspace};
@@ -12,14 +11,12 @@ use whole_body::stack::{TaskId, TaskLevel, TaskStack};
 use whole_body::tasks::{AugmentedFrameTask, RowBlock, VariableLayout, VelocityTask};
 
 use crate::error::Error;
-use crate::motion_limits::MecanumBase;
 use crate::robot::kinematics::Kinematics;
 use crate::robot::moca::MOCA_BASE_JOINTS;
-use crate::settings::ControllerSettings;
+use crate::settings::{ControllerSettings, Levels, MecanumBase};
 use crate::shared_space::POSITION_ROWS;
 use goal::GoalTask;
 pub(crate) use goal::GoalTerms;
-pub use settings::{Levels, PostureSettings};
 
 /// Weights of a change of velocity against the posture in the last level, for the joints of the base and the others.
 /// Motions that no other level decides then change over some tens of ticks.

@@ -15,8 +15,7 @@ use crate::motion_limits::{
 };
 use crate::robot::kinematics::Kinematics;
 use crate::robot::moca::MOCA_BASE_JOINTS;
-use crate::settings::ControllerSettings;
-use crate::stack::Levels;
+use crate::settings::{ControllerSettings, Levels};
 
 /// Time in which the robot slows down while nothing is seen, and speeds up again \[s\].
 const SLOWS_OVER: f64 = 0.5;

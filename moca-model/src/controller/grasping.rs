@@ -5,8 +5,9 @@ use nalgebra::Vector3;
 use super::Controller;
 use super::looking::SeenSurface;
 use super::turning::HandTurn;
+use crate::box_side::BoxSide;
 use crate::error::Error;
-use crate::grasped_object::{BoxSide, GraspedObject};
+use crate::grasped_object::GraspedObject;
 
 /// Assumed speed of the person's hand when the hand tool changes \[m/s\], a slow reach.
 const HAND_SPEED: f64 = 0.25;

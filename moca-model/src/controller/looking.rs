@@ -4,8 +4,8 @@ use nalgebra::{UnitQuaternion, Vector3};
 use vision_models::{Percept, Surface};
 
 use super::Controller;
+use crate::box_side::BoxSide;
 use crate::error::Error;
-use crate::grasped_object::BoxSide;
 use crate::interaction::{Phase, Sight};
 
 /// Least cosine of the angle between a side's normal and the direction to the camera at which the side faces the

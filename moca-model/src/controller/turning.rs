@@ -6,8 +6,8 @@ use nalgebra::{Unit, UnitQuaternion, Vector3};
 use vision_models::Intention;
 
 use super::Controller;
+use crate::box_side::BoxSide;
 use crate::error::Error;
-use crate::grasped_object::BoxSide;
 use crate::interaction::{Conditions, Phase, advance};
 
 /// Distance of the desired pose from the shared workspace up to which it counts as within \[m or rad\].

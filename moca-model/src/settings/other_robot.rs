@@ -4,9 +4,8 @@ use hrsw_safety::{BaseBraking, SafetySettings, SeparationSettings};
 use whole_body::torque::Compensation;
 use whole_body::{Base, Model};
 
-use super::ControllerSettings;
+use super::{ControllerSettings, PostureSettings};
 use crate::robot::moca::MOCA_BASE_JOINTS;
-use crate::stack::PostureSettings;
 use crate::torque::TorqueLoopSettings;
 
 /// Deceleration of a planar base that safety relies on \[m/s²\].

@@ -12,6 +12,7 @@ pub(crate) mod friction;
 mod inertia;
 pub(crate) mod joint;
 mod limit_rules;
+mod limit_sources;
 pub(crate) mod limits;
 pub(crate) mod model;
 mod reading;

@@ -4,6 +4,7 @@ pub(crate) mod contact_force;
 pub(crate) mod control;
 pub(crate) mod delay_probe;
 pub(crate) mod impedance;
+mod joints;
 pub(crate) mod law;
 pub(crate) mod measurement_watch;
 pub(crate) mod momentum_observer;

@@ -4,6 +4,7 @@ pub(crate) mod heading;
 
 use ahqp_core::{AcceleratedState, JerkLimits, Limits, VelocityInterval};
 
+use super::limit_kind::{End, LimitKind};
 use crate::error::Error;
 use crate::robot::limits::JointLimits;
 use crate::robot::model::Model;
@@ -68,21 +69,6 @@ impl Joint {
         let (down, up) = (position - limits.lower(), limits.upper() - position);
         [down + velocity.min(0.0) * period, up - velocity.max(0.0) * period]
     }
-}
-
-/// A limit of one joint.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum LimitKind {
-    /// The position limit, with room to brake in front of it.
-    Position,
-    /// The velocity limit.
-    Velocity,
-    /// The acceleration limit.
-    Acceleration,
-    /// The jerk limit.
-    Jerk,
-    /// A limit of the caller's beside those of the robot.
-    Caller,
 }
 
 impl JointIntervals {
@@ -206,24 +192,6 @@ impl JointIntervals {
             LimitKind::Position
         } else {
             LimitKind::Caller
-        }
-    }
-}
-
-/// One end of an interval.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum End {
-    /// The lower end.
-    Lower,
-    /// The upper end.
-    Upper,
-}
-
-impl End {
-    pub(crate) fn of(self, interval: &VelocityInterval) -> f64 {
-        match self {
-            Self::Lower => interval.lower,
-            Self::Upper => interval.upper,
         }
     }
 }

@@ -5,16 +5,7 @@ use super::joint::MimicJoint;
 use super::limits::{JointLimits, MissingAcceleration};
 use super::model::Model;
 use super::warning::Warning;
-use crate::limits::joint_intervals::{End, LimitKind};
-
-/// The mimic joints whose limits are in force for an entry of q̇, by their indices.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct LimitSources {
-    position: [Option<usize>; 2],
-    velocity: Option<usize>,
-    acceleration: Option<usize>,
-    jerk: Option<usize>,
-}
+use crate::limits::limit_kind::{End, LimitKind};
 
 impl Model {
     /// Narrows the limits of a joint so that the mimic joint which follows it stays within its own limits.

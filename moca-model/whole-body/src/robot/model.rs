@@ -7,10 +7,10 @@ use nalgebra::Vector3;
 
 use super::bodies::Mover;
 use super::description::Base;
-use super::followers::LimitSources;
 use super::frame::{Frame, FrameId};
 use super::friction::JointFriction;
 use super::joint::{Joint, JointId, JointKind, MimicJoint};
+use super::limit_sources::LimitSources;
 use super::limits::JointLimits;
 use super::warning::Warning;
 use crate::error::Error;

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Matrix6xX, Vector3};
 
-use super::control::joints;
+use super::joints::joints;
 use crate::error::{Error, check_size};
 use crate::kinematics::jacobian::Axes;
 use crate::robot::frame::FrameId;

@@ -5,7 +5,6 @@ use super::law::{TorqueLaw, TorqueSettings};
 use super::measurement_watch::MeasurementFault;
 use super::resynchronisation::{Following, Resynchronisation};
 use crate::error::{Error, check_finite};
-use crate::robot::joint::JointKind;
 use crate::robot::model::Model;
 
 /// Largest following error of a joint \[rad or m\].
@@ -163,22 +162,4 @@ impl TorqueControl {
         self.resynchronisation.resynchronise();
         self.following = Following::Resynchronising;
     }
-}
-
-/// Returns the entries of q and q̇ of joints by name, in the order of q.
-pub(crate) fn joints(model: &Model, names: &[String]) -> Result<Vec<(usize, usize)>, Error> {
-    let mut ids: Vec<_> = model.joint_ids().collect();
-    if !names.is_empty() {
-        let named: Vec<_> =
-            names.iter().map(|name| model.joint_id(name)).collect::<Result<_, _>>()?;
-        ids.retain(|id| named.contains(id));
-    }
-    let joints = ids.into_iter().map(|id| {
-        let joint = model.joint(id)?;
-        if joint.kind == JointKind::Floating {
-            return Err(Error::floating_joint(&joint.name));
-        }
-        Ok((joint.position_index, joint.velocity_index))
-    });
-    joints.collect()
 }

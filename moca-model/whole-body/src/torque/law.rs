@@ -1,7 +1,7 @@
 //! The torque law: springs and dampers on a predicted state, and the torques that support the robot.
 
-use super::control::joints;
 use super::impedance::{ImpedanceSettings, JointImpedance, JointState};
+use super::joints::joints;
 use super::measurement_watch::{MeasurementFault, MeasurementWatch};
 use super::prediction::StatePrediction;
 use super::support::{Compensation, SupportTorque, SupportedMotion};

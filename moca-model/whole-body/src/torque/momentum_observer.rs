@@ -1,6 +1,6 @@
 //! Estimation of external torques from a robot's motion and its motors' torques.
 
-use super::control::joints;
+use super::joints::joints;
 use crate::error::{Error, check_size};
 use crate::robot::model::Model;
 use crate::state::moving::Moving;

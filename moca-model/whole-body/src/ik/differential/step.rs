@@ -6,7 +6,8 @@ use ahqp_core::{Rows, Status};
 
 use super::Ik;
 use crate::error::Error;
-use crate::limits::joint_intervals::{End, Last, LimitKind};
+use crate::limits::joint_intervals::Last;
+use crate::limits::limit_kind::{End, LimitKind};
 use crate::stack::task_level::TaskId;
 
 /// The velocity of one step, and what limited it.

@@ -31,7 +31,7 @@ pub enum Levels {
 }
 
 impl PostureSettings {
-    pub(super) fn check(&self, joints: usize) -> Result<(), Error> {
+    pub(crate) fn check(&self, joints: usize) -> Result<(), Error> {
         for (what, values) in [
             ("posture.configuration", &self.configuration),
             ("posture.gain", &self.gain),
@@ -46,7 +46,7 @@ impl PostureSettings {
     }
 
     /// wᵢ q̇ᵢ = wᵢ gainᵢ (goalᵢ − qᵢ).
-    pub(super) fn task(&self) -> Result<PostureTask, Error> {
+    pub(crate) fn task(&self) -> Result<PostureTask, Error> {
         let squares: Vec<f64> = self.weight.iter().map(|weight| weight * weight).collect();
         // The joints' limits alone decide how fast they return to the goal.
         let feedback = Feedback { deceleration: f64::INFINITY, ..Feedback::JOINT };
