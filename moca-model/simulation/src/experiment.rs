@@ -13,6 +13,7 @@
 
 mod cases;
 mod chart;
+mod conditions;
 mod distance;
 pub mod following;
 mod job;
@@ -28,8 +29,9 @@ mod versus;
 mod walk;
 
 pub use cases::{generator, play_all};
+pub use conditions::Conditions;
 pub use distance::{DistanceError, DistanceMonitor, FollowingDistance};
-pub use job::{Conditions, Experiment, Job};
+pub use job::{Experiment, Job};
 pub use player::{Player, ShownRun};
 pub use recorded::{Needs, Recorded};
 pub use shown::Shown;

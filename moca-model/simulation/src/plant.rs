@@ -36,7 +36,7 @@ use rand_distr::StandardNormal;
 use serde::{Deserialize, Serialize};
 use vision_models::{Body, Percept};
 
-use crate::Error;
+use crate::error::Error;
 use crate::judges::TorqueMonitor;
 
 /// The robot's dynamics.

@@ -18,6 +18,7 @@
 
 mod disturbance;
 mod episode;
+mod episode_result;
 mod monitor;
 mod movements;
 mod run;
@@ -27,8 +28,9 @@ mod tick_times;
 mod witnessed;
 
 pub use disturbance::{Disturbance, Endings, StateCounts};
+pub use episode_result::EpisodeResult;
 pub use monitor::{Counts, Monitor, Tick};
 pub use movements::{MovementResult, MovementResults, Movements};
-pub use run::{EpisodePlan, EpisodeResult, Soak};
+pub use run::{EpisodePlan, Soak};
 pub use summary::Summary;
 pub use tick_times::TickTimes;

@@ -10,6 +10,11 @@ const GRIP: f64 = 0.055;
 /// Share of its length to which an arm is stretched, since it is not locked.
 pub(super) const STRETCHED: f64 = 0.99;
 
+/// Direction in which the elbow hangs, in the person's frame; 1 is left and −1 right.
+pub(super) fn elbow_side(side: f64) -> Vector3<f64> {
+    Vector3::new(-0.3, 0.4 * side, -1.0)
+}
+
 /// An arm from the shoulder to the centre of the grip, with a straight wrist.
 ///
 /// ```

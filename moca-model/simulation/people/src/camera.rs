@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use vision_models::{Body, Body25, Confidence, Keypoint};
 
-use super::person::Joints;
+use super::joints::Joints;
 
 /// Place of the camera in the world \[m\], at the height of HRI30's, looking at the workplace.
 const EYE: Point3<f64> = Point3::new(0.3, 1.8, 2.3);

@@ -12,17 +12,9 @@ use vision_models::Body25::{
 };
 use vision_models::{Body, Body25};
 
-use super::person::Joints;
-use crate::Error;
-
-/// Motions that are built in, with their names.
-const BUILT_IN: [(&str, &str); 5] = [
-    ("walk", include_str!("../motions/walk.jsonl")),
-    ("balance", include_str!("../motions/balance.jsonl")),
-    ("punch", include_str!("../motions/punch.jsonl")),
-    ("dance", include_str!("../motions/dance.jsonl")),
-    ("get-up", include_str!("../motions/get-up.jsonl")),
-];
+use super::built_in::{BUILT_IN, NAMES};
+use super::joints::Joints;
+use crate::error::Error;
 
 /// Joints of less confidence count as hidden.
 const CERTAIN: f64 = 0.5;
@@ -59,10 +51,7 @@ pub struct CapturedMotion {
 
 impl CapturedMotion {
     /// Names of the motions that are built in: gait, balancing on a beam, punches, dancing, and getting up from the floor.
-    pub const NAMES: [&str; 5] = {
-        let [(a, _), (b, _), (c, _), (d, _), (e, _)] = BUILT_IN;
-        [a, b, c, d, e]
-    };
+    pub const NAMES: [&str; 5] = NAMES;
 
     /// Returns a motion that is built in.
     ///

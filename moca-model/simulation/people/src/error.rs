@@ -2,6 +2,8 @@
 
 use std::{io, path::PathBuf};
 
+use super::built_in::NAMES;
+
 /// Reason why a person cannot be simulated: the fault, its place, and what would be right.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -40,7 +42,7 @@ pub enum Error {
         text: String,
     },
     /// A motion has no such name.
-    #[error("motion \"{name}\": give {}, or a recording of a person", super::CapturedMotion::NAMES.join(", "))]
+    #[error("motion \"{name}\": give {}, or a recording of a person", NAMES.join(", "))]
     MotionName {
         /// The name.
         name: String,

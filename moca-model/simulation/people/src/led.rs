@@ -9,7 +9,7 @@ use super::activity::Activity;
 use super::motion::{Gait, Goal};
 use super::movement::Movement;
 use super::person::Person;
-use crate::Error;
+use crate::error::Error;
 
 /// Slower than this they stand, and may begin a movement on the spot (m/s).
 const STANDING: f64 = 0.05;

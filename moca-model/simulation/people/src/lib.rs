@@ -26,9 +26,12 @@
 
 mod activity;
 mod arm;
+mod built_in;
 mod camera;
 mod captured;
 mod error;
+mod generator;
+mod joints;
 mod led;
 mod motion;
 mod movement;
@@ -48,30 +51,17 @@ pub use arm::Arm;
 pub use camera::CameraSettings;
 pub use captured::CapturedMotion;
 pub use error::Error;
+pub use generator::generator;
+pub use joints::Joints;
 pub use led::{Facing, Lead, LedPerson, Reach, Way, Workplace};
 pub use motion::Gait;
 pub use movement::Movement;
 pub use path::{WalkingPath, Waypoint};
 pub use perception::{FRAME_RATE, Perception};
-pub use person::{Joints, Person};
+pub use person::Person;
 pub use settings::{Occupation, WalkerSettings};
 pub use transport::Transport;
 pub use walker::{Truth, Walker};
 pub use wanderer::Wanderer;
 // Crates of the types in the public interface.
 pub use {rand_chacha, vision_models};
-
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
-
-/// Returns one of a seed's independent streams of random numbers, for a camera, a recogniser or a mind.
-///
-/// ```
-/// assert_eq!(simulated_people::generator(1, 0), simulated_people::generator(1, 0));
-/// assert_ne!(simulated_people::generator(1, 0), simulated_people::generator(1, 1));
-/// ```
-pub fn generator(seed: u64, stream: u64) -> ChaCha8Rng {
-    let mut generator = ChaCha8Rng::seed_from_u64(seed);
-    generator.set_stream(stream);
-    generator
-}

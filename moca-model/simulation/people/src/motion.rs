@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Point2, Rotation2, Vector2, Vector3};
 
+use super::arm::elbow_side;
 use super::movement::Moving;
-use super::skeleton::elbow_side;
 
 /// Duration of two steps \[s\].
 const STRIDE_TIME: f64 = 1.3;

@@ -1,7 +1,7 @@
 //! Paths along which the person leads the robot.
 
 use std::{
-    f64::consts::TAU,
+    f64::consts::{PI, TAU},
     fs::File,
     io::{self, Read},
     path::Path,
@@ -12,11 +12,13 @@ use nalgebra::{Point2, Rotation2, Vector2};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 
-use super::script::TOWARDS_ROBOT;
-use crate::Error;
+use crate::error::Error;
 
 /// Place where the person receives the robot and works first, in the world \[m\].
 pub(super) const WORKPLACE: Point2<f64> = Point2::new(1.4, 0.0);
+
+/// Heading that faces the robot's first place \[rad\].
+pub(super) const TOWARDS_ROBOT: f64 = PI;
 
 /// Time for which the person works at a waypoint of a list \[s\].
 const DWELL: f64 = 3.0;

@@ -7,14 +7,12 @@ use rand_chacha::ChaCha8Rng;
 use vision_models::{Action, Body25};
 
 use super::activity::Activity;
-use super::arm::Arm;
+use super::arm::{Arm, elbow_side};
 use super::captured::{CapturedMotion, Performance};
+use super::joints::Joints;
 use super::motion::{Gait, Goal, Motion};
 use super::movement::Movement;
 use super::skeleton;
-
-/// The joints of `BODY_25` in the world (m).
-pub type Joints = [Point3<f64>; Body25::COUNT];
 
 /// A person's place, motion and activity.
 #[derive(Clone, Debug)]
@@ -119,7 +117,7 @@ impl Person {
     /// Bends the elbows to the side to which they hang, from where they were `bent`, for `dt` \[s\]. The elbow of a hand
     /// near that direction would otherwise swing faster than people do.
     fn turn_elbows(&mut self, bent: &[[Option<Vector3<f64>>; 2]; 2], dt: f64) {
-        self.motion.elbows = [1.0, -1.0].map(skeleton::elbow_side);
+        self.motion.elbows = [1.0, -1.0].map(elbow_side);
         let wanted = self.bent_elbows();
         for ((elbow, [before, _]), [wanted, axis]) in
             self.motion.elbows.iter_mut().zip(bent).zip(wanted)
@@ -338,7 +336,7 @@ mod tests {
         let goal = Goal { floor, heading: 0.0, speed: 0.5, stop: true };
         let mut person = Person::standing(1.75, floor, 0.0, Gait::NATURAL, works);
         let shoulder = person.right_shoulder();
-        let hanging = skeleton::elbow_side(-1.0).normalize() * 0.35;
+        let hanging = elbow_side(-1.0).normalize() * 0.35;
         let across = hanging.cross(&Vector3::z()).normalize();
         let (mut fastest, mut farthest) = (0.0_f64, 0.0_f64);
         for tick in 0..6000 {
@@ -369,7 +367,7 @@ mod tests {
         for turn in 0..40 {
             let angle = f64::from(turn) * 3.35;
             let across = Vector3::new(angle.cos(), angle.sin(), 0.0) * 0.25;
-            let object = shoulder + across + skeleton::elbow_side(-1.0).normalize() * 0.35;
+            let object = shoulder + across + elbow_side(-1.0).normalize() * 0.35;
             for _ in 0..5000 {
                 let before = person.arms();
                 person.reach_for(Some(&object));

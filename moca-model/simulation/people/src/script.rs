@@ -2,18 +2,16 @@
 
 use std::{collections::VecDeque, f64::consts::PI};
 
-use super::{
-    Occupation, WalkerSettings, Waypoint, activity::Activity, motion::Goal, path::WORKPLACE,
-    person::Person,
-};
+use super::activity::Activity;
+use super::motion::Goal;
+use super::path::{TOWARDS_ROBOT, WORKPLACE, Waypoint};
+use super::person::Person;
+use super::settings::{Occupation, WalkerSettings};
 use nalgebra::{Point2, Vector2};
 use rand_chacha::ChaCha8Rng;
 
 /// First place of the person in the world \[m\].
 pub(super) const START: Point2<f64> = Point2::new(3.2, 0.0);
-
-/// Heading that faces the robot's first place \[rad\].
-pub(super) const TOWARDS_ROBOT: f64 = PI;
 
 /// Default speed of coming and going \[m/s\].
 const WALKING_SPEED: f64 = 0.8;

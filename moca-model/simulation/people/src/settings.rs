@@ -4,8 +4,11 @@ use std::sync::Arc;
 
 use vision_models::Tool;
 
-use super::{CameraSettings, CapturedMotion, Movement, WalkingPath};
-use crate::Error;
+use super::camera::CameraSettings;
+use super::captured::CapturedMotion;
+use super::movement::Movement;
+use super::path::WalkingPath;
+use crate::error::Error;
 
 /// The person's purpose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

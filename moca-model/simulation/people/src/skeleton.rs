@@ -7,8 +7,8 @@ use nalgebra::{Isometry3, Point3, Rotation3, Translation3, UnitQuaternion, Vecto
 use vision_models::Body25;
 
 use super::arm::{FOREARM, STRETCHED, UPPER_ARM, bend};
+use super::joints::Joints;
 use super::motion::Motion;
-use super::person::Joints;
 
 const ANKLE_HEIGHT: f64 = 0.039;
 const SHANK: f64 = 0.285 - 0.039;
@@ -117,11 +117,6 @@ pub(super) fn carried(motion: &Motion) -> Vector3<f64> {
     let posture = motion.moving.posture();
     let bent = trunk(motion.lean() + posture.lean, posture.aside) - trunk(motion.lean(), 0.0);
     bent - Vector3::new(posture.back, 0.0, posture.drop)
-}
-
-/// Direction in which the elbow hangs, in the person's frame; 1 is left and −1 right.
-pub(super) fn elbow_side(side: f64) -> Vector3<f64> {
-    Vector3::new(-0.3, 0.4 * side, -1.0)
 }
 
 /// The joints of one side.

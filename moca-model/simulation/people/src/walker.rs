@@ -9,13 +9,14 @@ use vision_models::{Action, Percept, PersonId, Tool};
 
 use super::activity::Activity;
 use super::camera::CameraSettings;
+use super::joints::Joints;
 use super::motion::Gait;
-use super::path::WalkingPath;
+use super::path::{TOWARDS_ROBOT, WalkingPath};
 use super::perception::{FRAME_RATE, Perception};
-use super::person::{Joints, Person};
+use super::person::Person;
 use super::script::{self, Script};
 use super::settings::{Occupation, WalkerSettings};
-use crate::Error;
+use crate::error::Error;
 use percept_recording::Header;
 
 /// The simulated person and camera: an iterator over the camera's percepts.
@@ -111,13 +112,9 @@ impl Walker {
         };
         let person = match &settings.motion {
             Some(motion) => Person::performing(Arc::clone(motion), activity),
-            None => Person::standing(
-                settings.stature,
-                script::START,
-                script::TOWARDS_ROBOT,
-                gait,
-                activity,
-            ),
+            None => {
+                Person::standing(settings.stature, script::START, TOWARDS_ROBOT, gait, activity)
+            }
         };
         settings.stature = person.stature();
         Self {
@@ -238,5 +235,5 @@ enum Stream {
 }
 
 fn generator(seed: u64, stream: Stream) -> ChaCha8Rng {
-    crate::generator(seed, stream as u64)
+    crate::generator::generator(seed, stream as u64)
 }

@@ -7,7 +7,7 @@ use human_perception::random;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
-use crate::Error;
+use crate::error::Error;
 
 /// First random stream, apart from those of people, cameras and robots.
 const STREAM: u64 = 1000;

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use plotters::{coord::Shift, prelude::*};
 
-use crate::Error;
+use crate::error::Error;
 
 const SIZE: (u32, u32) = (520, 420);
 const LEGEND_HEIGHT: u32 = 34;

@@ -6,8 +6,8 @@ use moca_model::{ControllerSettings, SharedSpace};
 use nalgebra::{Rotation2, Vector2};
 use serde::{Deserialize, Serialize};
 
-use crate::people::Truth;
 use moca_replay::report::TickRow;
+use simulated_people::Truth;
 
 /// Time after the last change of velocity from which on a person counts as standing or walking evenly \[s\].
 const SETTLE: f64 = 2.0;

@@ -7,31 +7,10 @@ use ergo_map::ErgonomicsMap;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
+use super::conditions::Conditions;
 use super::player::Player;
 use super::recorded::{Needs, Recorded};
-use super::sight::Sight;
-use crate::Error;
-use crate::plant::Drive;
-use crate::run::Scenario;
-
-/// Conditions that all cases of an experiment share.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Conditions {
-    /// The robot's dynamics.
-    pub drive: Drive,
-    /// Perception of the person by the robot.
-    pub sight: Sight,
-    /// True if the robot has the paper's own controller.
-    #[serde(default)]
-    pub paper: bool,
-}
-
-impl Conditions {
-    /// Sets the controller of a scenario.
-    pub(super) fn control(self, scenario: Scenario) -> Scenario {
-        if self.paper { scenario.as_in_paper() } else { scenario }
-    }
-}
+use crate::error::Error;
 
 /// A job: everything that the results depend on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

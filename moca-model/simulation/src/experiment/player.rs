@@ -7,7 +7,7 @@ use moca_model::{Goal, MOCA_URDF};
 use moca_replay::recorded::Replay;
 use moca_replay::report::TickRow;
 
-use crate::Error;
+use crate::error::Error;
 use crate::plant::Plant;
 use crate::run::{Run, Scenario, Summary};
 

@@ -1,13 +1,13 @@
 //! Recordings of people in place of simulated ones.
 
 use percept_recording::{Recording, arrivals};
+use simulated_people::Truth;
 use vision_models::{
     Action, BodyTracker, Percept, RecognisedAction, Surface, Tool, TrackerSettings,
 };
 
 use super::walk::Walk;
-use crate::Error;
-use crate::people::Truth;
+use crate::error::Error;
 
 /// Contents that a recording must have besides joints and tools.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

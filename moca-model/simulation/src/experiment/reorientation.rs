@@ -10,19 +10,20 @@ use moca_model::Goal;
 use nalgebra::Point2;
 use rand::Rng;
 use serde::{Deserialize, Serialize};
+use simulated_people::{WalkerSettings, WalkingPath};
 use vision_models::Surface;
 
 use super::cases::generator;
 use super::chart::{Panel, Series, Style, chart};
-use super::job::{Conditions, Experiment, Job};
+use super::conditions::Conditions;
+use super::job::{Experiment, Job};
 use super::player::Player;
 use super::recorded::{Needs, Recorded};
 use super::source::Source;
 use super::spread::Spread;
 use super::versus::Versus;
 use super::walk::ARM_SPEED;
-use crate::Error;
-use crate::people::{WalkerSettings, WalkingPath};
+use crate::error::Error;
 use crate::run::Summary;
 pub use judge::{Judge, Turn};
 

@@ -5,7 +5,7 @@ use moca_replay::recorded::ReplayError;
 use serde::Serialize;
 
 use super::player::ShownRun;
-use crate::Error;
+use crate::error::Error;
 use crate::run::Comparison;
 
 /// The runs of a case, and their results.

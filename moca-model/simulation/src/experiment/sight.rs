@@ -2,10 +2,10 @@
 
 use human_perception::percepts::{Perceiver, PerceiverSettings};
 use serde::{Deserialize, Serialize};
+use simulated_people::WalkerSettings;
 use vision_models::{Body, Percept};
 
-use crate::Error;
-use crate::people::WalkerSettings;
+use crate::error::Error;
 use crate::rendering::{Film, Viewpoint};
 
 /// Width and height of the frames.

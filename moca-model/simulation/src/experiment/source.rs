@@ -2,13 +2,13 @@
 
 use std::sync::Arc;
 
+use simulated_people::WalkerSettings;
 use vision_models::Tool;
 
 use super::recorded::Recorded;
 use super::sight::Sight;
 use super::walk::Walk;
-use crate::Error;
-use crate::people::WalkerSettings;
+use crate::error::Error;
 
 /// A simulated or recorded person.
 #[derive(Clone, Debug, PartialEq)]

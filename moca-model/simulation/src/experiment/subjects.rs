@@ -7,18 +7,19 @@ use ergo_map::{ErgonomicsMap, Person};
 use moca_model::{Goal, SpaceSettings};
 use rand::Rng;
 use serde::{Deserialize, Serialize};
+use simulated_people::{WalkerSettings, WalkingPath};
 use vision_models::Tool;
 
 use super::cases::generator;
 use super::chart::{Panel, Series, Style, chart};
-use super::job::{Conditions, Experiment, Job};
+use super::conditions::Conditions;
+use super::job::{Experiment, Job};
 use super::player::Player;
 use super::recorded::{Needs, Recorded};
 use super::source::Source;
 use super::spread::{Duel, Spread};
 use super::walk::{ARM_SPEED, FIT};
-use crate::Error;
-use crate::people::{WalkerSettings, WalkingPath};
+use crate::error::Error;
 use crate::run::Summary;
 
 /// Number of people.

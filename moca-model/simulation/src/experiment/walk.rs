@@ -5,12 +5,12 @@ use human_perception::random;
 use moca_model::MOCA_HOME;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
+use simulated_people::{Transport, Truth, Walker, WalkerSettings};
 use vision_models::{Body, Percept};
 
-use super::job::Conditions;
+use super::conditions::Conditions;
 use super::sight::{FilmedPerson, Sight};
-use crate::Error;
-use crate::people::{Transport, Truth, Walker, WalkerSettings};
+use crate::error::Error;
 use crate::run::{Scenario, TrueMotion};
 
 /// Options by which maps are fitted: only good postures count. The default also weighs poorer ones. The optimum then

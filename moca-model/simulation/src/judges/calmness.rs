@@ -7,9 +7,8 @@ use moca_model::Command;
 use moca_model::whole_body::Model;
 use nalgebra::{Point3, Vector2, Vector3};
 use serde::{Deserialize, Serialize};
+use simulated_people::Joints;
 use vision_models::Body25;
-
-use crate::people::Joints;
 
 /// Sampling period of the person's motion \[s\].
 const STEP: f64 = 0.05;

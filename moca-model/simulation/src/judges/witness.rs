@@ -3,9 +3,9 @@
 use std::collections::VecDeque;
 
 use nalgebra::Isometry3;
+use simulated_people::Joints;
 
 use super::Moment;
-use crate::people::Joints;
 
 /// A person, tick by tick.
 #[derive(Clone, Debug, Default)]

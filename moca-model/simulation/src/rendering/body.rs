@@ -1,13 +1,13 @@
 //! The capsules of the person.
 
 use nalgebra::{Point3, Vector3};
+use simulated_people::Joints;
 use vision_models::Body25;
 
 use super::{
     appearance::{Appearance, Colour},
     shape::Capsule,
 };
-use crate::people::Joints;
 
 /// The covering of a segment.
 #[derive(Clone, Copy, Debug)]

@@ -2,8 +2,10 @@
 
 use human_perception::frames::FrameEntry;
 use human_perception::random;
+use percept_recording::Header;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
+use simulated_people::{FRAME_RATE, Walker, WalkerSettings};
 use vision_models::{
     Action, Body, Camera, Confidence, DepthImage, ImageBody, Keypoint, Percept, RecognisedAction,
     RecognisedSurface,
@@ -18,9 +20,7 @@ use super::{
     skeleton::{PoseEstimator, SkeletonSettings},
     view::{self, Viewpoint},
 };
-use crate::Error;
-use crate::people::{FRAME_RATE, Walker, WalkerSettings};
-use percept_recording::Header;
+use crate::error::Error;
 
 /// Random streams besides those of the walker.
 const SENSOR: u64 = 100;

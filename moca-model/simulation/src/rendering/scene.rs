@@ -1,6 +1,7 @@
 //! The scene in front of the camera.
 
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
+use simulated_people::Joints;
 use vision_models::{Action, Body25, Camera, Surface};
 
 use super::{
@@ -8,7 +9,6 @@ use super::{
     body,
     shape::{Capsule, Hit, TexturedBox, plane},
 };
-use crate::people::Joints;
 
 /// Walls behind the person, in the world \[m\].
 const WALL_PLACES: [(Point3<f64>, Vector3<f64>); 2] = [

@@ -5,10 +5,10 @@ use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde_json::json;
+use simulated_people::Joints;
 use vision_models::{Body25, Camera, Confidence, ImageBody, ImageKeypoint};
 
 use super::image::RenderedImage;
-use crate::people::Joints;
 
 /// Distance in front of a joint beyond which a surface hides it \[m\]: more than flesh and clothes.
 const HIDDEN: f64 = 0.17;

@@ -7,7 +7,7 @@ use moca_replay::recorded::ReplayError;
 use serde::{Serialize, Serializer};
 
 use super::summary::Summary;
-use crate::Error;
+use crate::error::Error;
 use crate::judges::Calmness;
 
 /// Results with and without ergonomics.

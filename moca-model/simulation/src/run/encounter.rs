@@ -7,7 +7,7 @@ use vision_models::Percept;
 use super::on_board::{OnBoardEye, RobotView};
 use super::scenario::{Delivery, Scenario};
 use super::working_hand::WorkingHand;
-use crate::Error;
+use crate::error::Error;
 
 /// Random stream of the on-board camera, the same in all runs.
 const SEED: u64 = 1;

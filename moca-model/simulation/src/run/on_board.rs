@@ -7,7 +7,7 @@ use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use vision_models::{Confidence, RecognisedSurface, Surface};
 
-use crate::Error;
+use crate::error::Error;
 use crate::plant::Plant;
 
 /// Random stream of the camera.

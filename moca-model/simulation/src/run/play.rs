@@ -22,7 +22,7 @@ use super::tally::{Played, Tally};
 use super::tick_row::tick_row;
 use super::true_person::TruePerson;
 use super::work::WorkForce;
-use crate::Error;
+use crate::error::Error;
 use crate::judges::{Calmness, CalmnessMonitor, LimitMonitor, Moment, Return, SeparationMonitor};
 use crate::plant::Plant;
 

@@ -13,7 +13,7 @@ use percept_recording::{Timing, arrivals};
 use vision_models::{Body, People, PeopleSettings, Percept, Surface, TrackerSettings};
 
 use super::true_person::TrueMotion;
-use crate::Error;
+use crate::error::Error;
 use crate::plant::Drive;
 
 /// Place of the on-board camera in the frame of the base on the floor \[m\].

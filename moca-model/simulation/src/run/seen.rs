@@ -3,10 +3,10 @@
 use std::collections::VecDeque;
 
 use nalgebra::{Point3, Vector3};
+use simulated_people::Joints;
 use vision_models::{Body, Body25, PersonId};
 
 use crate::judges::body;
-use crate::people::Joints;
 
 /// Averaging time of the person's velocity \[s\].
 const SPAN: f64 = 0.5;

@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use percept_recording::{IfPartial, Recording, RecordingError};
+use simulated_people::Joints;
 use vision_models::{Body25, Percept};
 
 use super::working_hand::WorkingHand;
-use crate::Error;
+use crate::error::Error;
 use crate::judges::{Moment, body};
-use crate::people::Joints;
 
 /// Longest time between frames of a truth \[s\]: 50 Hz, and rounding of times.
 const LONGEST: f64 = 0.02 + 2e-6;

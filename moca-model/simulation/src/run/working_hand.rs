@@ -4,9 +4,8 @@ use std::collections::VecDeque;
 
 use ergo_map::Side;
 use nalgebra::Vector3;
+use simulated_people::{Arm, Joints};
 use vision_models::{Body, Body25, Keypoint, Percept};
-
-use crate::people::{Arm, Joints};
 
 /// Largest speed of a hand that goes to the object and back, and follows it \[m/s\].
 const SPEED: f64 = 1.0;
@@ -129,8 +128,9 @@ impl WorkingHand {
 
 #[cfg(test)]
 mod tests {
+    use simulated_people::{CameraSettings, Walker, WalkerSettings};
+
     use super::*;
-    use crate::people::{CameraSettings, Walker, WalkerSettings};
 
     const PERIOD: f64 = 1e-3;
 

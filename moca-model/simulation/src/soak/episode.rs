@@ -7,17 +7,17 @@ use moca_model::{Controller, ControllerSettings, Goal, GraspedObject, MOCA_HOME}
 use nalgebra::{Matrix3, Vector2, Vector3};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
+use simulated_people::{
+    CameraSettings, CapturedMotion, FRAME_RATE, Movement, Perception, Transport, Wanderer,
+};
 use vision_models::{Body, Percept, PersonId, Tool};
 
 use super::disturbance::{Disturbance, Disturbances};
 use super::monitor::{Monitor, Tick};
 use super::task::Task;
 use super::witnessed::Witnessed;
-use crate::Error;
+use crate::error::Error;
 use crate::judges::body;
-use crate::people::{
-    CameraSettings, CapturedMotion, FRAME_RATE, Movement, Perception, Transport, Wanderer,
-};
 use crate::plant::{Plant, PlantSettings};
 
 /// Purpose of a generator.

@@ -6,7 +6,7 @@ use moca_model::{Command, ControllerSettings};
 use serde::{Deserialize, Serialize};
 
 use super::disturbance::{Disturbance, Endings};
-use crate::Error;
+use crate::error::Error;
 use crate::judges::{LimitMonitor, Moment, Return, SeparationMonitor, is_unseen};
 
 /// Ticks with something wrong, by kind, and two kinds that are not wrong but worth counting.

@@ -8,10 +8,10 @@ use rand::RngCore;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use serde::Serialize;
+use simulated_people::Movement;
 
 use super::episode::Episode;
-use crate::Error;
-use crate::people::Movement;
+use crate::error::Error;
 use crate::plant::PlantSettings;
 
 /// Ticks with each person.

@@ -7,14 +7,13 @@ use moca_model::moca;
 use rand::{Rng, RngCore};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
-use serde::{Deserialize, Serialize};
 
-use super::disturbance::Endings;
 use super::episode::Episode;
-use super::monitor::{Counts, Monitor};
+use super::episode_result::EpisodeResult;
+use super::monitor::Monitor;
 use super::summary::Summary;
 use super::tick_times::TickTimes;
-use crate::Error;
+use crate::error::Error;
 use crate::plant::PlantSettings;
 
 /// Ticks of an episode.
@@ -26,22 +25,6 @@ pub struct Soak {
     seed: u64,
     ticks: u64,
     robot: PlantSettings,
-}
-
-/// Result of an episode.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct EpisodeResult {
-    /// Ticks run.
-    pub ticks: u64,
-    /// Ticks with something wrong.
-    pub counts: Counts,
-    /// Endings of disturbances.
-    pub ended: Endings,
-    /// Ticks in which the robot moves.
-    pub moving: u64,
-    /// The first tick with something wrong, in words.
-    pub finding: Option<String>,
 }
 
 /// An episode to run.

@@ -6,8 +6,8 @@ use std::fmt;
 use serde::{Serialize, Serializer};
 
 use super::disturbance::Endings;
+use super::episode_result::EpisodeResult;
 use super::monitor::Counts;
-use super::run::EpisodeResult;
 use super::tick_times::TickTimes;
 
 /// Result of a soak.

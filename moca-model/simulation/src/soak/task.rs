@@ -10,7 +10,7 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 
-use crate::Error;
+use crate::error::Error;
 
 #[derive(Clone, Debug)]
 pub(super) struct Task {

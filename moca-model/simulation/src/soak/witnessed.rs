@@ -1,10 +1,10 @@
 //! Somebody around the robot, who keeps to the speeds that a soak means something with.
 
 use nalgebra::{Isometry3, Point3};
+use simulated_people::{CapturedMotion, Wanderer};
 
-use crate::Error;
+use crate::error::Error;
 use crate::judges::{Moment, Witness, body};
-use crate::people::{CapturedMotion, Wanderer};
 
 /// Largest speed of arms \[m/s\].
 const FASTEST_ARM: f64 = 8.0;
@@ -104,9 +104,9 @@ impl Witnessed {
 #[cfg(test)]
 mod tests {
     use nalgebra::Vector2;
+    use simulated_people::generator;
 
     use super::*;
-    use crate::people;
 
     #[test]
     fn real_people_keep_to_the_speeds() {
@@ -114,7 +114,7 @@ mod tests {
         for (stream, name) in (0..).zip(CapturedMotion::NAMES) {
             let motion = CapturedMotion::named(name).unwrap();
             let slowed = motion.clone().at_pace(pace(&motion, largest));
-            let draw = people::generator(1, stream);
+            let draw = generator(1, stream);
             let wanderer = Wanderer::passing_by(draw, Vector2::zeros());
             let mut person = Witnessed::new(wanderer).performing(motion, largest);
             let mut before = body::capsules(&person.person.person().joints());

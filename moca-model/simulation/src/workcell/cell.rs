@@ -9,6 +9,7 @@ use moca_replay::report::{TickRow, Together};
 use nalgebra::{Isometry3, Point2, Point3, Vector2, Vector3};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
+use simulated_people::{Activity, Lead, LedPerson, Movement, Way, Workplace};
 use vision_models::{Body, Confidence, Keypoint, Percept, Tool};
 
 use super::eye::Eye;
@@ -17,8 +18,7 @@ use super::guided::{Guided, joints};
 use super::judge::{Counts, Judge};
 use super::memory::{Memory, Remembered, TRUE_RATE};
 use super::setup::Setup;
-use crate::Error;
-use crate::people::{Activity, Lead, LedPerson, Movement, Way, Workplace};
+use crate::error::Error;
 use crate::plant::{Heard, Plant};
 use crate::run::{HandScore, OnBoardEye, RobotView, Scorer, WorkForce, tick_row};
 

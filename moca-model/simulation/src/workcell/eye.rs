@@ -1,10 +1,10 @@
 //! The camera beside the workplace, and the way of its frames to the controller.
 
 use human_perception::random;
+use simulated_people::{CameraSettings, FRAME_RATE, Perception, Person, Transport};
 use vision_models::{Body, Percept, PersonId, Tool};
 
 use super::faults::Faults;
-use crate::people::{CameraSettings, FRAME_RATE, Perception, Person, Transport};
 
 /// Streams of random numbers.
 const WORKER: u64 = 400;

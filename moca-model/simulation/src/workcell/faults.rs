@@ -1,9 +1,9 @@
 //! Faults around the controller, by switches.
 
 use nalgebra::Vector3;
+use simulated_people::CameraSettings;
 
-use crate::Error;
-use crate::people::CameraSettings;
+use crate::error::Error;
 
 /// No joint is seen farther than this from where it is, times the factor on noise \[m\]: within the uncertainty that the
 /// protective distance allows for.

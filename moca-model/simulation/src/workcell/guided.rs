@@ -3,11 +3,11 @@
 use std::f64::consts::FRAC_PI_2;
 
 use nalgebra::{Point2, Rotation2, Vector2, Vector3};
+use simulated_people::{Joints, Lead, LedPerson, Way, Workplace};
 
 use super::judge::Judge;
-use crate::Error;
+use crate::error::Error;
 use crate::judges::Witness;
-use crate::people::{Joints, Lead, LedPerson, Way, Workplace};
 
 /// Least distance to which people come to the robot by themselves, but for their arms \[m\].
 const ROOM: f64 = 0.01;

@@ -3,10 +3,10 @@
 use hrsw_safety::{Capsule, SafetyState};
 use moca_model::ControllerSettings;
 use moca_model::whole_body::{FrameId, Model};
+use simulated_people::Joints;
 
-use crate::Error;
+use crate::error::Error;
 use crate::judges::{LimitMonitor, Moment, Return, SeparationMonitor, is_unseen};
-use crate::people::Joints;
 use crate::plant::Plant;
 
 /// Ticks after a disturbance of the robot in which its joints may be outside their ranges.

@@ -5,9 +5,8 @@ use std::io::Write;
 use std::sync::Arc;
 
 use percept_recording::{Header, RecordingError, Timing, Writer};
+use simulated_people::{FRAME_RATE, Joints};
 use vision_models::{Body, Confidence, Keypoint, Percept};
-
-use crate::people::{FRAME_RATE, Joints};
 
 /// Length of the memory \[s\].
 const SPAN: f64 = 300.0;

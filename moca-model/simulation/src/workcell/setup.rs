@@ -3,7 +3,7 @@
 use ergo_map::{ErgonomicsMap, ErgonomicsQuadratic, FitOptions};
 use moca_model::ControllerSettings;
 
-use crate::Error;
+use crate::error::Error;
 use crate::plant::PlantSettings;
 
 /// Place of the camera that looks at the held object, in the base's frame \[m\].

@@ -7,15 +7,16 @@ use moca_model::{DesiredMotion, Goal, MOCA_AXIS_SPEED, moca_safety};
 use nalgebra::{Point2, Rotation2, Vector2};
 use rand::Rng;
 use serde::{Deserialize, Serialize};
+use simulated_people::{CameraSettings, WalkerSettings, WalkingPath};
 
-use crate::Error;
+use crate::error::Error;
 use crate::experiment::cases::generator;
+use crate::experiment::conditions::Conditions;
 use crate::experiment::distance::{DistanceError, DistanceMonitor, FollowingDistance};
-use crate::experiment::job::{Conditions, Job};
+use crate::experiment::job::Job;
 use crate::experiment::player::Player;
 use crate::experiment::spread::Spread;
 use crate::experiment::walk::{ARM_SPEED, Walk};
-use crate::people::{CameraSettings, WalkerSettings, WalkingPath};
 use crate::run::{Scenario, Summary};
 
 /// Speeds of the people \[m/s\]. The last one is the robot's own speed.

@@ -4,9 +4,9 @@ use hrsw_safety::SafetyState;
 use moca_model::{DesiredMotion, Phase};
 use nalgebra::{Unit, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
+use simulated_people::Truth;
 use vision_models::Surface;
 
-use crate::people::Truth;
 use crate::plant::Plant;
 use crate::run::Scenario;
 

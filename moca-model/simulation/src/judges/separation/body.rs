@@ -1,5 +1,6 @@
 //! The capsules around the person's joints, independent of those of the controller.
 
+use simulated_people::Joints;
 use vision_models::Body25;
 use vision_models::Body25::{
     LeftAnkle, LeftElbow, LeftHip, LeftKnee, LeftShoulder, LeftWrist, MidHip, Neck, Nose,
@@ -7,7 +8,6 @@ use vision_models::Body25::{
 };
 
 use super::rod::Rod;
-use crate::people::Joints;
 
 /// Capsules: start joint, end joint, extension, radius \[m\], and whether the part may touch the workpiece.
 const PARTS: [(Body25, Body25, f64, f64, bool); 12] = [

@@ -4,12 +4,12 @@ use hrsw_safety::{Capsule, SafetySettings, SeparationSettings};
 use moca_model::whole_body::robot::JointLimits;
 use moca_model::whole_body::{Data, FrameId, Model};
 use nalgebra::Point3;
+use simulated_people::Joints;
 
 use super::body;
 use super::judgement::{Body, MOMENT, Robot, Verdict, emergency_stop, judge};
 use super::rod::Rod;
-use crate::Error;
-use crate::people::Joints;
+use crate::error::Error;
 
 /// The person in a tick, now and a period before. The earlier joints are `None` after a jump, or for a person who
 /// counts as standing.
