@@ -18,6 +18,7 @@ mod inbox;
 mod measurements;
 mod node;
 mod outbox;
+mod peers;
 mod people_messages;
 mod people_publisher;
 mod perceived;
@@ -31,6 +32,7 @@ mod side;
 mod stamps;
 mod statistics;
 mod topic;
+mod wakes;
 
 pub mod messages;
 

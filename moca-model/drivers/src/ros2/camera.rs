@@ -19,14 +19,16 @@ use super::frame_pairs::{CameraImages, FramePairs};
 use super::frame_tree::FrameTree;
 use super::inbox::Inbox;
 use super::messages::{CameraInfo, Image, TfMessage};
-use super::node::{Peers, RosNode};
+use super::node::RosNode;
+use super::peers::Peers;
 use super::people_publisher::PeoplePublisher;
 use super::pictures::colour_of;
 use super::report::TopicReport;
-use super::side::{Ending, WAKES, spawn};
+use super::side::{Ending, spawn};
 use super::stamps::Stamps;
 use super::topic::Topic;
-use crate::TopicNames;
+use super::wakes::WAKES;
+use crate::topic_names::TopicNames;
 
 /// Longest time after which a wait notices that it should end.
 const LOOK: Duration = Duration::from_millis(20);

@@ -7,7 +7,7 @@ use ros2_client::{Gid, ReadError, Subscription};
 use serde::de::DeserializeOwned;
 
 use super::error::Ros2Error;
-use super::node::Peers;
+use super::peers::Peers;
 use super::refusal::Refusal;
 use super::statistics::TopicStatistics;
 

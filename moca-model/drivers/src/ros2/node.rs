@@ -1,16 +1,12 @@
 //! Node of the ROS graph.
 
-use std::collections::HashMap;
-
 use ros2_client::action::{
     ActionClient, ActionClientQosPolicies, ActionServer, ActionServerQosPolicies,
 };
-use ros2_client::dds::rustdds::DomainParticipantStatusListener;
-use ros2_client::dds::rustdds::dds::statusevents::{DomainParticipantStatusEvent, StatusEvented};
 use ros2_client::qos::{Durability, History, WhenFull};
 use ros2_client::{
-    ActionTypeName, Context, ContextOptions, Gid, MessageTypeName, Name, Node, NodeName,
-    NodeOptions, Publisher, QosProfile, ServiceMapping,
+    ActionTypeName, Context, ContextOptions, MessageTypeName, Name, Node, NodeName, NodeOptions,
+    Publisher, QosProfile, ServiceMapping,
 };
 use serde::{Serialize, de::DeserializeOwned};
 
@@ -18,10 +14,10 @@ use super::domain::RosDomain;
 use super::error::Ros2Error;
 use super::inbox::Inbox;
 use super::messages::{GripperCommand, GripperFeedback, GripperResult};
-use super::refusal::Refusal;
+use super::peers::Peers;
 use super::statistics::TopicStatistics;
 use super::topic::Topic;
-use crate::TopicNames;
+use crate::topic_names::TopicNames;
 
 /// Number of messages that may wait while a thread does not run.
 const DEPTH: usize = 64;
@@ -133,7 +129,7 @@ impl RosNode {
     /// Returns the other users of these topics.
     pub(super) fn peers(&self, topics: Vec<Topic>) -> Peers {
         let events = self.context.domain_participant().status_listener();
-        Peers { events, topics, names: self.names.clone(), strangers: HashMap::new() }
+        Peers::new(events, topics, self.names.clone())
     }
 
     fn topic(
@@ -148,53 +144,5 @@ impl RosNode {
         self.node
             .create_topic(&name, MessageTypeName::new(package, message), qos)
             .map_err(|error| failed(error.to_string()))
-    }
-}
-
-/// Publishers and subscribers with other message types on topics in use.
-pub(super) struct Peers {
-    events: DomainParticipantStatusListener,
-    topics: Vec<Topic>,
-    names: TopicNames,
-    strangers: HashMap<Gid, (Topic, Refusal)>,
-}
-
-impl Peers {
-    /// Takes the results of discovery since the last call.
-    pub(super) fn update(&mut self) {
-        while let Some(event) = self.events.try_recv_status() {
-            let peer = match event {
-                DomainParticipantStatusEvent::WriterDetected { writer } => writer,
-                DomainParticipantStatusEvent::ReaderDetected { reader } => reader,
-                _ => continue,
-            };
-            // DDS names of ROS topics begin with `rt`.
-            let named = |topic: &&Topic| {
-                peer.topic_name.strip_prefix("rt") == Some(topic.name(&self.names))
-            };
-            let Some(topic) = self.topics.iter().find(named) else { continue };
-            if let Err(refusal) = topic.check_type(&peer.type_name) {
-                self.strangers.insert(peer.guid.into(), (*topic, refusal));
-            }
-        }
-    }
-
-    /// Returns statistics without messages of all topics but the first ones.
-    pub(super) fn statistics_after(&self, first: usize) -> impl Iterator<Item = TopicStatistics> {
-        let topics = self.topics.iter().skip(first);
-        topics.map(|topic| TopicStatistics::new(*topic, &self.names))
-    }
-
-    /// Returns why messages of this publisher are refused; `None` if they are not.
-    pub(super) fn refusal(&self, publisher: Gid) -> Option<Refusal> {
-        self.strangers.get(&publisher).map(|(_, refusal)| refusal.clone())
-    }
-
-    /// Adds the number of peers with other types on a topic to its statistics.
-    pub(super) fn count(&self, statistics: &mut TopicStatistics) {
-        let topic = statistics.topic;
-        for (_, refusal) in self.strangers.values().filter(|(on, _)| *on == topic) {
-            statistics.refuse(refusal.clone());
-        }
     }
 }

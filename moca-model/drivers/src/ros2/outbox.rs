@@ -13,8 +13,8 @@ use super::gripper::{GripState, Gripper};
 use super::hand_over::Taker;
 use super::messages::{Float64MultiArray, Header, MultiArrayLayout, TwistStamped};
 use super::node::RosNode;
-use super::side::WAKES;
 use super::topic::{JointInterface, Topic};
+use super::wakes::WAKES;
 
 /// Time that the last message has to leave before the connection closes.
 const LEAVES: Duration = Duration::from_millis(50);

@@ -12,11 +12,12 @@ use super::hand_over::Giver;
 use super::inbox::Inbox;
 use super::measurements::Measurements;
 use super::messages::{Empty, Float64MultiArray, JointState, Odometry, PoseArray, Text, TfMessage};
-use super::node::{Peers, RosNode};
+use super::node::RosNode;
+use super::peers::Peers;
 use super::perceived::{Perceived, SeenPeople};
-use super::side::WAKES;
 use super::statistics::TopicStatistics;
 use super::topic::{JointInterface, Topic};
+use super::wakes::WAKES;
 
 /// Handle of the thread that takes messages.
 pub(super) struct Reader {

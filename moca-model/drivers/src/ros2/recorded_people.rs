@@ -11,7 +11,8 @@ use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector4};
 use super::WORLD_FRAME;
 use super::hand_over::{Giver, Taker, hand_over};
 use super::people_publisher::{PeoplePublisher, PublishedPeople};
-use crate::{RecordedCamera, SimulatedSide};
+use crate::recorded_camera::RecordedCamera;
+use crate::simulated::SimulatedSide;
 
 /// Longest time between two looks at the robot. Its queue of places is longer.
 const LOOKS: Duration = Duration::from_millis(5);

@@ -1,6 +1,6 @@
 //! Reasons why messages are refused.
 
-use crate::CommandRefusal;
+use crate::command_limits::CommandRefusal;
 
 /// Reason why a message is refused. The last accepted message stays valid until it is too old.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

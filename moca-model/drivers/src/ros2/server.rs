@@ -23,13 +23,16 @@ use super::messages::{
     Float64MultiArray, Header, JointState, Odometry, Pose, PoseWithCovariance, Quaternion, Text,
     TwistStamped, TwistWithCovariance, Vector3,
 };
-use super::node::{Peers, RosNode};
+use super::node::RosNode;
+use super::peers::Peers;
 use super::people_publisher::PeoplePublisher;
 use super::recorded_people::{RecordedPeople, ServedRobot, ShownRobot, show_robot};
 use super::statistics::TopicStatistics;
 use super::topic::{JointInterface, Topic};
 use super::{BASE_FRAME, WORLD_FRAME};
-use crate::{RecordedCamera, SimulatedSide, TopicNames};
+use crate::recorded_camera::RecordedCamera;
+use crate::simulated::SimulatedSide;
+use crate::topic_names::TopicNames;
 
 /// Number of periods for which the newest commands are used. Afterwards each period counts as one with a lost command.
 const SILENCE: u64 = 20;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::thread::{self, JoinHandle};
-use std::time::{Duration, SystemTime};
+use std::time::SystemTime;
 
 use moca_model::MOCA_BASE_JOINTS;
 use moca_model::whole_body::control_loop::{
@@ -27,10 +27,8 @@ use super::perceived::SeenPeople;
 use super::reader::{Measured, Reader};
 use super::statistics::TopicStatistics;
 use super::topic::{JointInterface, Topic};
-use crate::TopicNames;
+use crate::topic_names::TopicNames;
 
-/// Longest time after which the threads notice that they should end.
-pub(super) const WAKES: Duration = Duration::from_millis(50);
 /// Number of people that may wait in the queue.
 const WAITING: usize = 8;
 

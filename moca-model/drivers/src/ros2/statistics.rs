@@ -6,7 +6,7 @@ use moca_model::whole_body::control_loop::TimeHistogram;
 
 use super::refusal::Refusal;
 use super::topic::Topic;
-use crate::TopicNames;
+use crate::topic_names::TopicNames;
 
 /// Number of messages that were refused for one reason.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 //! Topics between camera, loop and robot.
 
 use super::refusal::Refusal;
-use crate::TopicNames;
+use crate::topic_names::TopicNames;
 
 /// Quantity that the joints of the arm follow. It decides which controller of `ros2_controllers` receives the commands.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -1,6 +1,6 @@
 //! Errors of files in MCAP.
 
-use crate::RecordingError;
+use crate::error::RecordingError;
 
 /// Reason why a file cannot be read or written.
 #[derive(Debug, thiserror::Error)]

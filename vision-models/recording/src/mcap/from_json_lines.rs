@@ -10,7 +10,8 @@ use super::error::McapError;
 use super::messages::{Colour, Entity, SceneUpdate, Shape, Time};
 use super::writer::McapWriter;
 use super::{PERCEPT, PERCEPTS, RECORDING};
-use crate::{Reader, RecordingError};
+use crate::error::RecordingError;
+use crate::reader::Reader;
 
 /// Time for which a body that is not seen again is displayed \[s\].
 const LIFETIME: f64 = 0.5;
@@ -45,8 +46,20 @@ pub fn from_json_lines(text: &[u8]) -> Result<Vec<u8>, McapError> {
     McapWriter::with_recording(text)?.finish()
 }
 
+impl McapWriter {
+    /// Creates a file with a complete or partial recording in JSON Lines, and the body as a scene.
+    ///
+    /// # Errors
+    /// [`McapError::Recording`] if the text is not a recording.
+    pub fn with_recording(text: &[u8]) -> Result<Self, McapError> {
+        let mut file = Self::new()?;
+        write_recording(&mut file, text)?;
+        Ok(file)
+    }
+}
+
 /// Writes a recording into a file.
-pub(super) fn write_recording(file: &mut McapWriter, text: &[u8]) -> Result<(), McapError> {
+fn write_recording(file: &mut McapWriter, text: &[u8]) -> Result<(), McapError> {
     let seen = frames(text)?;
     let lines: Vec<&[u8]> = text.split_inclusive(|byte| *byte == b'\n').collect();
     let Some((header, lines)) = lines.split_first() else { return Ok(()) };

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::error::McapError;
 use super::records::{Fields, each, opcode};
 use super::{PERCEPT, PERCEPTS, RECORDING};
-use crate::Reader;
+use crate::reader::Reader;
 
 /// The parts of a recording in a file.
 #[derive(Default)]

@@ -9,7 +9,6 @@ use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
 
 use super::error::McapError;
-use super::from_json_lines::write_recording;
 use super::messages::{Message, nanoseconds};
 
 /// A file in memory with a recording and further messages.
@@ -29,16 +28,14 @@ impl std::fmt::Debug for McapWriter {
 }
 
 impl McapWriter {
-    /// Creates a file with a complete or partial recording in JSON Lines, and the body as a scene.
+    /// Creates a file without messages.
     ///
     /// # Errors
-    /// [`McapError::Recording`] if the text is not a recording.
-    pub fn with_recording(text: &[u8]) -> Result<Self, McapError> {
+    /// None in memory.
+    pub(super) fn new() -> Result<Self, McapError> {
         let library = concat!(env!("CARGO_PKG_NAME"), " ", env!("CARGO_PKG_VERSION"));
         let writer = WriteOptions::new().library(library).create(Cursor::new(Vec::new()))?;
-        let mut file = Self { writer, sequence: 0 };
-        write_recording(&mut file, text)?;
-        Ok(file)
+        Ok(Self { writer, sequence: 0 })
     }
 
     /// Adds a channel for messages of this type.
