@@ -25,10 +25,12 @@ mod ranges;
 mod robot;
 mod scenario;
 mod text;
+mod version;
 
 pub use camera_place::{CameraFrame, CameraPlace};
 pub use error::SettingsError;
 pub use file::SettingsFile;
 pub use own_robot::OwnRobot;
-pub use robot::{RobotSettings, SETTINGS_VERSION};
+pub use robot::RobotSettings;
 pub use scenario::with_settings;
+pub use version::SETTINGS_VERSION;

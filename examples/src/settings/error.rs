@@ -2,7 +2,7 @@
 
 use std::{io, path::PathBuf};
 
-use super::robot::SETTINGS_VERSION;
+use super::version::SETTINGS_VERSION;
 
 /// Reason why a settings file cannot be used.
 #[derive(Debug, thiserror::Error)]

@@ -10,7 +10,8 @@ use toml::{Spanned, Table, Value};
 use super::error::SettingsError;
 use super::field::Field;
 use super::ranges::{self, OutOfRange};
-use super::robot::{RobotSettings, SETTINGS_VERSION};
+use super::robot::RobotSettings;
+use super::version::SETTINGS_VERSION;
 use crate::program::read_text;
 
 /// Largest settings file: a hundred times one with all settings (bytes).

@@ -7,12 +7,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::camera_place::CameraPlace;
-use super::error::SettingsError;
 use super::own_robot::OwnRobot;
-use super::text;
-
-/// The version of settings files that is read and written.
-pub const SETTINGS_VERSION: i64 = 1;
 
 /// The settings of the controller, of the torque loop below it, and of the connection to a robot.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -54,15 +49,6 @@ impl RobotSettings {
     /// The settings of a plant with this drive.
     pub fn of_plant(self, drive: Drive) -> PlantSettings {
         PlantSettings { drive, controller: self.controller, torques: self.torque }
-    }
-
-    /// The text of a file with all settings and their meanings. The range of the person's hand is written as a comment,
-    /// since it follows from the person's stature unless a file sets it.
-    ///
-    /// # Errors
-    /// [`SettingsError::Write`] for values that TOML cannot represent, such as a count above 2⁶³.
-    pub fn to_toml(&self) -> Result<String, SettingsError> {
-        text::write(self)
     }
 
     /// Checks the ranges that do not depend on a robot.

@@ -7,7 +7,8 @@ use toml::{Table, Value};
 use super::error::SettingsError;
 use super::field::{Field, join};
 use super::ranges;
-use super::robot::{RobotSettings, SETTINGS_VERSION};
+use super::robot::RobotSettings;
+use super::version::SETTINGS_VERSION;
 
 /// Settings that follow from the person unless a file sets them.
 const OF_THE_PERSON: [&str; 2] = ["controller.space.min", "controller.space.max"];
@@ -21,14 +22,20 @@ const HEADER: &str = "\
 # \"none\" is for what is not to be used. Programs read it with --settings FILE.
 ";
 
-/// The text of a file with all of these settings.
-pub(super) fn write(settings: &RobotSettings) -> Result<String, SettingsError> {
-    let fail = |error: toml::ser::Error| SettingsError::Write(error.to_string());
-    let values = Table::try_from(settings).map_err(fail)?;
-    let defaults = Table::try_from(RobotSettings::default()).map_err(fail)?;
-    let mut text = format!("{HEADER}\nversion = {SETTINGS_VERSION}\n");
-    table(&mut text, Field::root(), "", &values, &defaults);
-    Ok(text)
+impl RobotSettings {
+    /// The text of a file with all settings and their meanings. The range of the person's hand is written as a comment,
+    /// since it follows from the person's stature unless a file sets it.
+    ///
+    /// # Errors
+    /// [`SettingsError::Write`] for values that TOML cannot represent, such as a count above 2⁶³.
+    pub fn to_toml(&self) -> Result<String, SettingsError> {
+        let fail = |error: toml::ser::Error| SettingsError::Write(error.to_string());
+        let values = Table::try_from(self).map_err(fail)?;
+        let defaults = Table::try_from(Self::default()).map_err(fail)?;
+        let mut text = format!("{HEADER}\nversion = {SETTINGS_VERSION}\n");
+        table(&mut text, Field::root(), "", &values, &defaults);
+        Ok(text)
+    }
 }
 
 /// Writes a table: its settings, then the tables within it.

@@ -17,9 +17,9 @@ use whole_body::control_loop::{
 use crate::desk::{Desk, Order};
 use crate::error as live;
 use crate::head::{Head, SettingsText, sampler};
-use crate::picture::{INTERVAL, Moment, Pace, Picture, began};
+use crate::picture::{Moment, Pace, Picture, began};
 use crate::request::Request;
-use crate::run::Run;
+use crate::run::{INTERVAL, Run};
 
 /// Largest number of periods that are made up for; a loop that is later goes on as if the time had stood still meanwhile.
 const ASLEEP: u64 = 50;

@@ -15,9 +15,6 @@ use vision_models::{Body, Body25};
 
 use crate::run::{Run, asks_for_ergonomics};
 
-/// Time between two pictures \[s\].
-pub(crate) const INTERVAL: f64 = 0.03;
-
 /// A state, and how it is to be seen.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct State {

@@ -9,9 +9,10 @@ use moca_simulation::people::{Lead, Way};
 use moca_simulation::workcell::{Who, Workcell};
 use nalgebra::Vector3;
 
-use crate::picture::INTERVAL;
 use crate::request::Request;
 
+/// Time between two pictures \[s\].
+pub(crate) const INTERVAL: f64 = 0.03;
 /// Speeds of the tool are averaged over so many pictures.
 const CALM_PICTURES: usize = 33;
 
