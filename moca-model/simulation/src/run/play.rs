@@ -128,11 +128,10 @@ impl<'a> Run<'a> {
                 let others = self.scenario.others(frame);
                 self.observe(&shown, others)?;
                 self.adapt()?;
-                let least_confidence = self.scenario.settings.safety.person.least_confidence;
                 let person = percept.body.as_ref();
-                self.others.update(percept.time, person, others, least_confidence);
+                self.others.update(percept.time, person, others);
                 if let Some(body) = &shown.body {
-                    self.person.update(percept.time, body, least_confidence);
+                    self.person.update(percept.time, body);
                     if let Some(person) = &mut self.true_person {
                         person.show(percept.time, &self.encounter.hand);
                     }
