@@ -88,7 +88,7 @@ pub use error::Error;
 pub use following_error::FollowingErrorSettings;
 pub use grasped_object::{GraspedObject, HandSettings, WorkFace};
 pub use gripping::GripTime;
-pub use intention::{IntentionFilter, IntentionSettings};
+pub use intention::IntentionFilter;
 pub use interaction::{Phase, Reason, Transition};
 pub use loop_controller::{Acknowledgement, LoopController};
 pub use nalgebra;

@@ -13,7 +13,6 @@ use nalgebra::{UnitQuaternion, Vector3, Vector6};
 use crate::error::{Error, check_not_negative, check_positive, check_settings};
 use crate::following_error::FollowingErrorSettings;
 use crate::grasped_object::HandSettings;
-use crate::intention::IntentionSettings;
 use crate::robot::moca::{MOCA_BASE_JOINTS, MOCA_HOME, MOCA_TOOL};
 use crate::robot::moca_safety::moca_safety;
 pub use mecanum_base::MecanumBase;
@@ -178,12 +177,10 @@ pub struct ControllerSettings {
     /// [`Fault::IterationLimit`](hrsw_safety::Fault::IterationLimit) reports it, limits hold, and the next tick
     /// continues. The default limits the solver's iterations but not its time.
     pub budget: Budget,
-    /// Thresholds of the intention filter.
-    pub intention: IntentionSettings,
     /// Limits on the distance between commanded and measured state.
     pub following_error: FollowingErrorSettings,
-    /// Separation from people and from the robot itself. Its confidence and standard deviation of joints also count for
-    /// the person's frame.
+    /// Separation from people and from the robot itself. Its standard deviation of joints also counts for the person's
+    /// frame.
     pub safety: SafetySettings,
 }
 
@@ -211,7 +208,6 @@ impl Default for ControllerSettings {
             levels: Levels::default(),
             stacking: Stacking::default(),
             budget: Budget::default(),
-            intention: IntentionSettings::default(),
             following_error: FollowingErrorSettings::default(),
             safety: moca_safety(),
         }

@@ -80,17 +80,13 @@ impl SharedSpace {
         let moving = MovingSettings { frame: follower, ..MovingSettings::default() };
         let safety = &settings.safety;
         let following = FollowingDistance::new(safety.separation, Self::CLEARANCE)?;
-        // The tracker sees at least what counts for safety.
-        let tracker = TrackerSettings::default();
-        let tracker = TrackerSettings {
-            least_confidence: tracker.least_confidence.min(safety.person.least_confidence),
-            position_sigma: safety.person.position_sigma,
-            ..tracker
-        };
+        // The tracker sees what counts for safety, and keypoints of less confidence.
+        let position_sigma = safety.person.position_sigma;
+        let tracker = TrackerSettings { position_sigma, ..TrackerSettings::default() };
         let level = Vector3::new(centre.x, centre.y, 0.0);
         Ok(Self {
             tracker: BodyTracker::new(tracker)?,
-            intention: IntentionFilter::new(settings.intention)?,
+            intention: IntentionFilter::new(),
             hold: HeldFrame::following(),
             drift: Vector6::zeros(),
             frame: FrameFollower::new(Isometry3::identity(), follower)?,

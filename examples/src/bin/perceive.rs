@@ -33,7 +33,7 @@ use human_perception::{
         SkeletonFolder, SurfaceDecision, SurfaceNetwork, Tally,
     },
 };
-use moca_model::{IntentionFilter, IntentionSettings};
+use moca_model::IntentionFilter;
 use percept_recording::{Header, MeasuredSegments, Timing, Writer};
 use vision_models::{
     Body, LiftingSettings, Passes, Percept, PersonTrack, ResNetDepth, StatureEstimate,
@@ -399,7 +399,7 @@ impl Options {
             }
         };
         let late = work.source.late();
-        let mut filter = IntentionFilter::new(IntentionSettings::default())?;
+        let mut filter = IntentionFilter::new();
         let compare = |truth: &Vec<Percept>| {
             AgainstTruth::of(&work.percepts, truth, |percept| {
                 filter.update(percept.time, percept.action.as_ref());

@@ -59,7 +59,6 @@ impl RobotSettings {
         let Self { controller, torque, camera, .. } = self;
         camera.isometry()?;
         controller.validate()?;
-        controller.intention.validate()?;
         controller.safety.validate()?;
         torque.validate()
     }

@@ -44,7 +44,7 @@ fn others() -> RobotSettings {
     controller.safety.bodies.truncate(2);
     controller.safety.bodies[0].capsule = Capsule::sphere(Vector3::zeros(), 0.1).unwrap();
     controller.safety.own_pairs = vec![(0, 1)];
-    settings.torque.observer_rates[3] = 1.0 / 3.0;
+    settings.torque.impedance.damping[3] = 1.0 / 3.0;
     settings.robot.urdf = Some("robots/arm.urdf".into());
     settings.camera.frame = CameraFrame::Map;
     settings.camera.pose = Some([1.0, -2.0, 2.5, 0.5, 0.5, 0.5, -0.5]);

@@ -102,6 +102,7 @@ pub use link_capsule::LinkCapsule;
 pub use measured_velocity::MeasuredVelocity;
 pub use nalgebra;
 pub use people::MOST as MOST_OTHERS;
+pub use person_bodies::{FORGET_AFTER, LEAST_CONFIDENCE};
 pub use safety::{RobotLimits, Safety, SafetyInput, SafetyRows};
 pub use safety_state::SafetyState;
 pub use separation::{BaseBraking, SeparationSettings};

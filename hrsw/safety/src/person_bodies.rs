@@ -12,6 +12,12 @@ use crate::joint_velocity::{JUMP_SPEED, JointVelocities, LIMB_GATE};
 use crate::separation::SeparationSettings;
 use crate::settings::PersonBodySettings;
 
+/// Smallest confidence of a keypoint that counts as seen for safety \[-\]. A joint below it is as
+/// likely misplaced as not.
+pub const LEAST_CONFIDENCE: f64 = 0.5;
+/// Time without being seen after which a person is assumed to have left \[s\]: in it they can walk
+/// out of every workspace. Until then unseen parts grow at the speed at which a person may approach.
+pub const FORGET_AFTER: f64 = 10.0;
 /// Largest apparent motion of a standing trunk from frame to frame, common to all its joints \[m\].
 const NOISE: f64 = 0.03;
 /// Largest additional motion if the joints disagree \[m\], and the number of their standard
@@ -145,8 +151,7 @@ impl PersonBodies {
     pub(super) fn see(&mut self, time: f64, body: &Body) -> Option<f64> {
         self.id = body.id();
         let doubtful = self.doubtful.take();
-        let least = self.settings.least_confidence;
-        let displacement = |from: &Places| Displacement::of(body, from, least).unwrap_or_default();
+        let displacement = |from: &Places| Displacement::of(body, from).unwrap_or_default();
         let places = self.joints.map(|seen| seen.map(|seen| seen.place));
         let (displaced, elapsed) = (displacement(&places), time - self.newest);
         let moved = displaced.median;
@@ -156,7 +161,7 @@ impl PersonBodies {
                 displacement(&seen.joints).is_within(JUMP_SPEED * (time - seen.time))
             });
             if !is_again {
-                let joints = Body25::ALL.map(|joint| place(body, joint, least));
+                let joints = Body25::ALL.map(|joint| place(body, joint));
                 self.doubtful = Some(Sighting { joints, time });
                 self.velocities.forget();
                 let speed = displaced.beyond_noise() / elapsed;
@@ -166,7 +171,7 @@ impl PersonBodies {
         }
         self.plausible = time;
         for (joint, seen) in Body25::ALL.into_iter().zip(&mut self.joints) {
-            let place = place(body, joint, self.settings.least_confidence);
+            let place = place(body, joint);
             let spread = spread(body, joint);
             match seen {
                 Some(seen) => seen.update(place, (time, spread), &moved, LIMB_GATE),
@@ -194,7 +199,7 @@ impl PersonBodies {
         contact_speed: f64,
     ) -> &[PersonBody] {
         self.bodies.clear();
-        let is_old = |time: f64| now - time > self.settings.forget_after;
+        let is_old = |time: f64| now - time > FORGET_AFTER;
         if is_old(self.newest) {
             self.joints = [None; Body25::COUNT];
         }
@@ -319,10 +324,10 @@ fn assumed_speed(part: &Part, separation: &SeparationSettings) -> f64 {
 }
 
 /// Returns the place of a joint, if its confidence is sufficient.
-fn place(body: &Body, joint: Body25, least_confidence: f64) -> Option<Vector3<f64>> {
+fn place(body: &Body, joint: Body25) -> Option<Vector3<f64>> {
     let keypoint = body.get(joint)?;
     let place = keypoint.position.coords;
-    let good = keypoint.confidence.value() >= least_confidence
+    let good = keypoint.confidence.value() >= LEAST_CONFIDENCE
         && place.iter().all(|coordinate| coordinate.is_finite());
     good.then_some(place)
 }
@@ -363,11 +368,11 @@ struct Displacement {
 
 impl Displacement {
     /// Computes the displacement of the trunk of a body from its places `before`.
-    fn of(body: &Body, before: &Places, least_confidence: f64) -> Option<Self> {
+    fn of(body: &Body, before: &Places) -> Option<Self> {
         let mut moved = [Vector3::zeros(); ROOT.len()];
         let mut count = 0;
         for joint in ROOT {
-            let now = place(body, joint, least_confidence);
+            let now = place(body, joint);
             if let (Some(now), Some(before)) = (now, before[joint as usize])
                 && let Some(slot) = moved.get_mut(count)
             {

@@ -307,7 +307,7 @@ impl Safety {
     /// [`Error::Size`] if the joints or the rows are not those of the layout. [`Error::Value`] if a
     /// number is not finite.
     pub fn write_cap(&self, motion: &JointMotion<'_>, rows: &mut Rows) -> Result<(), Error> {
-        let cap = self.settings.speed_cap.limit(self.separation.least_distance());
+        let cap = SpeedCap::limit(self.separation.least_distance());
         SpeedCap::write(motion, &self.person_velocity, cap, rows)
     }
 

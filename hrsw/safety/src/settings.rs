@@ -4,7 +4,6 @@ use crate::body_region::ContactLimits;
 use crate::error::{Error, not_negative, positive};
 use crate::link_capsule::LinkCapsule;
 use crate::separation::SeparationSettings;
-use crate::speed_cap::SpeedCap;
 use crate::supervisor::SupervisorSettings;
 
 /// Settings of the person's body, which is computed from camera frames.
@@ -12,19 +11,14 @@ use crate::supervisor::SupervisorSettings;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct PersonBodySettings {
-    /// Smallest confidence of a keypoint that counts as seen \[-\]. Default 0.5.
-    pub least_confidence: f64,
     /// Standard deviation of the place of a joint for each axis, if no covariance is known \[m\].
     /// Default 0.02.
     pub position_sigma: f64,
-    /// Time without being seen after which a person is assumed to have left \[s\]. Until then
-    /// unseen parts grow at the speed at which a person may approach. Default 10.
-    pub forget_after: f64,
 }
 
 impl Default for PersonBodySettings {
     fn default() -> Self {
-        Self { least_confidence: 0.5, position_sigma: 0.02, forget_after: 10.0 }
+        Self { position_sigma: 0.02 }
     }
 }
 
@@ -53,8 +47,6 @@ pub struct SafetySettings {
     /// Largest speed at which the robot and a person who works with it may approach each other
     /// \[m/s\]. Contact limits may lower it. Default 0.25.
     pub contact_speed: f64,
-    /// Cap on the tool's speed relative to the person. Default: that of [`SpeedCap`].
-    pub speed_cap: SpeedCap,
     /// Rules by which the robot stops and recovers. Default: those of [`SupervisorSettings`].
     pub supervisor: SupervisorSettings,
     /// Settings of the person's body.
@@ -74,7 +66,6 @@ impl Default for SafetySettings {
             separation: SeparationSettings { intrusion: 0.05, ..SeparationSettings::default() },
             contact: ContactLimits::default(),
             contact_speed: 0.25,
-            speed_cap: SpeedCap::default(),
             supervisor: SupervisorSettings::default(),
             person: PersonBodySettings::default(),
             bodies: Vec::new(),
@@ -119,19 +110,9 @@ impl SafetySettings {
     /// [`Error::Value`] names the first setting that is out of its range.
     pub fn validate(&self) -> Result<(), Error> {
         self.separation.validate()?;
-        self.speed_cap.validate()?;
         self.supervisor.validate()?;
-        for (name, value) in [
-            ("safety.person.forget_after", self.person.forget_after),
-            ("safety.person.position_sigma", self.person.position_sigma),
-        ] {
-            positive(name, value)?;
-        }
+        positive("safety.person.position_sigma", self.person.position_sigma)?;
         not_negative("safety.contact_speed", self.contact_speed)?;
-        if !(0.0..=1.0).contains(&self.person.least_confidence) {
-            let (what, got) = ("safety.person.least_confidence", self.person.least_confidence);
-            return Err(Error::Value { what, got, wanted: "between 0 and 1" });
-        }
         Ok(())
     }
 }

@@ -4,37 +4,27 @@ use ahqp_core::{AugmentedState, Rows};
 use nalgebra::Vector3;
 
 use crate::approach::JointMotion;
-use crate::error::{Error, check_size, check_slice, positive};
+use crate::error::{Error, check_size, check_slice};
+
+/// Speed near people \[m/s\]: the reduced speed of ISO 10218-1.
+const REDUCED: f64 = 0.25;
+/// Speed at [`FAR`] \[m/s\]: a Panda's tool is no faster (Franka Emika's data sheet).
+const FULL: f64 = 1.7;
+/// Distance up to which the speed is [`REDUCED`] \[m\]: about the reach of a person's arm.
+const NEAR: f64 = 0.6;
+/// Distance from which there is no cap \[m\]: nobody there reaches the tool before it is slower.
+const FAR: f64 = 2.0;
 
 /// Largest speed of the tool as a function of the distance to the nearest person.
 ///
 /// ```
 /// use hrsw_safety::SpeedCap;
 ///
-/// let cap = SpeedCap::default();
-/// assert_eq!(cap.limit(0.2), 0.25);
-/// assert_eq!(cap.limit(10.0), f64::INFINITY);
+/// assert_eq!(SpeedCap::limit(0.2), 0.25);
+/// assert_eq!(SpeedCap::limit(10.0), f64::INFINITY);
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
-#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
-pub struct SpeedCap {
-    /// Speed nearer than `near` \[m/s\]. Default 0.25.
-    pub reduced: f64,
-    /// Speed at `far` \[m/s\]. The cap grows linearly from `near` to `far`, and there is none
-    /// beyond. Default 1.7.
-    pub full: f64,
-    /// Distance up to which the speed is `reduced` \[m\]. Default 0.6.
-    pub near: f64,
-    /// Distance from which there is no cap \[m\]. Default 2.0.
-    pub far: f64,
-}
-
-impl Default for SpeedCap {
-    fn default() -> Self {
-        Self { reduced: 0.25, full: 1.7, near: 0.6, far: 2.0 }
-    }
-}
+#[derive(Debug, Clone, Copy)]
+pub struct SpeedCap;
 
 /// Axes and diagonals of a cube. The polyhedron |dᵢ · v| ≤ h has no point farther from zero than h
 /// / [`INNER`].
@@ -62,33 +52,14 @@ impl SpeedCap {
     /// Number of rows of [`rows`](Self::rows).
     pub const ROWS: usize = DIRECTIONS.len();
 
-    /// Checks the ranges.
-    ///
-    /// # Errors
-    /// [`Error::Value`] names the first field that is out of its range.
-    pub fn validate(&self) -> Result<(), Error> {
-        positive("the reduced speed", self.reduced)?;
-        positive("the full speed", self.full)?;
-        positive("the distance of reduced speed", self.near)?;
-        positive("the distance of full speed", self.far)?;
-        if self.full < self.reduced {
-            let (name, expected) = ("the full speed", "at least the reduced speed");
-            return Err(Error::Value { what: name, got: self.full, wanted: expected });
-        }
-        if self.far <= self.near {
-            let (name, expected) = ("the distance of full speed", "above that of reduced speed");
-            return Err(Error::Value { what: name, got: self.far, wanted: expected });
-        }
-        Ok(())
-    }
-
-    /// Returns the largest speed at `distance` \[m\] from the nearest person \[m/s\].
-    pub fn limit(&self, distance: f64) -> f64 {
-        if distance >= self.far {
+    /// Returns the largest speed at `distance` \[m\] from the nearest person \[m/s\]: 0.25 m/s up to
+    /// 0.6 m, growing linearly to 1.7 m/s at 2 m, and infinite beyond.
+    pub fn limit(distance: f64) -> f64 {
+        if distance >= FAR {
             return f64::INFINITY;
         }
-        let share = ((distance - self.near) / (self.far - self.near)).max(0.0);
-        self.reduced + share * (self.full - self.reduced)
+        let share = ((distance - NEAR) / (FAR - NEAR)).max(0.0);
+        REDUCED + share * (FULL - REDUCED)
     }
 
     /// Returns the block of rows, which bounds nothing yet.

@@ -51,9 +51,9 @@ const SCRIPTS: [&str; 7] = [
 pub struct Results {
     /// Table, row by row.
     pub rows: Vec<ResultRow>,
-    /// Object that `--json` prints.
+    /// The results as one JSON object.
     pub summary: serde_json::Value,
-    /// Text that the program prints about further runs; may be empty.
+    /// Text about further runs; may be empty.
     pub text: String,
 }
 

@@ -19,5 +19,5 @@ pub use calmness::{Calmness, CalmnessMonitor, Motion};
 pub(crate) use limits::is_unseen;
 pub use limits::{Breaches, LimitMonitor, Margins, Return, TorqueMonitor};
 pub(crate) use separation::body;
-pub use separation::{Blame, Moment, SeparationMonitor, Verdict};
+pub use separation::{Blame, Moment, Rod, Rods, SeparationMonitor, Terms, Verdict};
 pub(crate) use witness::Witness;

@@ -17,6 +17,8 @@
 //! # Ok::<(), moca_simulation::Error>(())
 //! ```
 
+mod judged;
+
 use std::time::Instant;
 
 use human_perception::random;
@@ -38,6 +40,7 @@ use vision_models::{Body, Percept};
 
 use crate::error::Error;
 use crate::judges::TorqueMonitor;
+pub(crate) use judged::{rod, separation_monitor};
 
 /// The robot's dynamics.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -6,6 +6,7 @@ use vision_models::{Percept, Surface};
 use super::Controller;
 use crate::box_side::BoxSide;
 use crate::error::Error;
+use crate::intention::{DWELL, ENTER};
 use crate::interaction::{Phase, Sight};
 
 /// Least cosine of the angle between a side's normal and the direction to the camera at which the side faces the
@@ -34,8 +35,7 @@ impl Controller {
     /// Takes the surface that faces the on-board camera. A surface other than the expected one is accepted once it has
     /// been seen for the dwell time of intentions.
     pub(super) fn look(&mut self, percept: &Percept) {
-        let settings = &self.settings.intention;
-        let seen = percept.surface.filter(|seen| seen.confidence.value() >= settings.enter);
+        let seen = percept.surface.filter(|seen| seen.confidence.value() >= ENTER);
         // The surface of a turning object is seen late.
         let still = !matches!(self.command.phase, Phase::Turning { .. });
         let (Some(seen), Some(side), true) = (seen, self.side_that_faces_camera(), still) else {
@@ -54,7 +54,7 @@ impl Controller {
             _ => percept.time,
         };
         self.workpiece.seen_surface.since = Some((since, side, seen.surface));
-        if percept.time - since >= settings.dwell {
+        if percept.time - since >= DWELL {
             object.identify(side, seen.surface);
             self.workpiece.seen_surface = SeenSurface { since: None, known: true };
         }

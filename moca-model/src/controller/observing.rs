@@ -1,6 +1,6 @@
 //! Camera frames.
 
-use hrsw_safety::{Fault, FrameFault, SafetyInput};
+use hrsw_safety::{Fault, FrameFault, LEAST_CONFIDENCE, SafetyInput};
 use vision_models::{Body, ImpossibleBody, Percept};
 
 use super::Controller;
@@ -61,9 +61,8 @@ impl Controller {
     /// Returns an error unless people can have these bodies, in metres around the robot. All frames are checked here.
     fn check_bodies<'a>(&mut self, bodies: impl Iterator<Item = &'a Body>) -> Result<(), Error> {
         let origin = self.robot.world_from_tool().translation.vector.into();
-        let least = self.settings.safety.person.least_confidence;
         for body in bodies {
-            if let Err(body) = body.check_possible(&origin, least) {
+            if let Err(body) = body.check_possible(&origin, LEAST_CONFIDENCE) {
                 let fault = match body {
                     ImpossibleBody::Far { .. } => FrameFault::Units,
                     _ => FrameFault::ImpossibleBody,

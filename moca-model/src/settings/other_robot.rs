@@ -10,8 +10,6 @@ use crate::torque::TorqueLoopSettings;
 
 /// Deceleration of a planar base that safety relies on \[m/s²\].
 const BASE_DECELERATION: f64 = 0.5;
-/// Rate of the observer of external torques \[1/s\].
-const OBSERVER_RATE: f64 = 50.0;
 
 impl ControllerSettings {
     /// Creates the settings of a robot with this tool. Its configuration `start`, n \[m, rad\], is its posture.
@@ -58,8 +56,7 @@ impl TorqueLoopSettings {
     pub fn of_robot(model: &Model, compensation: Compensation) -> Self {
         let joints = model.joints().iter().skip(base_joints(model));
         let joints: Vec<_> = joints.map(|joint| joint.name.clone()).collect();
-        let observer_rates = vec![OBSERVER_RATE; joints.len()];
-        Self { joints, observer_rates, ..Self::new(compensation) }
+        Self { joints, ..Self::new(compensation) }
     }
 }
 

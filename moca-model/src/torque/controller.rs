@@ -84,6 +84,8 @@ pub struct TorqueController {
     desired: Vec<f64>,
 }
 
+/// Rate of the observer of external torques \[1/s\]: a collision shows after 20 ms, and the sensors' noise is averaged.
+const OBSERVER_RATE: f64 = 50.0;
 /// Rate at which the sag of springs is learnt \[1/s\]: slow for the arm, fast for a working person.
 const SAG_RATE: f64 = 2.0;
 /// Largest compensated sag \[rad\].
@@ -107,7 +109,7 @@ impl TorqueController {
         let mut law = TorqueLaw::new(model, settings.law(), &position)?;
         let observer = ObserverSettings {
             joints: names.clone(),
-            rates: settings.observer_rates.clone(),
+            rates: vec![OBSERVER_RATE; names.len()],
             friction: settings.friction,
         };
         let observer = MomentumObserver::new(model, observer)?;

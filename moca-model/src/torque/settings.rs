@@ -47,8 +47,6 @@ pub struct TorqueLoopSettings {
     pub rotor_inertia: f64,
     /// Delay of the robot's response. Only a [`LoopController`](crate::LoopController) measures it. Default measured.
     pub delay: AnswerDelay,
-    /// Rates of the observer of external torques, one for each of these joints \[1/s\]. Default 50.
-    pub observer_rates: Vec<f64>,
     /// Treatment of joint friction in the observer. Default: subtracts the friction of the robot's description, which
     /// is that of Gaz et al. for MOCA.
     pub friction: ObservedFriction,
@@ -64,7 +62,6 @@ impl TorqueLoopSettings {
             impedance: ImpedanceSettings::default(),
             rotor_inertia: 0.1,
             delay: AnswerDelay::Measured,
-            observer_rates: vec![50.0; joints.len()],
             friction: ObservedFriction::Modelled,
             joints,
         }

@@ -1,6 +1,6 @@
 //! The filter from recognised actions to intentions.
 
-use moca_model::{Intention, IntentionFilter, IntentionSettings};
+use moca_model::{Intention, IntentionFilter};
 use proptest::prelude::*;
 use vision_models::{Action, Confidence, RecognisedAction, Tool};
 
@@ -9,7 +9,7 @@ fn action(action: Action, confidence: f64) -> RecognisedAction {
 }
 
 fn filter() -> IntentionFilter {
-    IntentionFilter::new(IntentionSettings::default()).unwrap()
+    IntentionFilter::new()
 }
 
 proptest! {
@@ -80,18 +80,5 @@ proptest! {
             filter.update(0.05 * f64::from(frame), Some(&seen));
         }
         prop_assert_eq!(filter.intention(), Intention::Apart);
-    }
-}
-
-#[test]
-fn settings_out_of_range_are_named() {
-    let bad = [
-        IntentionSettings { enter: f64::NAN, ..IntentionSettings::default() },
-        IntentionSettings { release: f64::INFINITY, ..IntentionSettings::default() },
-        IntentionSettings { dwell: -1.0, ..IntentionSettings::default() },
-    ];
-    for settings in bad {
-        let error = IntentionFilter::new(settings).unwrap_err();
-        assert!(error.to_string().contains("intention."), "{error}");
     }
 }

@@ -1,6 +1,5 @@
 //! Levels of tasks with strict priorities, and their solver.
 
-pub(crate) mod curvature_rows;
 pub(crate) mod level_tasks;
 mod row_tasks;
 pub(crate) mod task_level;

@@ -53,7 +53,7 @@ fn a_tick_allocates_nothing() {
         own.measure_own(&motion, &robot, &[(0, 2), (0, 3), (1, 4)]).unwrap();
         own.write_rows(&motion, &mut own_rows).unwrap();
         let distance = nearest.map_or(f64::INFINITY, |pair| pair.distance);
-        let cap = SpeedCap::default().limit(distance);
+        let cap = SpeedCap::limit(distance);
         SpeedCap::write(&motion, &Vector3::zeros(), cap, &mut cap_rows).unwrap();
         black_box(clock.tick(1e-3 * tick as f64));
         black_box(clock.frame(1e-3 * tick as f64 - 0.05).is_ok());

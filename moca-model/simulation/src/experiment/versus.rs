@@ -14,7 +14,7 @@ pub struct Versus {
     apart: usize,
 }
 
-/// The results for `--json`: first of each run, then of both together.
+/// The results as one JSON object: first of each run, then of both together.
 #[derive(Clone, Debug, Serialize)]
 pub struct VersusLine {
     /// Cases in which person and robot worked together in both runs.
@@ -111,7 +111,7 @@ impl Versus {
         self.pairs.iter().map(|[on, off]| (on.score_mean, off.score_mean))
     }
 
-    /// The results for `--json`.
+    /// The results as one JSON object.
     pub fn line(&self) -> VersusLine {
         VersusLine {
             cases: self.pairs.len(),

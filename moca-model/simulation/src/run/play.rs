@@ -24,7 +24,7 @@ use super::true_person::TruePerson;
 use super::work::WorkForce;
 use crate::error::Error;
 use crate::judges::{Calmness, CalmnessMonitor, LimitMonitor, Moment, Return, SeparationMonitor};
-use crate::plant::Plant;
+use crate::plant::{Plant, rod, separation_monitor};
 
 /// Seed of the robot's noise, the same in both runs.
 const SEED: u64 = 1;
@@ -66,8 +66,7 @@ impl<'a> Run<'a> {
         let start = &scenario.start;
         let controller =
             Controller::new(scenario.model.clone(), scenario.ergonomics, settings, start)?;
-        let safety = &scenario.settings.safety;
-        let separation = SeparationMonitor::new(&scenario.model, safety, period)?;
+        let separation = separation_monitor(&scenario.model, &scenario.settings)?;
         let base = scenario.settings.base.map_or(0, |_| MOCA_BASE_JOINTS);
         let calmness = CalmnessMonitor::new(&scenario.model, base, period);
         let torques = scenario.torques.clone();
@@ -128,11 +127,10 @@ impl<'a> Run<'a> {
                 let others = self.scenario.others(frame);
                 self.observe(&shown, others)?;
                 self.adapt()?;
-                let least_confidence = self.scenario.settings.safety.person.least_confidence;
                 let person = percept.body.as_ref();
-                self.others.update(percept.time, person, others, least_confidence);
+                self.others.update(percept.time, person, others);
                 if let Some(body) = &shown.body {
-                    self.person.update(percept.time, body, least_confidence);
+                    self.person.update(percept.time, body);
                     if let Some(person) = &mut self.true_person {
                         person.show(percept.time, &self.encounter.hand);
                     }
@@ -195,7 +193,7 @@ impl<'a> Run<'a> {
     /// Lets the robot grasp the object and believe it to be this one.
     fn grasp(&mut self, believed: &GraspedObject) -> Result<(), Error> {
         let tool = self.plant.controller().robot().tool();
-        self.separation.carry(tool, &[self.scenario.object.capsule()?]);
+        self.separation.carry(tool, rod(&self.scenario.object.capsule()?));
         self.plant.grasp(believed)
     }
 

@@ -2,6 +2,7 @@
 
 use std::collections::VecDeque;
 
+use hrsw_safety::LEAST_CONFIDENCE;
 use nalgebra::{Point3, Vector3};
 use simulated_people::Joints;
 use vision_models::{Body, Body25, PersonId};
@@ -20,11 +21,11 @@ pub(super) struct SeenPerson {
 }
 
 impl SeenPerson {
-    /// Takes the body of a frame. Joints below this confidence stay where they were.
-    pub(super) fn update(&mut self, time: f64, body: &Body, least_confidence: f64) {
+    /// Takes the body of a frame. Joints below [`LEAST_CONFIDENCE`] stay where they were.
+    pub(super) fn update(&mut self, time: f64, body: &Body) {
         for (joint, place) in Body25::ALL.into_iter().zip(&mut self.joints) {
             let seen = body.get(joint);
-            if let Some(seen) = seen.filter(|seen| seen.confidence.value() >= least_confidence) {
+            if let Some(seen) = seen.filter(|seen| seen.confidence.value() >= LEAST_CONFIDENCE) {
                 *place = Some(seen.position);
             }
         }
@@ -71,13 +72,7 @@ pub(super) struct SeenOthers {
 impl SeenOthers {
     /// Takes the bodies of a frame. The person who works with the robot from now on is removed. A body without an id
     /// is a new person.
-    pub(super) fn update(
-        &mut self,
-        time: f64,
-        worker: Option<&Body>,
-        bodies: &[Body],
-        least_confidence: f64,
-    ) {
+    pub(super) fn update(&mut self, time: f64, worker: Option<&Body>, bodies: &[Body]) {
         let worker = worker.and_then(Body::id);
         self.people.retain(|(id, last, _)| {
             time - last <= REMEMBERED && (worker.is_none() || *id != worker)
@@ -87,10 +82,10 @@ impl SeenOthers {
             let mut people = self.people.iter_mut();
             if let Some((_, last, person)) = people.find(|known| id.is_some() && known.0 == id) {
                 *last = time;
-                person.update(time, body, least_confidence);
+                person.update(time, body);
             } else {
                 let mut person = SeenPerson::default();
-                person.update(time, body, least_confidence);
+                person.update(time, body);
                 self.people.push((id, time, person));
             }
         }

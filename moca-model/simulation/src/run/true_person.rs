@@ -25,7 +25,7 @@ pub struct TrueMotion {
 }
 
 impl TrueMotion {
-    /// Reads the motion from a recording of the truth, as `record --truth` writes it.
+    /// Reads the motion from a recording of the truth: percepts with every joint where it truly is.
     ///
     /// # Errors
     /// The file, if it cannot be read, has frames farther apart than 20 ms, or lacks a joint that distances are

@@ -1,6 +1,7 @@
 //! One robot, one controller, a person and passers-by, for some seconds.
 
 use ergo_map::ErgonomicsQuadratic;
+use hrsw_safety::{FORGET_AFTER, LEAST_CONFIDENCE};
 use human_perception::random;
 use moca_model::whole_body::Model;
 use moca_model::{Controller, ControllerSettings, Goal, GraspedObject, MOCA_HOME};
@@ -293,8 +294,7 @@ impl Episode {
         if !self.tick.is_multiple_of(self.frame) {
             return;
         }
-        let forget_after = self.plant.controller().settings().safety.person.forget_after;
-        if self.person.unseen_for().is_some_and(|unseen| unseen >= ticks(forget_after, self.period))
+        if self.person.unseen_for().is_some_and(|unseen| unseen >= ticks(FORGET_AFTER, self.period))
         {
             // The person who comes back may be somebody else.
             self.seen_whole = false;
@@ -308,10 +308,9 @@ impl Episode {
         let mut percept = self.perception.look(now, person.person(), person.is_in_view());
         if let Some(percept) = &mut percept {
             // The robot cannot keep its distance from a part that it has never seen.
-            let least = self.plant.controller().settings().safety.person.least_confidence;
             self.seen_whole |= percept.body.as_ref().is_some_and(|body| {
                 body::joints().all(|joint| {
-                    body.get(joint).is_some_and(|seen| seen.confidence.value() >= least)
+                    body.get(joint).is_some_and(|seen| seen.confidence.value() >= LEAST_CONFIDENCE)
                 })
             });
             percept.body = percept.body.take().filter(|_| self.seen_whole);

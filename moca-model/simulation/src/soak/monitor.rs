@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::disturbance::{Disturbance, Endings};
 use crate::error::Error;
 use crate::judges::{LimitMonitor, Moment, Return, SeparationMonitor, is_unseen};
+use crate::plant::{rod, separation_monitor};
 
 /// Ticks with something wrong, by kind, and two kinds that are not wrong but worth counting.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -126,7 +127,7 @@ impl Monitor {
     ) -> Result<Self, Error> {
         let period = settings.period;
         Ok(Self {
-            separation: SeparationMonitor::new(model, &settings.safety, period)?,
+            separation: separation_monitor(model, settings)?,
             limits: LimitMonitor::new(model, settings, configuration),
             counts: Counts::default(),
             ended: Endings::default(),
@@ -143,7 +144,7 @@ impl Monitor {
 
     /// The robot holds this, too, in the frame `tool`.
     pub fn carry(&mut self, tool: FrameId, object: &Capsule) {
-        self.separation.carry(tool, std::slice::from_ref(object));
+        self.separation.carry(tool, rod(object));
     }
 
     /// Takes a period in which the controller had no turn.

@@ -7,7 +7,7 @@ use simulated_people::Joints;
 
 use crate::error::Error;
 use crate::judges::{LimitMonitor, Moment, Return, SeparationMonitor, is_unseen};
-use crate::plant::Plant;
+use crate::plant::{Plant, rod, separation_monitor};
 
 /// Ticks after a disturbance of the robot in which its joints may be outside their ranges.
 const SETTLING: u32 = 1000;
@@ -46,7 +46,7 @@ impl Judge {
     ) -> Result<Self, Error> {
         Ok(Self {
             limits: LimitMonitor::new(model, settings, configuration),
-            separation: SeparationMonitor::new(model, &settings.safety, settings.period)?,
+            separation: separation_monitor(model, settings)?,
             settling: 0,
             counts: Counts::default(),
         })
@@ -54,7 +54,7 @@ impl Judge {
 
     /// The robot holds this, too, in the frame `tool`.
     pub(super) fn carry(&mut self, tool: FrameId, object: &Capsule) {
-        self.separation.carry(tool, std::slice::from_ref(object));
+        self.separation.carry(tool, rod(object));
     }
 
     /// Distance of a person's trunk, head and legs from the robot, up to a distance that is enough \[m\].

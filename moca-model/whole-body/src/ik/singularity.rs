@@ -1,5 +1,6 @@
 //! Damping of targets near singular configurations.
 
+mod curvature_rows;
 mod directions;
 #[cfg(test)]
 mod tests;
@@ -8,10 +9,10 @@ use std::ops::Range;
 
 use ahqp_core::Rows;
 
+use self::curvature_rows::CurvatureRows;
 use self::directions::Directions;
 use crate::eigen::eigenvectors;
 use crate::error::Error;
-use crate::stack::curvature_rows::CurvatureRows;
 use crate::tasks::curvature::Curvature;
 use crate::tasks::feedback::Feedback;
 use crate::vector::{dot, subtract};

@@ -47,7 +47,7 @@ pub struct ScoredClip {
     pub scores: Vec<f32>,
 }
 
-/// Quality of a recogniser, by class and by type of action. It is the line of `--json`.
+/// Quality of a recogniser, by class and by type of action. It is written as one line of JSON.
 #[derive(Clone, Debug, Serialize)]
 pub struct Evaluated {
     classes: Vec<String>,

@@ -1,4 +1,4 @@
-//! Frames whose truth is known, as written by `record --frames`.
+//! Frames whose truth is known: a folder of frames with a recording of the truth.
 
 use std::path::{Path, PathBuf};
 

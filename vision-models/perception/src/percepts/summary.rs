@@ -28,7 +28,7 @@ pub struct Tally {
     unseen: BTreeMap<&'static str, f64>,
 }
 
-/// Summary of a run, for `--json`.
+/// Summary of a run, written as one JSON object.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
     /// Number of frames that were read.

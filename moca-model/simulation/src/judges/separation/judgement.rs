@@ -20,7 +20,6 @@
 //! Every other breach is a **violation**. A person who works with the robot may touch it, except with the head. These
 //! pairs count separately as contacts, for which the force matters.
 
-use hrsw_safety::SeparationSettings;
 use moca_model::whole_body::robot::JointLimits;
 
 use super::body::{self, PART_COUNT};
@@ -34,6 +33,23 @@ const STEP: f64 = 1e-6;
 const ROUNDING: f64 = 1e-6;
 /// Distance below which a part that may be touched counts as about to be touched \[m\].
 const TOUCHING: f64 = 0.05;
+
+/// The terms of the protective distance.
+#[derive(Clone, Copy, Debug)]
+pub struct Terms {
+    /// Reaction time T_r \[s\].
+    pub reaction_time: f64,
+    /// Deceleration a_a of the arm \[m/s²\].
+    pub deceleration: f64,
+    /// Number of the base's joints, which are the first.
+    pub base_joints: usize,
+    /// Deceleration a_b of the base \[m/s²\].
+    pub base_deceleration: f64,
+    /// Intrusion distance C \[m\].
+    pub intrusion: f64,
+    /// Uncertainty Z_r of the robot's place \[m\].
+    pub robot_uncertainty: f64,
+}
 
 /// The robot's capsules a moment before and after, at some velocity.
 #[derive(Clone, Debug, Default)]
@@ -133,28 +149,23 @@ pub struct Blame {
 }
 
 /// T_r + T_s.
-fn time_to_stop(settings: &SeparationSettings, [base, arm]: [f64; 2]) -> f64 {
-    let SeparationSettings { reaction_time, deceleration, .. } = *settings;
-    let of_base = settings.base.map_or(deceleration, |base| base.deceleration);
-    reaction_time + (base / of_base).max(arm / deceleration)
+fn time_to_stop(terms: &Terms, [base, arm]: [f64; 2]) -> f64 {
+    terms.reaction_time + (base / terms.base_deceleration).max(arm / terms.deceleration)
 }
 
 /// The protective distance S_p of the formula above.
-fn protective_distance(settings: &SeparationSettings, person: f64, [base, arm]: [f64; 2]) -> f64 {
-    let SeparationSettings { reaction_time, deceleration, intrusion, robot_uncertainty, .. } =
-        *settings;
-    let of_base = settings.base.map_or(deceleration, |base| base.deceleration);
-    let stopping = 0.5 * (base * base / of_base + arm * arm / deceleration);
-    person * time_to_stop(settings, [base, arm])
-        + (base + arm) * reaction_time
+fn protective_distance(terms: &Terms, person: f64, [base, arm]: [f64; 2]) -> f64 {
+    let stopping = 0.5 * (base * base / terms.base_deceleration + arm * arm / terms.deceleration);
+    person * time_to_stop(terms, [base, arm])
+        + (base + arm) * terms.reaction_time
         + stopping
-        + intrusion
-        + robot_uncertainty
+        + terms.intrusion
+        + terms.robot_uncertainty
 }
 
 /// Returns true if a pair is in breach, for a body and a period \[s\].
 fn in_breach(
-    settings: &SeparationSettings,
+    terms: &Terms,
     robot: &Robot,
     body: &Body,
     (link, part): (usize, usize),
@@ -167,13 +178,13 @@ fn in_breach(
     }
     let base = robot.base.towards(link, person).clamp(0.0, towards);
     let (distance, coming) = body.closing(&robot.now[link], part, period);
-    distance < protective_distance(settings, coming.max(0.0), [base, towards - base])
+    distance < protective_distance(terms, coming.max(0.0), [base, towards - base])
 }
 
 /// Judges a tick for the present body and the one of the newest frame that had arrived. `contact` says that all parts
 /// except the head may touch the robot.
 pub(super) fn judge(
-    settings: &SeparationSettings,
+    terms: &Terms,
     robot: &Robot,
     now: &Body,
     known: Option<&Body>,
@@ -186,8 +197,8 @@ pub(super) fn judge(
         // Most pairs are too far apart even at the largest speeds of both.
         let ball = robot.now[link].ball();
         let fastest = [robot.base.fastest(link), robot.commanded.fastest(link)];
-        let standing = protective_distance(settings, 0.0, fastest) + ROUNDING;
-        let time = time_to_stop(settings, fastest);
+        let standing = protective_distance(terms, 0.0, fastest) + ROUNDING;
+        let time = time_to_stop(terms, fastest);
         for (part, (around, swiftest)) in parts.iter().enumerate() {
             let pair = (link, part);
             if ball.is_beyond(around, standing + swiftest * time) {
@@ -201,13 +212,13 @@ pub(super) fn judge(
                     verdict.contact_speed = Some(fastest);
                 }
             }
-            if !in_breach(settings, robot, now, pair, period) {
+            if !in_breach(terms, robot, now, pair, period) {
                 continue;
             }
             let towards = robot.commanded.towards(link, &now.now[part]);
             if contact && body::may_touch(part) {
                 verdict.contact = true;
-            } else if !known.is_some_and(|known| in_breach(settings, robot, known, pair, period))
+            } else if !known.is_some_and(|known| in_breach(terms, robot, known, pair, period))
                 || stops(robot, now, pair)
             {
                 verdict.person_caused = true;

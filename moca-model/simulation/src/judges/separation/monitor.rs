@@ -1,13 +1,12 @@
 //! Judge of the robot's distance tick by tick.
 
-use hrsw_safety::{Capsule, SafetySettings, SeparationSettings};
 use moca_model::whole_body::robot::JointLimits;
 use moca_model::whole_body::{Data, FrameId, Model};
 use nalgebra::Point3;
 use simulated_people::Joints;
 
 use super::body;
-use super::judgement::{Body, MOMENT, Robot, Verdict, emergency_stop, judge};
+use super::judgement::{Body, MOMENT, Robot, Terms, Verdict, emergency_stop, judge};
 use super::rod::Rod;
 use crate::error::Error;
 
@@ -23,6 +22,15 @@ pub struct Moment<'a> {
     pub contact: bool,
 }
 
+/// The robot's own capsules.
+#[derive(Clone, Debug)]
+pub struct Rods {
+    /// Names of links, each with a capsule in the link's frame \[m\].
+    pub links: Vec<(String, Rod)>,
+    /// Pairs of these capsules that must keep apart, by index.
+    pub own_pairs: Vec<(usize, usize)>,
+}
+
 /// Judges every tick of a robot.
 #[derive(Clone, Debug)]
 pub struct SeparationMonitor {
@@ -32,7 +40,7 @@ pub struct SeparationMonitor {
     /// Number of capsules that are the robot's own.
     own: usize,
     own_pairs: Vec<(usize, usize)>,
-    settings: SeparationSettings,
+    terms: Terms,
     limits: Vec<JointLimits>,
     period: f64,
     /// Velocities in an emergency stop, then as commanded.
@@ -48,18 +56,18 @@ impl SeparationMonitor {
     ///
     /// # Errors
     /// Bodies on links that the robot does not have.
-    pub fn new(model: &Model, safety: &SafetySettings, period: f64) -> Result<Self, Error> {
+    pub fn new(model: &Model, rods: Rods, terms: Terms, period: f64) -> Result<Self, Error> {
         let mut shapes = Vec::new();
-        for body in &safety.bodies {
-            shapes.push((model.frame_id(&body.link)?, rod(&body.capsule)));
+        for (link, rod) in &rods.links {
+            shapes.push((model.frame_id(link)?, *rod));
         }
         let limits = model.limits().to_vec();
         let rest = vec![0.0; limits.len()];
         Ok(Self {
             data: Data::new(model),
             own: shapes.len(),
-            own_pairs: safety.own_pairs.clone(),
-            settings: safety.separation,
+            own_pairs: rods.own_pairs,
+            terms,
             velocity: rest.clone(),
             last: rest.clone(),
             acceleration: rest,
@@ -71,10 +79,10 @@ impl SeparationMonitor {
         })
     }
 
-    /// Replaces the capsules that a frame carries.
-    pub fn carry(&mut self, frame: FrameId, capsules: &[Capsule]) {
+    /// Sets the capsule that a frame carries.
+    pub fn carry(&mut self, frame: FrameId, rod: Rod) {
         self.shapes.truncate(self.own);
-        self.shapes.extend(capsules.iter().map(|capsule| (frame, rod(capsule))));
+        self.shapes.push((frame, rod));
     }
 
     /// Judges the tick of a command, n \[m/s, rad/s\], that begins at `configuration`, n \[m, rad\], for each person.
@@ -104,7 +112,7 @@ impl SeparationMonitor {
         for Moment { person, known, contact } in people {
             let (now, known) = (body(*person), known.map(body));
             let of_one =
-                judge(&self.settings, &self.robot, &now, known.as_ref(), *contact, self.period);
+                judge(&self.terms, &self.robot, &now, known.as_ref(), *contact, self.period);
             verdict.add(&of_one);
         }
         Ok(verdict)
@@ -148,7 +156,7 @@ impl SeparationMonitor {
     /// Computes the robot's bodies now, and their motions as commanded and in an emergency stop.
     fn place(&mut self, commanded_velocity: &[f64], configuration: &[f64]) -> Result<(), Error> {
         let Robot { now, commanded, base, stopping } = &mut self.robot;
-        let base_joints = self.settings.base.map_or(0, |base| base.joints);
+        let base_joints = self.terms.base_joints;
         let mut of_base = commanded_velocity.to_vec();
         of_base.iter_mut().skip(base_joints).for_each(|velocity| *velocity = 0.0);
         for (rods, velocity, time) in [
@@ -184,8 +192,4 @@ fn place(
         rods.push(Rod { ends, ..*rod });
     }
     Ok(())
-}
-
-fn rod(capsule: &Capsule) -> Rod {
-    Rod { ends: [*capsule.start(), *capsule.end()], radius: capsule.radius() }
 }

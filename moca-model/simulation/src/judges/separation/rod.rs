@@ -4,9 +4,11 @@ use nalgebra::Vector3;
 
 /// A capsule: the points within a radius of a segment \[m\].
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Rod {
-    pub(crate) ends: [Vector3<f64>; 2],
-    pub(super) radius: f64,
+pub struct Rod {
+    /// Ends of the segment \[m\].
+    pub ends: [Vector3<f64>; 2],
+    /// Radius \[m\].
+    pub radius: f64,
 }
 
 impl Rod {

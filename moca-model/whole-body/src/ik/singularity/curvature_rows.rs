@@ -14,8 +14,8 @@ use crate::tasks::curvature::Curvature;
 /// by adaptive nonlinear least squares". At the end of the robot's reach, the rows take the motions that would leave it
 /// from the levels below. Rows without curvature are free.
 #[derive(Debug, Clone)]
-pub(crate) struct CurvatureRows {
-    pub(crate) curvature: Curvature,
+pub(super) struct CurvatureRows {
+    pub(super) curvature: Curvature,
     /// Entries of q̇ with curvature, and the rows and columns of the curvature for them.
     entries: Vec<usize>,
     block: Vec<f64>,
@@ -26,7 +26,7 @@ pub(crate) struct CurvatureRows {
 const ROUNDING: f64 = 1e-9;
 
 impl CurvatureRows {
-    pub(crate) fn new(velocities: usize) -> Self {
+    pub(super) fn new(velocities: usize) -> Self {
         Self {
             curvature: Curvature::new(velocities),
             entries: Vec::with_capacity(velocities),
@@ -36,7 +36,7 @@ impl CurvatureRows {
     }
 
     /// Writes the rows from `first` to the last one.
-    pub(crate) fn write(&mut self, rows: &mut Rows, first: usize, least: f64) {
+    pub(super) fn write(&mut self, rows: &mut Rows, first: usize, least: f64) {
         for index in first..rows.len() {
             set_row(rows, index, [].into_iter(), f64::INFINITY);
         }
