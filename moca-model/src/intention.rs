@@ -31,7 +31,7 @@ impl IntentionSettings {
     /// Checks the ranges.
     ///
     /// # Errors
-    /// [`Error::Setting`] names the first that is out of its range.
+    /// [`Error::Value`] names the first that is out of its range.
     pub fn validate(&self) -> Result<(), Error> {
         let enter = [("intention.enter", self.enter)];
         check_settings(enter, "between 0 and 1", |value| (0.0..=1.0).contains(&value))?;
@@ -67,7 +67,7 @@ impl IntentionFilter {
     /// Creates a filter whose first intention is apart.
     ///
     /// # Errors
-    /// [`Error::Setting`] for settings out of range.
+    /// [`Error::Value`] for settings out of range.
     pub fn new(settings: IntentionSettings) -> Result<Self, Error> {
         settings.validate()?;
         let apart = Intention::Apart;

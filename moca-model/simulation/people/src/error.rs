@@ -1,20 +1,20 @@
 //! Errors of simulated people.
 
-use std::{io, path::PathBuf};
+use std::{io, ops::RangeInclusive, path::PathBuf};
 
 /// Reason why a person cannot be simulated: the fault, its place, and what would be right.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// A setting is outside its range.
-    #[error("{name} = {value}: give {expected}")]
-    Setting {
+    #[error("{what} = {got}: give {wanted}")]
+    Value {
         /// The setting.
-        name: &'static str,
+        what: &'static str,
         /// The value that was given.
-        value: f64,
+        got: f64,
         /// The accepted values.
-        expected: &'static str,
+        wanted: &'static str,
     },
     /// A path is neither a name nor a list of points.
     #[error(
@@ -72,4 +72,17 @@ pub enum Error {
         /// Error of the operating system.
         source: io::Error,
     },
+}
+
+/// Checks a setting.
+///
+/// # Errors
+/// [`Error::Value`] outside the range, and for NaN.
+pub fn in_range(
+    what: &'static str,
+    got: f64,
+    range: RangeInclusive<f64>,
+    wanted: &'static str,
+) -> Result<(), Error> {
+    if range.contains(&got) { Ok(()) } else { Err(Error::Value { what, got, wanted }) }
 }

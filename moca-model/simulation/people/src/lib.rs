@@ -47,7 +47,7 @@ pub use activity::Activity;
 pub use arm::Arm;
 pub use camera::CameraSettings;
 pub use captured::CapturedMotion;
-pub use error::Error;
+pub use error::{Error, in_range};
 pub use led::{Facing, Lead, LedPerson, Reach, Way, Workplace};
 pub use motion::Gait;
 pub use movement::Movement;

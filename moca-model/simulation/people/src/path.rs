@@ -99,10 +99,10 @@ impl WalkingPath {
             Self::Points(points) => {
                 let outside = |value: &&f64| !(-FARTHEST..=FARTHEST).contains(*value);
                 match points.iter().flat_map(|point| point.iter()).find(outside) {
-                    Some(&value) => Err(Error::Setting {
-                        name: "path",
-                        value,
-                        expected: "points within 50 m of the origin",
+                    Some(&got) => Err(Error::Value {
+                        what: "path",
+                        got,
+                        wanted: "points within 50 m of the origin",
                     }),
                     None => Ok(()),
                 }

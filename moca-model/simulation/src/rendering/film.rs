@@ -75,14 +75,14 @@ impl Film {
     /// errors of `pixel_sigma` in images 640 pixels wide. The person does not jump or vanish.
     ///
     /// # Errors
-    /// [`Error::Setting`] names the setting that is wrong.
+    /// [`Error::Value`] names the setting that is wrong.
     pub fn new(
         settings: WalkerSettings,
         viewpoint: Viewpoint,
         size: [usize; 2],
         pixel_sigma: f64,
     ) -> Result<Self, Error> {
-        let refuse = |name, value, expected| Error::Setting { name, value, expected };
+        let refuse = |what, got, wanted| Error::Value { what, got, wanted };
         if !(0.0..=100.0).contains(&pixel_sigma) {
             return Err(refuse("pixel-noise", pixel_sigma, "0 to 100 pixels"));
         }

@@ -119,7 +119,7 @@ impl StatePrediction {
     /// measurement is overdue above an age of `awaited` \[s\], at most 8 ms. Allocates nothing.
     ///
     /// # Errors
-    /// [`Error::WrongSize`]; nothing is then changed.
+    /// [`Error::Size`]; nothing is then changed.
     pub fn update(
         &mut self,
         measured: JointState<'_>,
