@@ -9,9 +9,9 @@ use std::{
 use anyhow::{Result, ensure};
 use clap::Parser;
 use examples::program::{self, Ending, Interrupt, Json, OutputFile, Program, Quiet, Session};
-use human_perception::{networks::open_checkpoint, printable};
+use human_perception::networks::open_checkpoint;
 use serde::Serialize;
-use vision_models::{Checkpoint, Error, NetworkKind};
+use vision_models::{Checkpoint, Error, NetworkKind, file::Excerpt};
 
 /// Prints what a checkpoint holds and writes its tensors as safetensors.
 ///
@@ -121,13 +121,14 @@ impl Contents {
             writeln!(out, "a {network}")?;
         }
         if !checkpoint.others().is_empty() {
-            let others: Vec<_> = checkpoint.others().iter().map(|name| printable(name)).collect();
+            let shown = |name: &String| Excerpt(name).to_string();
+            let others: Vec<_> = checkpoint.others().iter().map(shown).collect();
             writeln!(out, "not read: {}", others.join(", "))?;
         }
-        let length = |(name, _): (&str, _)| printable(name).chars().count();
+        let length = |(name, _): (&str, _)| Excerpt(name).to_string().chars().count();
         let width = checkpoint.tensors().map(length).max().unwrap_or(0);
         for (name, info) in checkpoint.tensors() {
-            let name = printable(name);
+            let name = Excerpt(name).to_string();
             writeln!(out, "{name:width$}  {:4}  {:?}", info.element(), info.shape())?;
         }
         writeln!(out, "{} tensors, {} elements", self.tensors, self.elements)?;

@@ -1,12 +1,11 @@
 //! Key that loop and robot share.
 
 use std::fmt;
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 
 use hmac::{Hmac, Mac};
 use sha2::Sha256;
+use vision_models::file::read_bytes;
 
 use super::error::Error;
 
@@ -39,13 +38,9 @@ impl SharedKey {
     /// Reads a key from a file, whose bytes are used unchanged.
     ///
     /// # Errors
-    /// [`Error::KeyFile`], [`Error::Size`]
+    /// [`Error::KeyFile`], also for a file that is too long; [`Error::Size`]
     pub fn read(path: &Path) -> Result<Self, Error> {
-        let mut bytes = Vec::new();
-        File::open(path)
-            .and_then(|file| file.take(LONGEST as u64 + 1).read_to_end(&mut bytes))
-            .map_err(Error::KeyFile)?;
-        Self::new(&bytes)
+        Self::new(&read_bytes(path, LONGEST as u64).map_err(Error::KeyFile)?)
     }
 
     /// Returns the code of these bytes.

@@ -19,7 +19,6 @@
 
 use std::time::Instant;
 
-use human_perception::random;
 use moca_model::whole_body::control_loop::JointMeasurement;
 use moca_model::whole_body::simulation::RandomSource;
 use moca_model::whole_body::state::{ExternalWrench, PayloadId};
@@ -38,6 +37,7 @@ use vision_models::{Body, Percept};
 
 use crate::Error;
 use crate::judges::TorqueMonitor;
+use crate::people;
 
 /// The robot's dynamics.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -123,7 +123,7 @@ pub struct RobotNoise(ChaCha8Rng);
 impl RobotNoise {
     /// Creates a random stream with this seed.
     pub fn new(seed: u64) -> Self {
-        Self(random::generator(seed, STREAM))
+        Self(people::generator(seed, STREAM))
     }
 }
 

@@ -3,18 +3,18 @@
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use human_perception::random;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
 use crate::Error;
+use crate::people;
 
 /// First random stream, apart from those of people, cameras and robots.
 const STREAM: u64 = 1000;
 
 /// Creates the random generator of a case.
 pub fn generator(seed: u64, case: u64) -> ChaCha8Rng {
-    random::generator(seed, STREAM + case)
+    people::generator(seed, STREAM + case)
 }
 
 /// Runs the cases with `threads` threads. Returns their results in the order of the cases.

@@ -1,7 +1,6 @@
 //! The frames of a simulated walk as the camera sees them.
 
 use human_perception::frames::FrameEntry;
-use human_perception::random;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use vision_models::{
@@ -19,7 +18,7 @@ use super::{
     view::{self, Viewpoint},
 };
 use crate::Error;
-use crate::people::{FRAME_RATE, Walker, WalkerSettings};
+use crate::people::{self, FRAME_RATE, Walker, WalkerSettings};
 use percept_recording::Header;
 
 /// Random streams besides those of the walker.
@@ -90,7 +89,7 @@ impl Film {
             .map_err(|_| refuse("size", size[0] as f64, "sides of 1 to 16384 pixels"))?;
         let (seed, seen) = (settings.seed, settings.camera);
         let walker = Walker::new(settings)?;
-        let draw = |stream| random::generator(seed, stream);
+        let draw = |stream| people::generator(seed, stream);
         let pixel_sigma = pixel_sigma * size[0] as f64 / WIDTH;
         let skeletons = SkeletonSettings { pixel_sigma, drop: seen.drop };
         Ok(Self {
@@ -111,7 +110,7 @@ impl Film {
     #[must_use]
     pub fn varied(mut self) -> Self {
         let seed = self.walker.settings().seed;
-        self.appearance = Appearance::random(&mut random::generator(seed, APPEARANCE));
+        self.appearance = Appearance::random(&mut people::generator(seed, APPEARANCE));
         self.room = None;
         self
     }

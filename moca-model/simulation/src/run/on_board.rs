@@ -1,6 +1,5 @@
 //! The robot's own camera, which recognises the surface of the grasped object.
 
-use human_perception::random;
 use moca_model::GraspedObject;
 use nalgebra::{Isometry3, Vector3};
 use rand::Rng;
@@ -8,6 +7,7 @@ use rand_chacha::ChaCha8Rng;
 use vision_models::{Confidence, RecognisedSurface, Surface};
 
 use crate::Error;
+use crate::people;
 use crate::plant::Plant;
 
 /// Random stream of the camera.
@@ -53,7 +53,7 @@ pub(crate) struct OnBoardEye {
 
 impl OnBoardEye {
     pub(crate) fn new(seed: u64) -> Self {
-        Self { draw: random::generator(seed, STREAM) }
+        Self { draw: people::generator(seed, STREAM) }
     }
 
     /// The surface of the true object that faces the camera; none while the robot holds nothing.

@@ -1,7 +1,6 @@
 //! One robot, one controller, a person and passers-by, for some seconds.
 
 use ergo_map::ErgonomicsQuadratic;
-use human_perception::random;
 use moca_model::whole_body::Model;
 use moca_model::{Controller, ControllerSettings, Goal, GraspedObject, MOCA_HOME};
 use nalgebra::{Matrix3, Vector2, Vector3};
@@ -16,7 +15,7 @@ use super::witnessed::Witnessed;
 use crate::Error;
 use crate::judges::body;
 use crate::people::{
-    CameraSettings, CapturedMotion, FRAME_RATE, Movement, Perception, Transport, Wanderer,
+    self, CameraSettings, CapturedMotion, FRAME_RATE, Movement, Perception, Transport, Wanderer,
 };
 use crate::plant::{Plant, PlantSettings};
 
@@ -52,7 +51,7 @@ const PASSERS_BY: u64 = 2;
 const STREAMS: u64 = 3;
 
 fn generator(seed: u64, stream: Stream) -> ChaCha8Rng {
-    random::generator(seed, stream as u64)
+    people::generator(seed, stream as u64)
 }
 
 /// The closed loop.
@@ -114,7 +113,7 @@ impl Episode {
         for number in 0..draw.random_range(0..=PASSERS_BY) {
             let streams = |index| {
                 let stream = Stream::PassersBy as u64 + 1 + number * STREAMS + index;
-                random::generator(seed, stream)
+                people::generator(seed, stream)
             };
             passers_by.push(somebody(Wanderer::passing_by(streams(0), robot))?);
             let camera = CameraSettings { drop: 0.0, ..camera };

@@ -2,7 +2,6 @@
 
 use ergo_map::{ErgonomicsMap, PersonFrame};
 use human_perception::percepts::{MeasuredAssessment, assess};
-use human_perception::random;
 use moca_model::whole_body::FrameId;
 use moca_model::{Controller, DynamicRobotSettings, Goal, GraspedObject, MOCA_HOME, Phase, moca};
 use moca_replay::report::{TickRow, Together};
@@ -18,7 +17,7 @@ use super::judge::{Counts, Judge};
 use super::memory::{Memory, Remembered, TRUE_RATE};
 use super::setup::Setup;
 use crate::Error;
-use crate::people::{Activity, Lead, LedPerson, Movement, Way, Workplace};
+use crate::people::{self, Activity, Lead, LedPerson, Movement, Way, Workplace};
 use crate::plant::{Heard, Plant};
 use crate::run::{HandScore, OnBoardEye, RobotView, Scorer, WorkForce, tick_row};
 
@@ -94,7 +93,7 @@ impl Workcell {
             work: WorkForce::default(),
             judge,
             memory: Memory::new(stature),
-            movements: random::generator(seed, MOVEMENTS),
+            movements: people::generator(seed, MOVEMENTS),
             faults: Faults::default(),
             blind: 0.0,
             slipped: Vector2::zeros(),
@@ -135,7 +134,7 @@ impl Workcell {
     /// # Errors
     /// Nobody moves who is not there.
     pub fn begin(&mut self, who: Who, movement: Movement) -> Result<(), Error> {
-        let draw = random::generator(self.movements.random(), MOVEMENTS);
+        let draw = people::generator(self.movements.random(), MOVEMENTS);
         self.guided(who)?.person.begin(movement, draw);
         Ok(())
     }
