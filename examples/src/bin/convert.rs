@@ -8,7 +8,7 @@ use std::{
 
 use anyhow::{Result, ensure};
 use clap::Parser;
-use examples::program::{self, Ending, Interrupt, Json, OutputFile, Program, Quiet, Session};
+use examples::program::{self, Ending, Interrupt, OutputFile, Printing, Program, Session};
 use human_perception::networks::open_checkpoint;
 use serde::Serialize;
 use vision_models::{Checkpoint, Error, NetworkKind, file::Excerpt};
@@ -30,9 +30,7 @@ struct Arguments {
     #[arg(long, short, value_name = "FILE", conflicts_with = "place")]
     output: Option<PathBuf>,
     #[command(flatten)]
-    json: Json,
-    #[command(flatten)]
-    quiet: Quiet,
+    printing: Printing,
 }
 
 /// The JSON object of `--json`.
@@ -47,10 +45,6 @@ struct Contents {
 }
 
 impl Program for Arguments {
-    fn quiet(&self) -> Quiet {
-        self.quiet
-    }
-
     fn run(self, session: &mut Session) -> Result<Ending> {
         let output = self.output.or(self.place);
         let file = output.as_deref().map(|output| begin(&self.input, output)).transpose()?;
@@ -68,7 +62,7 @@ impl Program for Arguments {
             })?;
             writer.file.keep()?;
         }
-        session.conclude(self.json, &contents, Ending::Complete)
+        session.conclude(self.printing, &contents, Ending::Complete)
     }
 }
 
