@@ -51,7 +51,7 @@ pub use error::{Error, in_range};
 pub use led::{Facing, Lead, LedPerson, Reach, Way, Workplace};
 pub use motion::Gait;
 pub use movement::Movement;
-pub use path::{WalkingPath, Waypoint};
+pub use path::WalkingPath;
 pub use perception::{FRAME_RATE, Perception};
 pub use person::{Joints, Person};
 pub use settings::{Occupation, WalkerSettings};

@@ -56,13 +56,13 @@ pub enum WalkingPath {
 
 /// A place on the path.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Waypoint {
+pub(super) struct Waypoint {
     /// Point on the floor, in the world \[m\].
-    pub floor: Point2<f64>,
+    pub(super) floor: Point2<f64>,
     /// Heading of the person there \[rad\].
-    pub heading: f64,
+    pub(super) heading: f64,
     /// Time for which the person stays and works \[s\]; zero passes by without a stop.
-    pub dwell: f64,
+    pub(super) dwell: f64,
 }
 
 impl WalkingPath {

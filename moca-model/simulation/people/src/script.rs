@@ -3,7 +3,10 @@
 use std::{collections::VecDeque, f64::consts::PI};
 
 use super::{
-    Occupation, WalkerSettings, Waypoint, activity::Activity, motion::Goal, path::WORKPLACE,
+    Occupation, WalkerSettings,
+    activity::Activity,
+    motion::Goal,
+    path::{WORKPLACE, Waypoint},
     person::Person,
 };
 use nalgebra::{Point2, Vector2};
