@@ -144,7 +144,7 @@ impl Person {
     ///
     /// # Errors
     /// Those of [`Person::new`].
-    pub fn with_stature(self, stature: f64) -> Result<Self> {
+    pub(crate) fn with_stature(self, stature: f64) -> Result<Self> {
         let Self { ranges, proportions, .. } = self;
         let ratio = Self::new(stature)?.stature / self.stature;
         let mass = (self.mass * ratio * ratio).clamp(MASS[0], MASS[1]);

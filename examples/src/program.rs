@@ -5,15 +5,13 @@
 //! ```no_run
 //! use std::{io::Write, process::ExitCode};
 //!
-//! use examples::program::{self, Ending, Json, Program, Quiet, Session};
+//! use examples::program::{self, Ending, Printing, Program, Session};
 //!
 //! /// Counts to ten.
 //! #[derive(clap::Parser)]
 //! struct Options {
 //!     #[command(flatten)]
-//!     json: Json,
-//!     #[command(flatten)]
-//!     quiet: Quiet,
+//!     printing: Printing,
 //! }
 //!
 //! #[derive(serde::Serialize)]
@@ -22,10 +20,6 @@
 //! }
 //!
 //! impl Program for Options {
-//!     fn quiet(&self) -> Quiet {
-//!         self.quiet
-//!     }
-//!
 //!     fn run(self, session: &mut Session) -> anyhow::Result<Ending> {
 //!         let progress = session.progress("count", 10);
 //!         let mut last = 0;
@@ -36,7 +30,7 @@
 //!         progress.finish();
 //!         writeln!(session.output(), "{last}")?;
 //!         let ending = if last < 10 { Ending::Partial } else { Ending::Complete };
-//!         session.conclude(self.json, &Counted { last }, ending)
+//!         session.conclude(self.printing, &Counted { last }, ending)
 //!     }
 //! }
 //!
@@ -76,7 +70,7 @@ pub use folder::check_folder;
 pub use input::InputFile;
 pub use interrupt::Interrupt;
 pub use message::warn;
-pub use options::{Json, Quiet, RealTime, ResultFile, Seed, Threads, thread_count};
+pub use options::{Printing, RealTime, ResultFile, Seed, Threads, thread_count};
 pub use progress::Progress;
 pub use session::Session;
 pub use shown::{Shown, shown};

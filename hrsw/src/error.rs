@@ -2,6 +2,8 @@
 
 use nalgebra::Isometry3;
 
+pub(crate) use crate::checks::{check_all, check_size, not_negative, positive};
+
 /// Misuse of the crate.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -69,36 +71,6 @@ pub enum Error {
     /// The rows were refused by `ahqp-core`.
     #[error(transparent)]
     Hierarchy(#[from] ahqp_core::Error),
-}
-
-pub(crate) fn positive(what: &'static str, got: f64) -> Result<f64, Error> {
-    if got > 0.0 && got.is_finite() {
-        Ok(got)
-    } else {
-        Err(Error::Value { what, got, wanted: "positive and finite" })
-    }
-}
-
-pub(crate) fn not_negative(what: &'static str, got: f64) -> Result<f64, Error> {
-    if got >= 0.0 && got.is_finite() {
-        Ok(got)
-    } else {
-        Err(Error::Value { what, got, wanted: "finite and not negative" })
-    }
-}
-
-pub(crate) fn check_size(what: &'static str, got: usize, wanted: usize) -> Result<(), Error> {
-    if got == wanted { Ok(()) } else { Err(Error::Size { what, got, wanted }) }
-}
-
-pub(crate) fn check_all<'a>(
-    what: &'static str,
-    mut values: impl Iterator<Item = &'a f64>,
-) -> Result<(), Error> {
-    match values.find(|value| !value.is_finite()) {
-        Some(&got) => Err(Error::Value { what, got, wanted: "finite" }),
-        None => Ok(()),
-    }
 }
 
 pub(crate) fn check_pose(pose: &Isometry3<f64>) -> Result<(), Error> {

@@ -44,6 +44,8 @@
 //! ```
 
 mod change;
+#[doc(hidden)]
+pub mod checks;
 mod error;
 mod held_frame;
 mod motion;

@@ -131,7 +131,7 @@ impl Controller {
     /// say so. Causes are an invalid time, a measurement that is not finite, and a hierarchy that cannot be solved.
     ///
     /// # Errors
-    /// [`Error::WrongSize`] for a configuration of the wrong size. The supervisor is then informed, and
+    /// [`Error::Size`] for a configuration of the wrong size. The supervisor is then informed, and
     /// [`command`](Self::command) brakes as well.
     pub fn step(&mut self, now: f64, configuration: &[f64]) -> Result<&Command, Error> {
         let size = check_size("configuration", configuration, self.motion.braking.len());

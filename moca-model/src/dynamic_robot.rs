@@ -242,7 +242,7 @@ impl DynamicRobot {
     /// Sets the share of commands that are lost.
     ///
     /// # Errors
-    /// [`Error::Setting`] for a share that is not from 0 to 1.
+    /// [`Error::Value`] for a share that is not from 0 to 1.
     pub fn lose(&mut self, share: f64) -> Result<(), Error> {
         check_settings([("loss", share)], "from 0 to 1", |share| (0.0..=1.0).contains(&share))?;
         self.loss = share;

@@ -12,25 +12,25 @@ use crate::box_side::BoxSide;
 #[non_exhaustive]
 pub enum Error {
     /// A number is out of its range.
-    #[error("{what} is {value}; it must be {expected}")]
+    #[error("{what} is {got}; it must be {wanted}")]
     Value {
-        /// Name of the number.
+        /// Name of the number; the path of a setting.
         what: String,
         /// Value given.
-        value: f64,
+        got: f64,
         /// The range it must lie in.
-        expected: &'static str,
+        wanted: &'static str,
     },
 
     /// A vector has the wrong number of elements.
-    #[error("{what} has {got} elements; the robot needs {expected}")]
-    WrongSize {
+    #[error("{what} has {got} elements; the robot needs {wanted}")]
+    Size {
         /// Name of the vector.
         what: &'static str,
-        /// Number it must have.
-        expected: usize,
         /// Number it has.
         got: usize,
+        /// Number it must have.
+        wanted: usize,
     },
 
     /// The robot has a floating base.
@@ -71,17 +71,6 @@ pub enum Error {
     TwoFacesOnOneSide {
         /// The side.
         side: BoxSide,
-    },
-
-    /// A setting of the controller is out of its range.
-    #[error("setting {name} is {value}; it must be {expected}")]
-    Setting {
-        /// The setting.
-        name: &'static str,
-        /// Value given.
-        value: f64,
-        /// The range it must lie in.
-        expected: &'static str,
     },
 
     /// The robot responds to torques too late to be controlled.
@@ -165,23 +154,20 @@ fn present(now: Option<f64>, newest: Option<f64>) -> String {
     format!("the last tick {}, the newest frame {}", time(now), time(newest))
 }
 
-/// Returns an error unless `slice` has `expected` elements.
-pub(crate) fn check_size(what: &'static str, slice: &[f64], expected: usize) -> Result<(), Error> {
-    if slice.len() == expected {
-        Ok(())
-    } else {
-        Err(Error::WrongSize { what, expected, got: slice.len() })
-    }
+/// Returns an error unless `slice` has `wanted` elements.
+pub(crate) fn check_size(what: &'static str, slice: &[f64], wanted: usize) -> Result<(), Error> {
+    let got = slice.len();
+    if got == wanted { Ok(()) } else { Err(Error::Size { what, got, wanted }) }
 }
 
-/// Returns an error for the first setting whose value does not fit what is `expected`.
+/// Returns an error for the first setting whose value is not what is `wanted`.
 pub(crate) fn check_settings(
     settings: impl IntoIterator<Item = (&'static str, f64)>,
-    expected: &'static str,
+    wanted: &'static str,
     fits: impl Fn(f64) -> bool,
 ) -> Result<(), Error> {
     let wrong = settings.into_iter().find(|(_, value)| !fits(*value));
-    wrong.map_or(Ok(()), |(name, value)| Err(Error::Setting { name, value, expected }))
+    wrong.map_or(Ok(()), |(name, got)| Err(Error::Value { what: name.to_owned(), got, wanted }))
 }
 
 /// Returns an error for the first setting that is not positive and finite.
@@ -195,8 +181,8 @@ pub(crate) fn check_positive(
 pub(crate) fn check_not_negative(
     settings: impl IntoIterator<Item = (&'static str, f64)>,
 ) -> Result<(), Error> {
-    let expected = "finite and not negative";
-    check_settings(settings, expected, |value| value >= 0.0 && value.is_finite())
+    let wanted = "finite and not negative";
+    check_settings(settings, wanted, |value| value >= 0.0 && value.is_finite())
 }
 
 /// Returns n, the size of q and q̇, or an error if they differ.

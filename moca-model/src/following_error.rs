@@ -40,7 +40,7 @@ impl FollowingErrorSettings {
     /// Checks the ranges.
     ///
     /// # Errors
-    /// [`Error::Setting`] names the first that is out of its range.
+    /// [`Error::Value`] names the first that is out of its range.
     pub fn validate(&self) -> Result<(), Error> {
         check_positive([
             ("following_error.prismatic", self.prismatic),

@@ -88,7 +88,7 @@ impl HandSettings {
     /// Checks the ranges.
     ///
     /// # Errors
-    /// [`Error::Setting`] names the first that is negative or not finite.
+    /// [`Error::Value`] names the first that is negative or not finite.
     pub fn validate(&self) -> Result<(), Error> {
         check_not_negative([("hand.drill", self.drill), ("hand.polisher", self.polisher)])
     }
@@ -98,7 +98,7 @@ impl GraspedObject {
     /// Checks the box.
     ///
     /// # Errors
-    /// [`Error::Setting`] for edges or a mass that are not positive, or a pose that is not finite;
+    /// [`Error::Value`] for edges or a mass that are not positive, or a pose that is not finite;
     /// [`Error::NoFace`] for an object that nobody can work on; [`Error::TwoFacesOnOneSide`].
     pub fn validate(&self) -> Result<(), Error> {
         let edges = self.size.iter().map(|&edge| ("object.size", edge));

@@ -110,7 +110,7 @@ pub use stack::CollaborationStack;
 pub use torque::{AnswerDelay, TorqueController, TorqueLoopSettings};
 pub use vision_models::Intention;
 pub use whole_body;
-pub use whole_body::torque::{ImpedanceSettings, JointImpedance, JointState};
+pub use whole_body::torque::ImpedanceSettings;
 
 /// The program of the crate's README.
 #[cfg(doctest)]

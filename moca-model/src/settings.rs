@@ -249,7 +249,7 @@ impl ControllerSettings {
     /// Checks the ranges that no other part checks at construction.
     ///
     /// # Errors
-    /// [`Error::Setting`] names the first that is out of its range, [`Error::Safety`] one of the
+    /// [`Error::Value`] names the first that is out of its range, [`Error::Safety`] one of the
     /// clock's.
     pub fn validate(&self) -> Result<(), Error> {
         let desired = &self.desired;

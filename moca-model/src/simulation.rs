@@ -30,7 +30,7 @@ impl SimulatedRobot {
     /// Creates a robot at rest at `position`, n \[rad or m\].
     ///
     /// # Errors
-    /// [`Error::FloatingBase`], [`Error::WrongSize`] and [`Error::Value`].
+    /// [`Error::FloatingBase`], [`Error::Size`] and [`Error::Value`].
     pub fn new(model: &Model, position: &[f64]) -> Result<Self, Error> {
         let n = check_plain(model)?;
         check_size("the position", position, n)?;
@@ -51,13 +51,13 @@ impl SimulatedRobot {
     /// Moves the robot for `dt` \[s\] under the constant command q̇*, n \[rad/s or m/s\].
     ///
     /// # Errors
-    /// [`Error::WrongSize`], [`Error::Value`]. The robot is then unchanged.
+    /// [`Error::Size`], [`Error::Value`]. The robot is then unchanged.
     pub fn step(&mut self, command: &[f64], dt: f64) -> Result<(), Error> {
         check_size("the velocity command", command, self.position.len())?;
         check_finite("the velocity command", command)?;
         if !(dt > 0.0 && dt.is_finite()) {
-            let (what, expected) = ("the time step [s]".to_owned(), "positive and finite");
-            return Err(Error::Value { what, value: dt, expected });
+            let (what, wanted) = ("the time step [s]".to_owned(), "positive and finite");
+            return Err(Error::Value { what, got: dt, wanted });
         }
         for (position, velocity) in self.position.iter_mut().zip(command) {
             *position += velocity * dt;
@@ -72,6 +72,6 @@ fn check_finite(what: &str, values: &[f64]) -> Result<(), Error> {
     let bad = values.iter().enumerate().find(|(_, value)| !value.is_finite());
     bad.map_or(Ok(()), |(joint, value)| {
         let what = format!("{what} of joint {}", joint + 1);
-        Err(Error::Value { what, value: *value, expected: "finite" })
+        Err(Error::Value { what, got: *value, wanted: "finite" })
     })
 }

@@ -1,4 +1,4 @@
-//! Reading files into memory up to a size limit.
+//! Reading files into memory up to a size limit, and quoting what they contain.
 
 use std::{
     fs::File,
@@ -8,6 +8,7 @@ use std::{
 
 #[cfg(feature = "inference")]
 use crate::error::Error;
+pub use crate::excerpt::Excerpt;
 
 /// Reads a file of at most `limit` bytes. Devices and pipes, which have no length, are read no
 /// further either.

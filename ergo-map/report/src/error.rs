@@ -54,23 +54,30 @@ pub enum Error {
     },
     /// A map or a table that contains too little.
     #[error(
-        "{what} needs at least {needed} postures and has {found}: give a smaller spacing, or more \
+        "{what} needs at least {wanted} postures and has {got}: give a smaller spacing, or more \
          recorded postures there"
     )]
-    TooFewPostures {
+    TooFewSamples {
         /// The quantity that was to be computed.
         what: &'static str,
+        /// Number of postures that there are.
+        got: usize,
         /// Smallest sufficient number.
-        needed: usize,
-        /// Number that was found.
-        found: usize,
+        wanted: usize,
     },
     /// The map has no result, or the measures of the person are invalid.
     #[error(transparent)]
     Map(ergo_map::Error),
-    /// A threshold of `e_s` that no score can satisfy.
-    #[error("acceptable = {0}: give a score e_s above 0 and up to 4.25")]
-    Acceptable(f64),
+    /// A setting is outside its range.
+    #[error("{what} = {got}: give {wanted}")]
+    Value {
+        /// The setting.
+        what: &'static str,
+        /// The value that was given.
+        got: f64,
+        /// The allowed range.
+        wanted: &'static str,
+    },
     /// A picture cannot be drawn.
     #[error("cannot draw the {what}: {reason}")]
     Drawing {
@@ -106,7 +113,7 @@ impl From<ergo_map::Error> for Error {
         match error {
             ergo_map::Error::OutOfDomain { x, y, z } => Self::OutsideMap { x, y, z },
             ergo_map::Error::TooFewSamples { what, got, wanted } => {
-                Self::TooFewPostures { what, needed: wanted, found: got }
+                Self::TooFewSamples { what, got, wanted }
             }
             other => Self::Map(other),
         }

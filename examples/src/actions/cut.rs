@@ -7,7 +7,7 @@ use human_perception::actions::cut::ClipCut;
 
 use crate::{
     learning::cut_options::CutOptions,
-    program::{Ending, Quiet, Session},
+    program::{Ending, Session},
 };
 
 /// Cuts clips out of frames with their truth: a folder for each class, as `train` and `evaluate` take them.
@@ -31,11 +31,6 @@ pub struct Cut {
 }
 
 impl Cut {
-    /// The option `--quiet`.
-    pub fn quiet(&self) -> Quiet {
-        self.options.quiet()
-    }
-
     /// Cuts the clips.
     ///
     /// # Errors

@@ -20,7 +20,7 @@ use human_perception::{
 
 use super::{options::ModelWeights, train::class_names};
 use crate::{
-    program::{Ending, Json, Quiet, Session, Threads, check_folder},
+    program::{Ending, Printing, Session, Threads, check_folder},
     shards::{Part, ShardOptions},
     vision::choices::with_option,
 };
@@ -67,9 +67,7 @@ pub struct Evaluate {
     #[command(flatten)]
     threads: Threads,
     #[command(flatten)]
-    json: Json,
-    #[command(flatten)]
-    quiet: Quiet,
+    printing: Printing,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -91,11 +89,6 @@ enum CropsOption {
 }
 
 impl Evaluate {
-    /// The option `--quiet`.
-    pub fn quiet(&self) -> Quiet {
-        self.quiet
-    }
-
     /// Evaluates the recogniser.
     ///
     /// # Errors
@@ -148,7 +141,7 @@ impl Evaluate {
             let program = PROGRAM.to_owned();
             ShardOptions::write(file, &Part { program, job, shard, cases, results, times: () })?;
         }
-        session.conclude(self.json, &report, ending)
+        session.conclude(self.printing, &report, ending)
     }
 
     /// The job that all shards share.

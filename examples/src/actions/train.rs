@@ -15,7 +15,7 @@ use vision_models::ClassNames;
 use super::options::NetworkOptions;
 use crate::{
     learning::head_options::HeadOptions,
-    program::{Ending, Json, Quiet, Seed, Session, Threads, check_folder},
+    program::{Ending, Printing, Seed, Session, Threads, check_folder},
 };
 
 /// Trains a new last layer of a SlowOnly on clips, each a folder of frames.
@@ -51,9 +51,7 @@ pub struct Train {
     #[command(flatten)]
     threads: Threads,
     #[command(flatten)]
-    json: Json,
-    #[command(flatten)]
-    quiet: Quiet,
+    printing: Printing,
 }
 
 /// The JSON object of `--json`.
@@ -74,11 +72,6 @@ pub(super) fn class_names(file: Option<&PathBuf>) -> Result<ClassNames> {
 }
 
 impl Train {
-    /// The option `--quiet`.
-    pub fn quiet(&self) -> Quiet {
-        self.quiet
-    }
-
     /// Trains and writes the model.
     ///
     /// # Errors
@@ -102,7 +95,7 @@ impl Train {
         let how = (!self.no_flips, &settings);
         let Some(trained) = parts.train(&mut source, identity.clone(), how, watch)? else {
             session.warn("interrupted before the end: there is no model");
-            return session.conclude(self.json, &report, Ending::Partial);
+            return session.conclude(self.printing, &report, Ending::Partial);
         };
         trained.model.write(&self.output)?;
         (report.training_accuracy, report.loss) = (trained.accuracy, trained.loss);
@@ -115,7 +108,7 @@ impl Train {
             report.loss.unwrap_or(f64::NAN),
             self.output.display()
         )?;
-        session.conclude(self.json, &report, Ending::Complete)
+        session.conclude(self.printing, &report, Ending::Complete)
     }
 
     /// The clips to train with, and the role of each clip of the folder.

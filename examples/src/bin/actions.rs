@@ -6,7 +6,7 @@ use anyhow::Result;
 use clap::{Parser, Subcommand};
 use examples::{
     actions::{cut::Cut, evaluate::Evaluate, train::Train},
-    program::{self, Ending, Program, Quiet, Session},
+    program::{self, Ending, Program, Session},
 };
 
 /// Learns to recognise actions in clips, as the paper's Experiment 2: a new last layer over the features of SlowOnly.
@@ -27,14 +27,6 @@ enum Command {
 }
 
 impl Program for Arguments {
-    fn quiet(&self) -> Quiet {
-        match &self.command {
-            Command::Cut(command) => command.quiet(),
-            Command::Train(command) => command.quiet(),
-            Command::Evaluate(command) => command.quiet(),
-        }
-    }
-
     fn run(self, session: &mut Session) -> Result<Ending> {
         match self.command {
             Command::Cut(command) => command.run(session),

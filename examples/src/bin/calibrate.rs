@@ -6,7 +6,7 @@ use std::process::ExitCode;
 
 use anyhow::{Context, Result};
 use clap::Parser;
-use examples::program::{self, Ending, Json, OutputFile, Program, Quiet, Session, read_text};
+use examples::program::{self, Ending, OutputFile, Printing, Program, Session, read_text};
 use human_perception::frames::CameraToPlace;
 use nalgebra::Point3;
 use serde::{Deserialize, Serialize};
@@ -31,9 +31,7 @@ struct Options {
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
     #[command(flatten)]
-    json: Json,
-    #[command(flatten)]
-    quiet: Quiet,
+    printing: Printing,
 }
 
 /// A line of the table.
@@ -67,10 +65,6 @@ const LARGEST: u64 = 1 << 20;
 const POOR: f64 = 0.02;
 
 impl Program for Options {
-    fn quiet(&self) -> Quiet {
-        self.quiet
-    }
-
     fn run(self, session: &mut Session) -> Result<Ending> {
         let file = self.output.as_deref().map(OutputFile::create).transpose()?;
         let mut camera = CameraToPlace::read(&self.frames)?;
@@ -87,7 +81,7 @@ impl Program for Options {
             file.write_all(text.as_bytes()).with_context(|| self.frames.display().to_string())?;
             file.keep()?;
         }
-        session.conclude(self.json, &found, Ending::Complete)
+        session.conclude(self.printing, &found, Ending::Complete)
     }
 }
 

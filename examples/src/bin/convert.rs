@@ -8,10 +8,10 @@ use std::{
 
 use anyhow::{Result, ensure};
 use clap::Parser;
-use examples::program::{self, Ending, Interrupt, Json, OutputFile, Program, Quiet, Session};
-use human_perception::{networks::open_checkpoint, printable};
+use examples::program::{self, Ending, Interrupt, OutputFile, Printing, Program, Session};
+use human_perception::networks::open_checkpoint;
 use serde::Serialize;
-use vision_models::{Checkpoint, Error, NetworkKind};
+use vision_models::{Checkpoint, Error, NetworkKind, file::Excerpt};
 
 /// Prints what a checkpoint holds and writes its tensors as safetensors.
 ///
@@ -30,9 +30,7 @@ struct Arguments {
     #[arg(long, short, value_name = "FILE", conflicts_with = "place")]
     output: Option<PathBuf>,
     #[command(flatten)]
-    json: Json,
-    #[command(flatten)]
-    quiet: Quiet,
+    printing: Printing,
 }
 
 /// The JSON object of `--json`.
@@ -47,10 +45,6 @@ struct Contents {
 }
 
 impl Program for Arguments {
-    fn quiet(&self) -> Quiet {
-        self.quiet
-    }
-
     fn run(self, session: &mut Session) -> Result<Ending> {
         let output = self.output.or(self.place);
         let file = output.as_deref().map(|output| begin(&self.input, output)).transpose()?;
@@ -68,7 +62,7 @@ impl Program for Arguments {
             })?;
             writer.file.keep()?;
         }
-        session.conclude(self.json, &contents, Ending::Complete)
+        session.conclude(self.printing, &contents, Ending::Complete)
     }
 }
 
@@ -121,13 +115,14 @@ impl Contents {
             writeln!(out, "a {network}")?;
         }
         if !checkpoint.others().is_empty() {
-            let others: Vec<_> = checkpoint.others().iter().map(|name| printable(name)).collect();
+            let shown = |name: &String| Excerpt(name).to_string();
+            let others: Vec<_> = checkpoint.others().iter().map(shown).collect();
             writeln!(out, "not read: {}", others.join(", "))?;
         }
-        let length = |(name, _): (&str, _)| printable(name).chars().count();
+        let length = |(name, _): (&str, _)| Excerpt(name).to_string().chars().count();
         let width = checkpoint.tensors().map(length).max().unwrap_or(0);
         for (name, info) in checkpoint.tensors() {
-            let name = printable(name);
+            let name = Excerpt(name).to_string();
             writeln!(out, "{name:width$}  {:4}  {:?}", info.element(), info.shape())?;
         }
         writeln!(out, "{} tensors, {} elements", self.tensors, self.elements)?;

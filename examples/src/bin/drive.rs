@@ -17,7 +17,7 @@ use examples::drive::{
 #[cfg(feature = "ros2")]
 use examples::drive::{FollowedBy, beneath, seen_by_others, serve_on_ros2};
 use examples::maps::{build_map, read_map};
-use examples::program::{self, Ending, Json, Program, Quiet, RealTime, Session};
+use examples::program::{self, Ending, Printing, Program, RealTime, Session};
 use examples::settings::{RobotSettings, SettingsFile};
 use examples::shipped;
 #[cfg(feature = "ros2")]
@@ -117,9 +117,7 @@ struct Options {
     #[arg(long, value_name = "MICROSECONDS", default_value_t = 0.0, value_parser = spin, allow_negative_numbers = true)]
     spin: f64,
     #[command(flatten)]
-    json: Json,
-    #[command(flatten)]
-    quiet: Quiet,
+    printing: Printing,
 }
 
 fn spin(text: &str) -> std::result::Result<f64, &'static str> {
@@ -145,10 +143,6 @@ struct OnRos2 {
 }
 
 impl Program for Options {
-    fn quiet(&self) -> Quiet {
-        self.quiet
-    }
-
     fn run(self, session: &mut Session) -> Result<Ending> {
         let duration = self.duration;
         ensure!(duration > 0.0, "--duration {duration}: give the seconds to drive, above 0");
@@ -187,12 +181,12 @@ impl Program for Options {
             let report = driven.inspect_err(|_| session.warn(&link))?;
             let (cause, report) = (report.cause, OverUdp { report, link });
             writeln!(session.output(), "{}\n{}", report.report, report.link)?;
-            return session.conclude(self.json, &report, ended(session, cause));
+            return session.conclude(self.printing, &report, ended(session, cause));
         }
         let mut robot = DrivenRobot::from(&scenario).simulated()?;
         let report = self.drive(session, &scenario, &mut robot, clock, camera)?;
         writeln!(session.output(), "{report}")?;
-        session.conclude(self.json, &report, ended(session, report.cause))
+        session.conclude(self.printing, &report, ended(session, report.cause))
     }
 }
 
@@ -348,7 +342,7 @@ impl Options {
         let report = driven.inspect_err(|_| session.warn(&messages))?;
         let (cause, report) = (report.cause, OnRos2 { report, ros2: messages });
         writeln!(session.output(), "{}\n{}", report.report, report.ros2)?;
-        session.conclude(self.json, &report, ended(session, cause))
+        session.conclude(self.printing, &report, ended(session, cause))
     }
 
     /// Moves the robot from its own thread. This thread is the camera until the loop has ended.

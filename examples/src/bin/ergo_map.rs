@@ -17,7 +17,7 @@ use ergo_map::{
 use ergo_report::maps::{ACCEPTABLE, Assessment, MapReport, MapStudy, manikin, slices};
 use examples::maps::{build_map, read_map};
 use examples::program::{
-    self, Ending, Json, OutputFile, Program, Quiet, Session, check_folder, thread_count,
+    self, Ending, OutputFile, Printing, Program, Session, check_folder, thread_count,
 };
 use nalgebra::Vector3;
 
@@ -66,9 +66,7 @@ struct Options {
     #[arg(long, short, value_name = "FOLDER")]
     output: PathBuf,
     #[command(flatten)]
-    json: Json,
-    #[command(flatten)]
-    quiet: Quiet,
+    printing: Printing,
 }
 
 #[derive(Debug, Clone, Copy, ValueEnum)]
@@ -85,10 +83,6 @@ enum Hand {
 }
 
 impl Program for Options {
-    fn quiet(&self) -> Quiet {
-        self.quiet
-    }
-
     fn run(self, session: &mut Session) -> Result<Ending> {
         check_folder(&self.output)?;
         let started = Instant::now();
@@ -134,7 +128,7 @@ impl Program for Options {
         write!(output, "{report}")?;
         writeln!(output, "{:<34}{seconds:.2}", "the map took [s]")?;
         writeln!(output, "written to {}", self.output.display())?;
-        session.conclude(self.json, &report, Ending::Complete)
+        session.conclude(self.printing, &report, Ending::Complete)
     }
 }
 

@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use examples::experiment::{Following, Reorientation, Subjects};
-use examples::program::{self, Ending, Program, Quiet, Session};
+use examples::program::{self, Ending, Program, Session};
 
 /// Plays the paper's experiments on ergonomics with simulated people, with ergonomics and without.
 ///
@@ -26,14 +26,6 @@ enum Command {
 }
 
 impl Program for Arguments {
-    fn quiet(&self) -> Quiet {
-        match &self.command {
-            Command::Reorientation(command) => command.quiet(),
-            Command::Following(command) => command.quiet(),
-            Command::Subjects(command) => command.quiet(),
-        }
-    }
-
     fn run(self, session: &mut Session) -> Result<Ending> {
         match self.command {
             Command::Reorientation(command) => command.run(session),

@@ -17,7 +17,7 @@ use examples::posture::PostureOptions;
 #[cfg(feature = "mcap")]
 use examples::program::read_bytes;
 use examples::program::{
-    self, Ending, Interrupt, Json, OutputFile, Program, Progress, Quiet, Session, check_folder,
+    self, Ending, Interrupt, OutputFile, Printing, Program, Progress, Session, check_folder,
 };
 use examples::settings::{RobotSettings, SettingsFile, with_settings};
 use examples::shipped;
@@ -114,9 +114,7 @@ struct Options {
     #[command(flatten)]
     posture: PostureOptions,
     #[command(flatten)]
-    json: Json,
-    #[command(flatten)]
-    quiet: Quiet,
+    printing: Printing,
 }
 
 /// A callback for every tick of a run.
@@ -138,10 +136,6 @@ struct Played {
 }
 
 impl Program for Options {
-    fn quiet(&self) -> Quiet {
-        self.quiet
-    }
-
     fn run(self, session: &mut Session) -> Result<Ending> {
         if let Some(path) = &self.write_settings {
             return self.write_settings(path);
@@ -237,7 +231,7 @@ impl Program for Options {
         }
         let whole = [ending, recorded].iter().all(|part| *part != Ending::Partial);
         let marked = if whole { Ending::Complete } else { Ending::Partial };
-        session.print_json(self.json, &Line { comparison: &comparison, stacking }, marked)?;
+        session.print_json(self.printing, &Line { comparison: &comparison, stacking }, marked)?;
         // A partial recording that was asked for is played in full.
         Ok(ending)
     }

@@ -10,7 +10,7 @@ use std::{
 use ahqp_core::{Settings, Stacking};
 use anyhow::{Context, Result, ensure};
 use clap::Parser;
-use examples::program::{self, Ending, Json, Program, Quiet, ResultFile, Session};
+use examples::program::{self, Ending, Printing, Program, ResultFile, Session};
 use examples::stacking::StackingOption;
 use hqp_problems::comparison::{Compared, Comparison};
 use hqp_problems::file::{HqpReader, Problem};
@@ -46,9 +46,7 @@ struct Options {
     #[command(flatten)]
     result: ResultFile,
     #[command(flatten)]
-    json: Json,
-    #[command(flatten)]
-    quiet: Quiet,
+    printing: Printing,
 }
 
 /// The summary of a set: the JSON object of `--json`.
@@ -69,10 +67,6 @@ struct SetSummary {
 }
 
 impl Program for Options {
-    fn quiet(&self) -> Quiet {
-        self.quiet
-    }
-
     fn run(self, session: &mut Session) -> Result<Ending> {
         let stacking = self.stacking.method();
         ensure!(
@@ -159,7 +153,7 @@ impl Program for Options {
             proofs,
             stacking: compared,
         };
-        session.conclude(self.json, &result, ending)
+        session.conclude(self.printing, &result, ending)
     }
 }
 

@@ -11,7 +11,7 @@ use examples::infer::{
     images::ImageOptions,
     network::{Chosen, NetworkOptions},
 };
-use examples::program::{self, Ending, Json, Program, Quiet, ResultFile, Session};
+use examples::program::{self, Ending, Printing, Program, ResultFile, Session};
 use examples::vision::choices::with_option;
 use human_perception::networks::Input;
 use vision_models::NetworkKind;
@@ -39,9 +39,7 @@ struct Arguments {
     #[command(flatten)]
     result: ResultFile,
     #[command(flatten)]
-    json: Json,
-    #[command(flatten)]
-    quiet: Quiet,
+    printing: Printing,
     #[command(flatten)]
     images: ImageOptions,
     #[command(flatten)]
@@ -51,13 +49,9 @@ struct Arguments {
 }
 
 impl Program for Arguments {
-    fn quiet(&self) -> Quiet {
-        self.quiet
-    }
-
     fn run(self, session: &mut Session) -> Result<Ending> {
         let Self { inputs, network, images, clips, arrays, .. } = self;
-        let results = Results::begin(&self.result, self.json)?;
+        let results = Results::begin(&self.result, self.printing)?;
         let names = network.names()?;
         let kinds: Vec<Input> =
             inputs.iter().map(|path| Input::of(path)).collect::<Result<_, _>>()?;

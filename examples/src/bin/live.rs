@@ -11,7 +11,7 @@ use anyhow::{Context, Result, anyhow, ensure};
 use clap::Parser;
 use ergo_map::{MapOptions, Person};
 use examples::maps::{build_map, read_map};
-use examples::program::{self, Ending, Interrupt, Json, Program, Quiet, RealTime, Session};
+use examples::program::{self, Ending, Interrupt, Printing, Program, RealTime, Session};
 use examples::settings::{RobotSettings, SettingsFile};
 use moca_drivers::DriveReport;
 use moca_live::whole_body::control_loop::{
@@ -54,9 +54,7 @@ struct Options {
     #[command(flatten)]
     real_time: RealTime,
     #[command(flatten)]
-    json: Json,
-    #[command(flatten)]
-    quiet: Quiet,
+    printing: Printing,
 }
 
 /// Figures of the loop, and counts of the last workcell's judges.
@@ -83,10 +81,6 @@ impl fmt::Display for Report {
 }
 
 impl Program for Options {
-    fn quiet(&self) -> Quiet {
-        self.quiet
-    }
-
     fn run(self, session: &mut Session) -> Result<Ending> {
         if let Some(duration) = self.duration {
             ensure!(duration > 0.0, "--duration {duration}: give seconds above 0");
@@ -104,7 +98,7 @@ impl Program for Options {
         }
         let report = self.drive(law, &server, &desk, session.interrupt())?;
         writeln!(session.output(), "{report}")?;
-        session.conclude(self.json, &report, Ending::Complete)
+        session.conclude(self.printing, &report, Ending::Complete)
     }
 }
 

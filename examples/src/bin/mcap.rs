@@ -4,7 +4,7 @@ use std::{io::Write, path::PathBuf, process::ExitCode};
 
 use anyhow::{Context, Result};
 use clap::Parser;
-use examples::program::{self, Ending, Json, OutputFile, Program, Quiet, Session, read_bytes};
+use examples::program::{self, Ending, OutputFile, Printing, Program, Session, read_bytes};
 use percept_recording::mcap::{from_json_lines, to_json_lines};
 use serde::Serialize;
 
@@ -22,9 +22,7 @@ struct Options {
     #[arg(long, short, value_name = "FILE")]
     output: PathBuf,
     #[command(flatten)]
-    json: Json,
-    #[command(flatten)]
-    quiet: Quiet,
+    printing: Printing,
 }
 
 /// The JSON object of `--json`.
@@ -41,10 +39,6 @@ const LARGEST: u64 = 1 << 30;
 const MAGIC: &[u8] = b"\x89MCAP";
 
 impl Program for Options {
-    fn quiet(&self) -> Quiet {
-        self.quiet
-    }
-
     fn run(self, session: &mut Session) -> Result<Ending> {
         let name = self.input.display().to_string();
         let input =
@@ -59,7 +53,7 @@ impl Program for Options {
         let (bytes_in, bytes_out) = (input.len(), output.len());
         let to = self.output.display();
         writeln!(session.output(), "{name}, {from}, {bytes_in} bytes -> {to}, {bytes_out} bytes")?;
-        session.conclude(self.json, &Converted { from, bytes_in, bytes_out }, Ending::Complete)
+        session.conclude(self.printing, &Converted { from, bytes_in, bytes_out }, Ending::Complete)
     }
 }
 

@@ -6,7 +6,7 @@ use anyhow::{Result, bail};
 use clap::Parser;
 use examples::actions::evaluate;
 use examples::experiment::{self, program};
-use examples::program::{self, Ending, Json, Program, Quiet, Session, check_folder};
+use examples::program::{self, Ending, Printing, Program, Session, check_folder};
 use examples::shards::{Merged, ShardError, program_of};
 use examples::soak;
 use human_perception::actions::evaluated::Evaluated;
@@ -30,16 +30,10 @@ struct Options {
     #[arg(long, short, value_name = "FOLDER")]
     output: Option<PathBuf>,
     #[command(flatten)]
-    json: Json,
-    #[command(flatten)]
-    quiet: Quiet,
+    printing: Printing,
 }
 
 impl Program for Options {
-    fn quiet(&self) -> Quiet {
-        self.quiet
-    }
-
     fn run(self, session: &mut Session) -> Result<Ending> {
         let Some(first) = self.files.first() else { return Err(ShardError::Nothing.into()) };
         match program_of(first)?.as_str() {
@@ -72,7 +66,7 @@ impl Options {
         let failed = summary.counts.wrong() > 0;
         writeln!(session.output(), "{summary}")?;
         let ending = if failed { Ending::Failed } else { Ending::Complete };
-        session.conclude(self.json, &summary, ending)
+        session.conclude(self.printing, &summary, ending)
     }
 
     fn evaluation(self, session: &mut Session) -> Result<Ending> {
@@ -84,12 +78,12 @@ impl Options {
         if let Some(folder) = &self.output {
             report.write_folder(folder, &job, &results)?;
         }
-        session.conclude(self.json, &report, Ending::Complete)
+        session.conclude(self.printing, &report, Ending::Complete)
     }
 
     fn experiment<E: Experiment>(self, session: &mut Session) -> Result<Ending> {
         self.output.as_deref().map(experiment::make_folder).transpose()?;
-        experiment::merge::<E>(&self.files, self.output.as_deref(), self.json, session)
+        experiment::merge::<E>(&self.files, self.output.as_deref(), self.printing, session)
     }
 }
 

@@ -13,7 +13,7 @@ use anyhow::Context;
 use anyhow::{Result, ensure};
 use clap::{ArgGroup, Args, Parser, ValueEnum};
 use examples::posture::PostureOptions;
-use examples::program::{self, Ending, Json, OutputFile, Program, Quiet, Session, Threads};
+use examples::program::{self, Ending, OutputFile, Printing, Program, Session, Threads};
 #[cfg(feature = "ros2")]
 use examples::settings::{RobotSettings, SettingsFile};
 #[cfg(feature = "ros2")]
@@ -110,9 +110,7 @@ struct Options {
     #[command(flatten)]
     posture: PostureOptions,
     #[command(flatten)]
-    json: Json,
-    #[command(flatten)]
-    quiet: Quiet,
+    printing: Printing,
 }
 
 /// Recognition of the surface in the images of the on-board camera.
@@ -148,10 +146,6 @@ enum DecisionOption {
 }
 
 impl Program for Options {
-    fn quiet(&self) -> Quiet {
-        self.quiet
-    }
-
     fn run(self, session: &mut Session) -> Result<Ending> {
         ensure!((0.0..=86_400.0).contains(&self.wait), "--wait {}: give 0 to 86400 s", self.wait);
         ensure!(
@@ -427,7 +421,7 @@ impl Options {
             peak_memory_mib: peak_memory(),
         };
         print(&report, session.output())?;
-        session.conclude(self.json, &report, ending)
+        session.conclude(self.printing, &report, ending)
     }
 }
 

@@ -7,7 +7,7 @@ use clap::{ArgGroup, Parser};
 use ergo_map::{RulaWorksheet, Worksheet};
 use ergo_report::sheets::{Sheet, SheetTable, Unknown};
 use examples::film::{self, FilmOptions, Outputs};
-use examples::program::{self, Ending, InputFile, Json, Program, Quiet, ResultFile, Session};
+use examples::program::{self, Ending, InputFile, Printing, Program, ResultFile, Session};
 use serde::Serialize;
 
 /// Scores filled-in REBA sheets, one a row of a table (CSV, also with semicolons and decimal commas), or a person on film.
@@ -37,9 +37,7 @@ struct Options {
     #[command(flatten)]
     result: ResultFile,
     #[command(flatten)]
-    json: Json,
-    #[command(flatten)]
-    quiet: Quiet,
+    printing: Printing,
 }
 
 /// The JSON object of `--json`.
@@ -50,15 +48,11 @@ struct Scored {
 }
 
 impl Program for Options {
-    fn quiet(&self) -> Quiet {
-        self.quiet
-    }
-
     fn run(self, session: &mut Session) -> Result<Ending> {
         let Some(input) = &self.input else {
             let (report, ending) =
                 film::score(&self.film, &self.outputs, self.result.create()?, session)?;
-            return session.conclude(self.json, &report, ending);
+            return session.conclude(self.printing, &report, ending);
         };
         if self.rula {
             self.score::<RulaWorksheet>(input, session)
@@ -109,7 +103,7 @@ impl Options {
         if ending == Ending::Partial {
             session.warn(format_args!("interrupted after {rows} rows"));
         }
-        session.conclude(self.json, &Scored { rows, passed_through }, ending)
+        session.conclude(self.printing, &Scored { rows, passed_through }, ending)
     }
 }
 

@@ -9,9 +9,7 @@ use std::{
 
 use anyhow::{Result, bail};
 use clap::Parser;
-use examples::program::{
-    self, Ending, Json, OutputFile, Program, Quiet, Seed, Session, check_folder,
-};
+use examples::program::{self, Ending, OutputFile, Printing, Program, Seed, Session, check_folder};
 use human_perception::frames::{FramesWriter, truth};
 use moca_simulation::people::{
     CameraSettings, CapturedMotion, Movement, Occupation, Walker, WalkerSettings, WalkingPath,
@@ -104,9 +102,7 @@ struct Options {
     #[command(flatten)]
     seed: Seed,
     #[command(flatten)]
-    json: Json,
-    #[command(flatten)]
-    quiet: Quiet,
+    printing: Printing,
 }
 
 fn tool(name: &str) -> std::result::Result<Tool, &'static str> {
@@ -147,12 +143,8 @@ struct Recorded {
 }
 
 impl Program for Options {
-    fn quiet(&self) -> Quiet {
-        self.quiet
-    }
-
     fn run(self, session: &mut Session) -> Result<Ending> {
-        let json = self.json;
+        let printing = self.printing;
         let settings = WalkerSettings {
             stature: self.stature,
             path: self.path,
@@ -190,7 +182,7 @@ impl Program for Options {
         let partial = if ending == Ending::Partial { ", interrupted" } else { "" };
         let Recorded { output, frames } = &recorded;
         writeln!(session.output(), "{}: {frames} camera frames{partial}", output.display())?;
-        session.conclude(json, &recorded, ending)
+        session.conclude(printing, &recorded, ending)
     }
 }
 

@@ -4,7 +4,7 @@ use std::{io::Write, path::PathBuf, process::ExitCode};
 
 use anyhow::Context;
 use clap::Parser;
-use examples::program::{self, Ending, Json, Program, Quiet, Seed, Session};
+use examples::program::{self, Ending, Printing, Program, Seed, Session};
 use examples::settings::{RobotSettings, SettingsFile};
 use examples::shards::ShardOptions;
 use examples::soak::{self, Job};
@@ -43,16 +43,10 @@ struct Options {
     #[command(flatten)]
     seed: Seed,
     #[command(flatten)]
-    json: Json,
-    #[command(flatten)]
-    quiet: Quiet,
+    printing: Printing,
 }
 
 impl Program for Options {
-    fn quiet(&self) -> Quiet {
-        self.quiet
-    }
-
     fn run(self, session: &mut Session) -> anyhow::Result<Ending> {
         if let Some(people) = self.movements {
             return self.run_movements(people, session);
@@ -91,7 +85,7 @@ impl Program for Options {
             session.warn(format_args!("interrupted after {} of {} ticks", summary.ticks, wanted));
         }
         writeln!(session.output(), "{summary}")?;
-        session.conclude(self.json, &summary, ending)
+        session.conclude(self.printing, &summary, ending)
     }
 }
 
@@ -118,7 +112,7 @@ impl Options {
             session.warn(finding);
         }
         writeln!(session.output(), "{results}")?;
-        session.conclude(self.json, &results, ending)
+        session.conclude(self.printing, &results, ending)
     }
 
     /// Adds the name of the settings file, if there is one, to errors of the controller.

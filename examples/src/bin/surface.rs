@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use examples::{
-    program::{self, Ending, Program, Quiet, Session},
+    program::{self, Ending, Program, Session},
     surface::{cut::Cut, evaluate::Evaluate, generate::Generate, train::Train},
 };
 
@@ -28,15 +28,6 @@ enum Command {
 }
 
 impl Program for Arguments {
-    fn quiet(&self) -> Quiet {
-        match &self.command {
-            Command::Generate(command) => command.quiet(),
-            Command::Cut(command) => command.quiet(),
-            Command::Train(command) => command.quiet(),
-            Command::Evaluate(command) => command.quiet(),
-        }
-    }
-
     fn run(self, session: &mut Session) -> Result<Ending> {
         match self.command {
             Command::Generate(command) => command.run(session),

@@ -11,7 +11,7 @@ use clap::Parser;
 use ergo_report::sheets::{SheetTable, Unknown};
 use ergo_report::workload::{Questionnaire, WorkloadStudy, figure};
 use examples::program::{
-    self, Ending, InputFile, Json, OutputFile, Program, Quiet, ResultFile, Session,
+    self, Ending, InputFile, OutputFile, Printing, Program, ResultFile, Session,
 };
 
 /// Scores NASA-TLX questionnaires, one a row of a table (CSV), and compares conditions.
@@ -45,16 +45,10 @@ struct Options {
     #[command(flatten)]
     result: ResultFile,
     #[command(flatten)]
-    json: Json,
-    #[command(flatten)]
-    quiet: Quiet,
+    printing: Printing,
 }
 
 impl Program for Options {
-    fn quiet(&self) -> Quiet {
-        self.quiet
-    }
-
     fn run(self, session: &mut Session) -> Result<Ending> {
         let mut result = self.result.create()?;
         let mut scores = self.scores.as_ref().map(OutputFile::create).transpose()?;
@@ -80,7 +74,7 @@ impl Program for Options {
         for file in [scores, result].into_iter().flatten() {
             file.keep()?;
         }
-        session.conclude(self.json, &study, Ending::Complete)
+        session.conclude(self.printing, &study, Ending::Complete)
     }
 }
 

@@ -6,7 +6,7 @@ use moca_simulation::experiment::{following, reorientation, subjects};
 
 use super::options::{Common, case_duration};
 use super::play::run;
-use crate::program::{Ending, Quiet, Session};
+use crate::program::{Ending, Session};
 
 /// Experiment 3: random people hand the object over and take the tool for the surface that they do not see.
 ///
@@ -48,11 +48,6 @@ pub struct Subjects {
 }
 
 impl Reorientation {
-    /// `--quiet`.
-    pub fn quiet(&self) -> Quiet {
-        self.common.quiet
-    }
-
     /// Plays the cases, prints the table and draws the figure.
     ///
     /// # Errors
@@ -63,11 +58,6 @@ impl Reorientation {
 }
 
 impl Following {
-    /// `--quiet`.
-    pub fn quiet(&self) -> Quiet {
-        self.common.quiet
-    }
-
     /// Plays the cases, prints the table and draws the figure.
     ///
     /// # Errors
@@ -78,11 +68,6 @@ impl Following {
 }
 
 impl Subjects {
-    /// `--quiet`.
-    pub fn quiet(&self) -> Quiet {
-        self.common.quiet
-    }
-
     /// Plays the cases, prints the table and draws the figure.
     ///
     /// # Errors

@@ -8,7 +8,7 @@ use clap::Args;
 use moca_simulation::experiment::{Conditions, Job, Sight};
 use moca_simulation::plant::Drive;
 
-use crate::program::{Ending, Json, OutputFile, Quiet, Seed, Threads, check_folder};
+use crate::program::{Ending, OutputFile, Printing, Seed, Threads, check_folder};
 use crate::shards::ShardOptions;
 
 /// Options of every experiment.
@@ -50,9 +50,7 @@ pub(super) struct Common {
     #[command(flatten)]
     pub(super) threads: Threads,
     #[command(flatten)]
-    pub(super) json: Json,
-    #[command(flatten)]
-    pub(super) quiet: Quiet,
+    pub(super) printing: Printing,
 }
 
 impl Common {

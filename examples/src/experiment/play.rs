@@ -11,7 +11,7 @@ use serde::Serialize;
 use super::options::{Common, write_figure};
 use super::recordings;
 use crate::maps::build_map;
-use crate::program::{Ending, Json, Session};
+use crate::program::{Ending, Printing, Session};
 use crate::shards::{Merged, Part, ShardOptions};
 
 /// Names of the program and the experiment in shard files.
@@ -64,7 +64,15 @@ pub(super) fn run<E: Experiment>(
         ShardOptions::write(file, &part)?;
     }
     let trials = part.results.into_values().collect();
-    conclude::<E>(&part.job, trials, shown.as_ref(), common.figures(), common.json, ending, session)
+    conclude::<E>(
+        &part.job,
+        trials,
+        shown.as_ref(),
+        common.figures(),
+        common.printing,
+        ending,
+        session,
+    )
 }
 
 /// Prints and draws the result of the files of all shards, as on one machine. The figure goes into a folder, if there
@@ -75,12 +83,12 @@ pub(super) fn run<E: Experiment>(
 pub fn merge<E: Experiment>(
     files: &[PathBuf],
     figures: Option<&Path>,
-    json: Json,
+    printing: Printing,
     session: &mut Session,
 ) -> Result<Ending> {
     let Merged { job, results, times } = Merged::read(files)?;
     let _: Vec<()> = times;
-    conclude::<E>(&job, results, None, figures, json, Ending::Complete, session)
+    conclude::<E>(&job, results, None, figures, printing, Ending::Complete, session)
 }
 
 /// The JSON object of `--json`.
@@ -100,7 +108,7 @@ fn conclude<E: Experiment>(
     trials: Vec<E::Trial>,
     shown: Option<&Shown>,
     figures: Option<&Path>,
-    json: Json,
+    printing: Printing,
     ending: Ending,
     session: &mut Session,
 ) -> Result<Ending> {
@@ -115,5 +123,5 @@ fn conclude<E: Experiment>(
     }
     write!(session.output(), "{table}")?;
     let line = Line { experiment: E::NAME, seed: job.seed, outcome: &outcome, shown };
-    session.conclude(json, &line, ending)
+    session.conclude(printing, &line, ending)
 }

@@ -4,13 +4,13 @@ use std::io::Write;
 
 use serde::Serialize;
 
-use crate::program::{Ending, Json, OutputFile, ProgramError, ResultFile, Session};
+use crate::program::{Ending, OutputFile, Printing, ProgramError, ResultFile, Session};
 
 /// The destination of a program's results.
 #[derive(Debug)]
 pub struct Results {
     file: Option<OutputFile>,
-    json: Json,
+    printing: Printing,
 }
 
 impl Results {
@@ -18,8 +18,8 @@ impl Results {
     ///
     /// # Errors
     /// As of [`ResultFile::create`].
-    pub fn begin(option: &ResultFile, json: Json) -> Result<Self, ProgramError> {
-        Ok(Self { file: option.create()?, json })
+    pub fn begin(option: &ResultFile, printing: Printing) -> Result<Self, ProgramError> {
+        Ok(Self { file: option.create()?, printing })
     }
 
     /// The file, if one is asked for.
@@ -58,6 +58,6 @@ impl Results {
             (Some(file), _) => file.keep()?,
             (None, _) => {}
         }
-        session.conclude(self.json, report, ending)
+        session.conclude(self.printing, report, ending)
     }
 }

@@ -9,7 +9,7 @@ use human_perception::{
     learning::cutting::{Sample, cut},
 };
 
-use crate::program::{Ending, Json, Quiet, Session, check_folder};
+use crate::program::{Ending, Printing, Session, check_folder};
 
 /// Source and destination of a data set.
 #[derive(Args, Clone, Debug)]
@@ -22,17 +22,10 @@ pub struct CutOptions {
     #[arg(long, short, value_name = "FOLDER")]
     output: PathBuf,
     #[command(flatten)]
-    json: Json,
-    #[command(flatten)]
-    quiet: Quiet,
+    printing: Printing,
 }
 
 impl CutOptions {
-    /// The option `--quiet`.
-    pub fn quiet(&self) -> Quiet {
-        self.quiet
-    }
-
     /// Makes the data set from the samples of each film, named `what`.
     ///
     /// # Errors
@@ -55,6 +48,6 @@ impl CutOptions {
         }
         let shown = made.output.display();
         writeln!(session.output(), "{samples} {what} of {classes} classes in {shown}")?;
-        session.conclude(self.json, &made, ending)
+        session.conclude(self.printing, &made, ending)
     }
 }

@@ -5,19 +5,16 @@ use std::{
     process::ExitCode,
 };
 
-use clap::{CommandFactory, Parser};
+use clap::{CommandFactory, FromArgMatches, Parser};
 
 use super::{
-    Ending, Interrupt, ProgramError, Quiet, Session, StandardOutput,
+    Ending, Interrupt, Printing, ProgramError, Session, StandardOutput,
     ending::{DONE, FAILURE, HELP, OUTPUT_CLOSED, OUTPUT_FAILED},
     message,
 };
 
 /// A program: its options and its work.
 pub trait Program: Parser {
-    /// The option `--quiet`.
-    fn quiet(&self) -> Quiet;
-
     /// Does the work.
     ///
     /// # Errors
@@ -40,9 +37,9 @@ pub fn main<P: Program>() -> ExitCode {
             let _ = output.noted(printed);
             status
         }
-        Ok(options) => match Interrupt::install() {
+        Ok((options, printing)) => match Interrupt::install() {
             Ok(interrupt) => {
-                let mut session = Session::new(output, interrupt, options.quiet());
+                let mut session = Session::new(output, interrupt, printing.is_quiet());
                 let result = options.run(&mut session);
                 let status = judge(&result, session.interrupt());
                 output = session.into_output();
@@ -62,10 +59,19 @@ pub fn main<P: Program>() -> ExitCode {
     ExitCode::from(end(output).unwrap_or(status))
 }
 
-fn parse<P: Parser>() -> Result<P, clap::Error> {
+/// Returns the options of a program, and how it prints.
+fn parse<P: Parser>() -> Result<(P, Printing), clap::Error> {
     let mut command = <P as CommandFactory>::command().after_help(HELP);
     let matches = command.try_get_matches_from_mut(std::env::args_os())?;
-    P::from_arg_matches(&matches).map_err(|error| error.format(&mut command))
+    let mut own = &matches;
+    while let Some((_, of_subcommand)) = own.subcommand() {
+        own = of_subcommand;
+    }
+    let options = P::from_arg_matches(&matches).and_then(|options| {
+        let printing = Printing::from_arg_matches(own)?;
+        Ok((options, printing))
+    });
+    options.map_err(|error| error.format(&mut command))
 }
 
 fn judge(result: &anyhow::Result<Ending>, interrupt: &Interrupt) -> u8 {

@@ -6,10 +6,7 @@ use std::{
     sync::{
         Arc,
         atomic::{AtomicBool, AtomicUsize, Ordering},
-        mpsc::{RecvTimeoutError, channel},
     },
-    thread,
-    time::Duration,
 };
 
 use signal_hook::{
@@ -18,9 +15,6 @@ use signal_hook::{
 };
 
 use super::ProgramError;
-
-/// Longest time after an interrupt at which work is abandoned.
-const PATIENCE: Duration = Duration::from_millis(20);
 
 /// A flag that says whether the program should stop. Clones share the flag.
 ///
@@ -92,23 +86,9 @@ impl Interrupt {
         &self,
         work: impl FnOnce() -> T + Send + 'static,
     ) -> Result<T, ProgramError> {
-        let (sender, receiver) = channel();
-        let worker = thread::Builder::new()
-            .spawn(move || {
-                // Nobody listens after the work has been abandoned.
-                let _ = sender.send(work());
-            })
-            .map_err(|source| ProgramError::Refused { what: "another thread", source })?;
-        loop {
-            match receiver.recv_timeout(PATIENCE) {
-                Ok(result) => return Ok(result),
-                Err(RecvTimeoutError::Timeout) => self.check()?,
-                Err(RecvTimeoutError::Disconnected) => match worker.join() {
-                    Err(panic) => std::panic::resume_unwind(panic),
-                    Ok(()) => return Err(ProgramError::Interrupted),
-                },
-            }
-        }
+        human_perception::wait_while(work, || self.flow())
+            .map_err(|source| ProgramError::Refused { what: "another thread", source })?
+            .ok_or(ProgramError::Interrupted)
     }
 
     /// The exit status of an interrupted run: 128 and the signal's number, as in shells.

@@ -17,33 +17,26 @@ pub fn thread_count() -> RangedI64ValueParser<u16> {
     clap::value_parser!(u16).range(1..=1024)
 }
 
-/// The option `--quiet`.
+/// The options `--json` and `--quiet`.
 #[derive(Args, Clone, Copy, Debug, Default)]
-pub struct Quiet {
+pub struct Printing {
+    /// Print the result as one JSON object on the last line of standard output.
+    #[arg(long)]
+    json: bool,
     /// Show only results and errors, no progress and no notes.
     #[arg(long, short)]
     quiet: bool,
 }
 
-impl Quiet {
+impl Printing {
+    /// Returns true if the JSON object is wanted.
+    pub fn wants_json(self) -> bool {
+        self.json
+    }
+
     /// Returns true if only results and errors are wanted.
     pub fn is_quiet(self) -> bool {
         self.quiet
-    }
-}
-
-/// The option `--json`.
-#[derive(Args, Clone, Copy, Debug, Default)]
-pub struct Json {
-    /// Print the result as one JSON object on the last line of standard output.
-    #[arg(long)]
-    json: bool,
-}
-
-impl Json {
-    /// Returns true if the JSON object is wanted.
-    pub fn wanted(self) -> bool {
-        self.json
     }
 }
 

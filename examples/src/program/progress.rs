@@ -9,7 +9,7 @@ use std::{
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressFinish, ProgressStyle};
 
-use super::{Quiet, message};
+use super::message;
 
 /// Time until the first line if there is no terminal. The time to the next line doubles.
 const FIRST: Duration = Duration::from_millis(500);
@@ -34,8 +34,8 @@ struct Lines {
 }
 
 impl Progress {
-    pub(super) fn new(what: &str, length: Option<u64>, quiet: Quiet) -> Self {
-        let (loud, terminal) = (!quiet.is_quiet(), stderr().is_terminal());
+    pub(super) fn new(what: &str, length: Option<u64>, is_quiet: bool) -> Self {
+        let (loud, terminal) = (!is_quiet, stderr().is_terminal());
         let target = if loud && terminal {
             ProgressDrawTarget::stderr()
         } else {

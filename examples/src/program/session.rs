@@ -5,7 +5,7 @@ use std::{fmt::Display, io::Write};
 use serde::Serialize;
 
 use super::{
-    Ending, Interrupt, Json, ProgramError, Progress, Quiet, StandardInput, StandardOutput, message,
+    Ending, Interrupt, Printing, ProgramError, Progress, StandardInput, StandardOutput, message,
     shown::json as json_text,
 };
 
@@ -14,7 +14,7 @@ use super::{
 pub struct Session {
     output: StandardOutput,
     interrupt: Interrupt,
-    quiet: Quiet,
+    is_quiet: bool,
 }
 
 /// The JSON object of `--json`.
@@ -26,12 +26,12 @@ struct Line<'a, T> {
 }
 
 impl Session {
-    pub(super) fn new(output: StandardOutput, interrupt: Interrupt, quiet: Quiet) -> Self {
-        Self { output, interrupt, quiet }
+    pub(super) fn new(output: StandardOutput, interrupt: Interrupt, is_quiet: bool) -> Self {
+        Self { output, interrupt, is_quiet }
     }
 
-    pub(super) fn quiet(&self) -> Quiet {
-        self.quiet
+    pub(super) fn is_quiet(&self) -> bool {
+        self.is_quiet
     }
 
     pub(super) fn into_output(self) -> StandardOutput {
@@ -58,7 +58,7 @@ impl Session {
 
     /// Prints a note on standard error, unless the program is quiet.
     pub fn note(&self, text: impl Display) {
-        if !self.quiet.is_quiet() {
+        if !self.is_quiet {
             message::line(text);
         }
     }
@@ -70,12 +70,12 @@ impl Session {
 
     /// Starts the progress of `what` over this number of steps, on standard error.
     pub fn progress(&self, what: &str, steps: u64) -> Progress {
-        Progress::new(what, Some(steps), self.quiet)
+        Progress::new(what, Some(steps), self.is_quiet)
     }
 
     /// Starts the progress of `what` for an unknown number of steps.
     pub fn open_progress(&self, what: &str) -> Progress {
-        Progress::new(what, None, self.quiet)
+        Progress::new(what, None, self.is_quiet)
     }
 
     /// Prints a result as one JSON object in a line with the key `"partial"`, if `--json` is given. It must be the last
@@ -85,11 +85,11 @@ impl Session {
     /// Standard output that cannot be written.
     pub fn print_json(
         &mut self,
-        json: Json,
+        printing: Printing,
         result: &impl Serialize,
         ending: Ending,
     ) -> anyhow::Result<()> {
-        if json.wanted() {
+        if printing.wants_json() {
             let partial = ending == Ending::Partial;
             let line = json_text(&serde_json::to_string(&Line { result, partial })?);
             writeln!(self.output, "{line}")?;
@@ -103,11 +103,11 @@ impl Session {
     /// Standard output that cannot be written.
     pub fn conclude(
         &mut self,
-        json: Json,
+        printing: Printing,
         result: &impl Serialize,
         ending: Ending,
     ) -> anyhow::Result<Ending> {
-        self.print_json(json, result, ending)?;
+        self.print_json(printing, result, ending)?;
         Ok(ending)
     }
 }

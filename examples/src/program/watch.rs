@@ -9,7 +9,7 @@ use super::{Progress, Session};
 impl Session {
     /// The callback of long work. It shows the progress, prints messages, and ends the work after an interrupt.
     pub fn watch(&self) -> impl FnMut(Event<'_>) -> ControlFlow<()> + use<> {
-        let (interrupt, quiet) = (self.interrupt().clone(), self.quiet());
+        let (interrupt, is_quiet) = (self.interrupt().clone(), self.is_quiet());
         let mut shown: Option<(String, Progress)> = None;
         move |event| {
             match event {
@@ -19,8 +19,10 @@ impl Session {
                     } else {
                         let (_, progress) = match &mut shown {
                             Some(same) if same.0 == what => same,
-                            other => other
-                                .insert((what.to_owned(), Progress::new(what, Some(all), quiet))),
+                            other => other.insert((
+                                what.to_owned(),
+                                Progress::new(what, Some(all), is_quiet),
+                            )),
                         };
                         progress.set(done);
                     }

@@ -50,16 +50,19 @@ impl CameraPlace {
     pub fn isometry(&self) -> Result<Option<Isometry3<f64>>, moca_model::Error> {
         let Some([x, y, z, i, j, k, w]) = self.pose else { return Ok(None) };
         if self.from_tf {
-            let expected = "none, since camera.from_tf is true";
-            return Err(moca_model::Error::Setting { name: "camera.pose", value: x, expected });
+            return Err(wrong(x, "none, since camera.from_tf is true"));
         }
         let quaternion = Quaternion::new(w, i, j, k);
-        let (name, value) = ("camera.pose", quaternion.norm());
-        if (value - 1.0).abs() > TOLERANCE {
-            let expected = "a place and a unit quaternion: the norm of its last four numbers is 1";
-            return Err(moca_model::Error::Setting { name, value, expected });
+        let norm = quaternion.norm();
+        if (norm - 1.0).abs() > TOLERANCE {
+            let wanted = "a place and a unit quaternion: the norm of its last four numbers is 1";
+            return Err(wrong(norm, wanted));
         }
         let rotation = UnitQuaternion::from_quaternion(quaternion);
         Ok(Some(Isometry3::from_parts(Translation3::new(x, y, z), rotation)))
     }
+}
+
+fn wrong(got: f64, wanted: &'static str) -> moca_model::Error {
+    moca_model::Error::Value { what: "camera.pose".to_owned(), got, wanted }
 }

@@ -56,13 +56,13 @@ pub enum ShardError {
         of: u64,
     },
     /// A shard lacks cases, or has others.
-    #[error("shard {shard} holds {found} cases, expected {expected}; compute it again")]
+    #[error("shard {shard} holds {got} cases, expected {wanted}; compute it again")]
     Cases {
         /// The shard.
         shard: String,
         /// The number of its cases in the file.
-        found: usize,
+        got: usize,
         /// The number of its own cases.
-        expected: usize,
+        wanted: usize,
     },
 }

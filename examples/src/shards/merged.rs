@@ -72,8 +72,8 @@ where
             if !own.eq(part.results.keys().copied()) {
                 return Err(ShardError::Cases {
                     shard: part.shard.to_string(),
-                    found: part.results.len(),
-                    expected: part.shard.of(cases).count(),
+                    got: part.results.len(),
+                    wanted: part.shard.of(cases).count(),
                 });
             }
         }

@@ -7,7 +7,7 @@ use human_perception::surface::cut::images_of;
 
 use crate::{
     learning::cut_options::CutOptions,
-    program::{Ending, Quiet, Session},
+    program::{Ending, Session},
 };
 
 /// Takes the images of the on-board camera out of frames with their truth: a folder for each class, as `train` and
@@ -25,11 +25,6 @@ pub struct Cut {
 }
 
 impl Cut {
-    /// The option `--quiet`.
-    pub fn quiet(&self) -> Quiet {
-        self.options.quiet()
-    }
-
     /// Extracts the images.
     ///
     /// # Errors

@@ -21,7 +21,7 @@ use serde::Serialize;
 
 use super::options::ModelWeights;
 use crate::{
-    program::{Ending, Json, OutputFile, Quiet, Session, Threads, check_folder},
+    program::{Ending, OutputFile, Printing, Session, Threads, check_folder},
     vision::choices::with_option,
 };
 
@@ -52,9 +52,7 @@ pub struct Evaluate {
     #[command(flatten)]
     threads: Threads,
     #[command(flatten)]
-    json: Json,
-    #[command(flatten)]
-    quiet: Quiet,
+    printing: Printing,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -79,11 +77,6 @@ struct Evaluated {
 }
 
 impl Evaluate {
-    /// The option `--quiet`.
-    pub fn quiet(&self) -> Quiet {
-        self.quiet
-    }
-
     /// Evaluates every model.
     ///
     /// # Errors
@@ -104,7 +97,7 @@ impl Evaluate {
             let features = source.of_images(&images, Flips::None, &mut unreadable, watch)?;
             let Some(features) = features else {
                 session.warn("interrupted before the end");
-                return session.conclude(self.json, &report, Ending::Partial);
+                return session.conclude(self.printing, &report, Ending::Partial);
             };
             for (name, decider) in network.deciders() {
                 let scores = features.scores(&decider)?;
@@ -137,7 +130,7 @@ impl Evaluate {
                 OutputFile::write_whole(folder.join(name), contents.as_bytes())?;
             }
         }
-        session.conclude(self.json, &report, Ending::Complete)
+        session.conclude(self.printing, &report, Ending::Complete)
     }
 
     /// The images of the selected part.

@@ -13,7 +13,7 @@ use vision_models::Surface;
 
 use human_perception::surface::picture::picture;
 
-use crate::program::{Ending, Json, OutputFile, Quiet, Seed, Session, check_folder};
+use crate::program::{Ending, OutputFile, Printing, Seed, Session, check_folder};
 
 /// Draws pictures of plates, smooth and drilled: light, pose, background, blur and noise differ.
 ///
@@ -31,9 +31,7 @@ pub struct Generate {
     #[command(flatten)]
     seed: Seed,
     #[command(flatten)]
-    json: Json,
-    #[command(flatten)]
-    quiet: Quiet,
+    printing: Printing,
 }
 
 /// The JSON object of `--json`.
@@ -45,11 +43,6 @@ struct Generated {
 }
 
 impl Generate {
-    /// The option `--quiet`.
-    pub fn quiet(&self) -> Quiet {
-        self.quiet
-    }
-
     /// Draws the pictures.
     ///
     /// # Errors
@@ -85,7 +78,7 @@ impl Generate {
         }
         let shown = self.folder.display();
         writeln!(session.output(), "{done} pictures of smooth and drilled surfaces in {shown}")?;
-        session.conclude(self.json, &Generated { folder: self.folder, images: done }, ending)
+        session.conclude(self.printing, &Generated { folder: self.folder, images: done }, ending)
     }
 
     fn draw(&self, path: &Path, surface: Surface, stream: u64) -> Result<()> {

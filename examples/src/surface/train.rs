@@ -19,7 +19,7 @@ use vision_models::{ClassWeights, Loss, SvmSettings};
 use super::options::Backbones;
 use crate::{
     learning::head_options::HeadOptions,
-    program::{Ending, Json, Quiet, Seed, Session, Threads, check_folder},
+    program::{Ending, Printing, Seed, Session, Threads, check_folder},
     vision::choices::with_option,
 };
 
@@ -60,9 +60,7 @@ pub struct Train {
     #[command(flatten)]
     threads: Threads,
     #[command(flatten)]
-    json: Json,
-    #[command(flatten)]
-    quiet: Quiet,
+    printing: Printing,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -97,11 +95,6 @@ struct ModelReport {
 }
 
 impl Train {
-    /// The option `--quiet`.
-    pub fn quiet(&self) -> Quiet {
-        self.quiet
-    }
-
     /// Trains and writes the model.
     ///
     /// # Errors
@@ -167,12 +160,12 @@ impl Train {
             SurfaceModel { classes: parts.classes, parts: parts.of_paths, networks: trained };
         model.write(&self.output)?;
         writeln!(session.output(), "model: {}", self.output.display())?;
-        session.conclude(self.json, &report, Ending::Complete)
+        session.conclude(self.printing, &report, Ending::Complete)
     }
 
     fn interrupted(&self, session: &mut Session, report: &Trained) -> Result<Ending> {
         session.warn("interrupted before the end: there is no model");
-        session.conclude(self.json, report, Ending::Partial)
+        session.conclude(self.printing, report, Ending::Partial)
     }
 
     fn settings(&self) -> Result<TrainingSettings> {

@@ -115,11 +115,11 @@ proptest! {
         let mut packet = Packet::new(3, None);
         let mut marked = b"MOm2\x03\0".to_vec();
         marked.extend(&bytes);
-        let (found, expected) = (marked.len(), packet.bytes().len());
-        if found != expected {
-            prop_assert_eq!(packet.take(&marked), Err(PacketError::Size { found, expected }));
+        let (got, wanted) = (marked.len(), packet.bytes().len());
+        if got != wanted {
+            prop_assert_eq!(packet.take(&marked), Err(PacketError::Size { got, wanted }));
         }
-        let long_enough = bytes.len() == expected;
+        let long_enough = bytes.len() == wanted;
         prop_assert!(packet.take(&bytes).is_err() || long_enough);
     }
 
@@ -180,11 +180,11 @@ fn bytes_that_could_be_mistaken_are_refused() {
     let number = |at: usize, value: f64| {
         move |bytes: &mut Vec<u8>| bytes[at..at + 8].copy_from_slice(&value.to_le_bytes())
     };
-    assert_eq!(refusal(Measurement, &of(3, b'1')), PacketError::Version { found: 1, expected: 2 });
-    assert_eq!(refusal(Measurement, &of(2, b'?')), PacketError::Kind { found: *b"MO?2" });
-    assert_eq!(refusal(Measurement, &of(4, 2)), PacketError::Joints { found: 2, expected: 1 });
-    assert_eq!(refusal(Measurement, &of(6, 5)), PacketError::Mode { found: 5 });
-    assert_eq!(refusal(Measurement, &of(7, 9)), PacketError::Took { found: 9 });
+    assert_eq!(refusal(Measurement, &of(3, b'1')), PacketError::Version { got: 1, wanted: 2 });
+    assert_eq!(refusal(Measurement, &of(2, b'?')), PacketError::Kind { got: *b"MO?2" });
+    assert_eq!(refusal(Measurement, &of(4, 2)), PacketError::Joints { got: 2, wanted: 1 });
+    assert_eq!(refusal(Measurement, &of(6, 5)), PacketError::Mode { got: 5 });
+    assert_eq!(refusal(Measurement, &of(7, 9)), PacketError::Took { got: 9 });
     // A torque that is not measured is not a number, and a flag is 0 or 1.
     let torque = |flag, torque| PacketError::Torque { joint: 0, flag, torque };
     assert_eq!(refusal(Measurement, &number(48, 7.0)), torque(0, 7.0));

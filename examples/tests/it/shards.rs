@@ -66,7 +66,7 @@ fn shards_that_do_not_fit_are_refused() {
     let incomplete = refused(|parts| {
         parts[0].results.pop_first();
     });
-    assert!(matches!(incomplete, ShardError::Cases { found: 2, expected: 3, .. }), "{incomplete}");
+    assert!(matches!(incomplete, ShardError::Cases { got: 2, wanted: 3, .. }), "{incomplete}");
     for text in ["", "1", "0/2", "3/2", "1/0", "-1/2", "1/2/3", "a/b", "99999999999/99999999999"] {
         assert!(text.parse::<Shard>().is_err(), "{text}");
     }

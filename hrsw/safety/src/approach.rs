@@ -438,7 +438,7 @@ impl ApproachRows {
 
     fn check_rows(&self, rows: &Rows) -> Result<(), Error> {
         check_size("the block of rows", rows.len(), self.capacity)?;
-        check_size("a row of the block", rows.columns(), self.state.len())
+        Ok(check_size("a row of the block", rows.columns(), self.state.len())?)
     }
 
     /// Returns how far to search for pairs, for a body that approaches at `speed` or less. Within

@@ -1,6 +1,7 @@
 //! Errors of bodies, people and settings.
 
 use hrsw::Capsule;
+pub(crate) use hrsw::checks::{check_all, check_size, not_negative, positive};
 
 use crate::fault::FrameFault;
 
@@ -55,45 +56,29 @@ pub enum Error {
         speed: f64,
     },
 
+    /// The shape of a body was refused.
+    #[error(transparent)]
+    Shape(hrsw::Error),
+
     /// The rows were refused by `ahqp-core`.
     #[error(transparent)]
     Hierarchy(#[from] ahqp_core::Error),
 }
 
-pub(crate) fn positive(what: &'static str, got: f64) -> Result<f64, Error> {
-    if got > 0.0 && got.is_finite() {
-        Ok(got)
-    } else {
-        Err(Error::Value { what, got, wanted: "positive and finite" })
-    }
-}
-
-pub(crate) fn not_negative(what: &'static str, got: f64) -> Result<f64, Error> {
-    if got >= 0.0 && got.is_finite() {
-        Ok(got)
-    } else {
-        Err(Error::Value { what, got, wanted: "finite and not negative" })
-    }
-}
-
-pub(crate) fn check_size(what: &'static str, got: usize, wanted: usize) -> Result<(), Error> {
-    if got == wanted { Ok(()) } else { Err(Error::Size { what, got, wanted }) }
-}
-
-pub(crate) fn check_all<'a>(
-    what: &'static str,
-    mut values: impl Iterator<Item = &'a f64>,
-) -> Result<(), Error> {
-    match values.find(|value| !value.is_finite()) {
-        Some(&got) => Err(Error::Value { what, got, wanted: "finite" }),
-        None => Ok(()),
+impl From<hrsw::Error> for Error {
+    fn from(error: hrsw::Error) -> Self {
+        match error {
+            hrsw::Error::Value { what, got, wanted } => Self::Value { what, got, wanted },
+            hrsw::Error::Size { what, got, wanted } => Self::Size { what, got, wanted },
+            error => Self::Shape(error),
+        }
     }
 }
 
 /// Checks numbers in one slice, faster than [`check_all`].
 pub(crate) fn check_slice(what: &'static str, values: &[f64]) -> Result<(), Error> {
     let fine = values.iter().fold(true, |fine, value| fine & value.is_finite());
-    if fine { Ok(()) } else { check_all(what, values.iter()) }
+    if fine { Ok(()) } else { Ok(check_all(what, values.iter())?) }
 }
 
 /// Checks that a capsule is finite. A capsule that is placed by a pose that is not finite is not
@@ -104,5 +89,5 @@ pub(crate) fn check_capsule(what: &'static str, capsule: &Capsule) -> Result<(),
     if (start + end).sum().is_finite() {
         return Ok(());
     }
-    check_all(what, start.iter().chain(end))
+    Ok(check_all(what, start.iter().chain(end))?)
 }

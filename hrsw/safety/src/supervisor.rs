@@ -149,14 +149,14 @@ impl Supervisor {
     /// Time for which a violation of the protective distance must last before the robot retreats
     /// \[s\]: two frames and a little, since one frame alone may show a head nearer. Until then the
     /// robot does not approach.
-    pub const RETREAT_AFTER: f64 = 0.12;
+    pub(crate) const RETREAT_AFTER: f64 = 0.12;
     /// Additional room that is needed for recovery \[m\]: more than the 0.02 m to which a camera
     /// knows joints.
     pub const HYSTERESIS: f64 = 0.03;
     /// Time for which the cause must be gone before recovery \[s\]: four frames of a camera.
     pub const DWELL: f64 = 0.2;
     /// Share of the speed in the reduced state \[-\].
-    pub const REDUCED_SCALE: f64 = 0.5;
+    pub(crate) const REDUCED_SCALE: f64 = 0.5;
     /// Share of the speed in retreat \[-\]: less than 0.25 m/s for a base of 1.5 m/s.
     pub const RETREAT_SCALE: f64 = 0.15;
     /// Time of the ramp from full speed to zero, and back \[s\]. Joints that cannot follow it brake at

@@ -79,7 +79,7 @@ impl Cone {
     }
 
     /// The half angle \[rad\].
-    pub fn half_angle(&self) -> f64 {
+    pub(crate) fn half_angle(&self) -> f64 {
         self.half_angle
     }
 

@@ -98,7 +98,7 @@ impl From<whole_body::Error> for Failure {
     fn from(error: whole_body::Error) -> Self {
         match error {
             whole_body::Error::Hierarchy(error) => error.into(),
-            whole_body::Error::WrongSize { .. } => Self::new(AhqpStatus::BadArgument, &error),
+            whole_body::Error::Size { .. } => Self::new(AhqpStatus::BadArgument, &error),
             error => Self::new(AhqpStatus::BadData, &error),
         }
     }

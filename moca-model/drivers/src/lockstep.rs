@@ -5,26 +5,14 @@ use std::time::Duration;
 
 use moca_model::whole_body::control_loop::{JointCommand, JointMeasurement, Received, RobotSide};
 
+use super::error::Error;
 use super::link::LinkStatistics;
 use super::udp::UdpSide;
 
 /// Longest time to wait for the next packet.
-const PATIENCE: Duration = Duration::from_secs(5);
+pub(super) const PATIENCE: Duration = Duration::from_secs(5);
 /// Number of each session. It is fixed instead of random, so that two runs with equal inputs send equal bytes.
 const SESSION: u64 = 1;
-
-/// Reason why a loop in lockstep ends.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum LockstepError {
-    /// The robot does not answer.
-    #[error(
-        "no packet for {} s; in lockstep the robot answers every hello and command with one, `MOn2` where it measures \
-         nothing",
-        PATIENCE.as_secs()
-    )]
-    Silent,
-}
 
 /// The loop's end of a connection in lockstep. Each packet of the robot is one period, however long it takes to come.
 ///
@@ -52,18 +40,18 @@ impl LockstepSide {
 }
 
 impl RobotSide for LockstepSide {
-    type Error = LockstepError;
+    type Error = Error;
 
-    fn receive(&mut self, measured: &mut JointMeasurement) -> Result<Received, LockstepError> {
-        self.side.next(measured, PATIENCE).ok_or(LockstepError::Silent)
+    fn receive(&mut self, measured: &mut JointMeasurement) -> Result<Received, Error> {
+        self.side.next(measured, PATIENCE).ok_or(Error::Silent)
     }
 
-    fn send(&mut self, command: &JointCommand) -> Result<(), LockstepError> {
+    fn send(&mut self, command: &JointCommand) -> Result<(), Error> {
         // A command that cannot be sent is not answered either.
         self.side.send(command).or(Ok(()))
     }
 
-    fn halt(&mut self) -> Result<(), LockstepError> {
+    fn halt(&mut self) -> Result<(), Error> {
         self.side.halt().or(Ok(()))
     }
 }

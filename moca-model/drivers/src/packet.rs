@@ -95,9 +95,9 @@ impl PacketKind {
         match known {
             Some((kind, _)) if version == VERSION => Ok(*kind),
             Some(_) if version.is_ascii_digit() => {
-                Err(PacketError::Version { found: version - b'0', expected: VERSION - b'0' })
+                Err(PacketError::Version { got: version - b'0', wanted: VERSION - b'0' })
             }
-            _ => Err(PacketError::Kind { found: mark }),
+            _ => Err(PacketError::Kind { got: mark }),
         }
     }
 }
@@ -152,14 +152,14 @@ impl Packet {
     /// # Errors
     /// Why the bytes are no valid packet. The packet that was taken before is then kept.
     pub fn take(&mut self, bytes: &[u8]) -> Result<PacketHead, PacketError> {
-        let (found, expected) = (bytes.len(), self.bytes.len());
-        let sized = PacketError::Size { found, expected };
+        let (got, wanted) = (bytes.len(), self.bytes.len());
+        let sized = PacketError::Size { got, wanted };
         let kind = PacketKind::from_mark(array(bytes, MARK).ok_or(sized)?)?;
         let joints = usize::from(u16::from_le_bytes(array(bytes, JOINTS).ok_or(sized)?));
         if joints != self.joints {
-            return Err(PacketError::Joints { found: joints, expected: self.joints });
+            return Err(PacketError::Joints { got: joints, wanted: self.joints });
         }
-        if found != expected {
+        if got != wanted {
             return Err(sized);
         }
         if let Some(key) = &self.key {
@@ -258,10 +258,10 @@ impl Packet {
             }
         }
         if mode_of(mode).is_none() {
-            return Err(PacketError::Mode { found: mode });
+            return Err(PacketError::Mode { got: mode });
         }
         if took > 8 {
-            return Err(PacketError::Took { found: took });
+            return Err(PacketError::Took { got: took });
         }
         if !doubles(numbers).all(f64::is_finite) {
             return Err(PacketError::NotFinite);

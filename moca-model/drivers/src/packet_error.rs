@@ -5,37 +5,37 @@
 #[non_exhaustive]
 pub enum PacketError {
     /// The packet belongs to another protocol.
-    #[error("it begins with {found:?}, which is none of this protocol")]
+    #[error("it begins with {got:?}, which is none of this protocol")]
     Kind {
         /// First bytes of the packet.
-        found: [u8; 4],
+        got: [u8; 4],
     },
     /// The packet has another version of the protocol.
-    #[error("it is of version {found} of the protocol, expected {expected}: update the other side")]
+    #[error("it is of version {got} of the protocol, expected {wanted}: update the other side")]
     Version {
         /// Version of the packet.
-        found: u8,
+        got: u8,
         /// Version of this program.
-        expected: u8,
+        wanted: u8,
     },
     /// The packet belongs to a robot with another number of joints.
-    #[error("it is of a robot of {found} joints, expected {expected}")]
+    #[error("it is of a robot of {got} joints, expected {wanted}")]
     Joints {
         /// Number of joints in the packet.
-        found: usize,
+        got: usize,
         /// Number of joints of this robot.
-        expected: usize,
+        wanted: usize,
     },
     /// The packet is too short or too long.
     #[error(
-        "it has {found} bytes, expected {expected}; a key makes packets 32 bytes longer: give it to both \
+        "it has {got} bytes, expected {wanted}; a key makes packets 32 bytes longer: give it to both \
          sides or to neither"
     )]
     Size {
         /// Number of bytes.
-        found: usize,
+        got: usize,
         /// Number of bytes of this robot's packets.
-        expected: usize,
+        wanted: usize,
     },
     /// The code does not match the shared key.
     #[error("its code is not of this key: another key, a damaged packet, or a stranger")]
@@ -44,16 +44,16 @@ pub enum PacketError {
     #[error("bytes that mean nothing in its kind are not zero")]
     NotZero,
     /// The code of the robot's mode is unknown.
-    #[error("the robot's mode is {found}, expected 0 to 4")]
+    #[error("the robot's mode is {got}, expected 0 to 4")]
     Mode {
         /// Code of the mode.
-        found: u8,
+        got: u8,
     },
     /// The code for whether the command was taken and the gripper holds something is unknown.
-    #[error("the robot's two answers are {found}, expected 0 to 8")]
+    #[error("the robot's two answers are {got}, expected 0 to 8")]
     Took {
         /// Code that was found.
-        found: u8,
+        got: u8,
     },
     /// A torque does not agree with its flag.
     #[error(

@@ -5,57 +5,42 @@ use std::path::Path;
 
 use hmac::{Hmac, Mac};
 use sha2::Sha256;
+use vision_models::file::read_bytes;
+
+use super::error::Error;
 
 /// Number of bytes of a code.
 pub(super) const CODE: usize = 32;
 /// Smallest number of bytes of a key.
 const SHORTEST: usize = 32;
 /// Largest number of bytes of a key. A longer file contains something else.
-const LONGEST: u64 = 4096;
+const LONGEST: usize = 4096;
 
 /// Key that loop and robot share. Each packet then ends with its HMAC-SHA-256 (RFC 2104).
 #[derive(Clone)]
 pub struct SharedKey(Hmac<Sha256>);
 
-/// Reason why a file or a text is no valid key.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum KeyError {
-    /// The file cannot be read.
-    #[error("the key cannot be read: {0}")]
-    File(#[from] std::io::Error),
-    /// The key is too short or too long.
-    #[error(
-        "the key has {found} bytes, expected {SHORTEST} to {LONGEST}: make one by \
-         `head -c 32 /dev/urandom > robot.key`"
-    )]
-    Size {
-        /// Number of bytes.
-        found: u64,
-    },
-}
-
 impl SharedKey {
     /// Creates a key from bytes, which are used unchanged.
     ///
     /// # Errors
-    /// [`KeyError::Size`]
-    pub fn new(bytes: &[u8]) -> Result<Self, KeyError> {
-        let found = bytes.len() as u64;
+    /// [`Error::Size`]
+    pub fn new(bytes: &[u8]) -> Result<Self, Error> {
+        let got = bytes.len();
         let keyed = Hmac::new_from_slice(bytes).ok();
-        let fits = bytes.len() >= SHORTEST && found <= LONGEST;
-        keyed.filter(|_| fits).map(Self).ok_or(KeyError::Size { found })
+        keyed.filter(|_| (SHORTEST..=LONGEST).contains(&got)).map(Self).ok_or_else(|| {
+            let way = "make one by `head -c 32 /dev/urandom > robot.key`";
+            let wanted = format!("{SHORTEST} to {LONGEST}: {way}");
+            Error::Size { what: "the key", got, wanted }
+        })
     }
 
     /// Reads a key from a file, whose bytes are used unchanged.
     ///
     /// # Errors
-    /// [`KeyError`]
-    pub fn read(path: &Path) -> Result<Self, KeyError> {
-        use std::io::Read;
-        let mut bytes = Vec::new();
-        std::fs::File::open(path)?.take(LONGEST + 1).read_to_end(&mut bytes)?;
-        Self::new(&bytes)
+    /// [`Error::KeyFile`], also for a file that is too long; [`Error::Size`]
+    pub fn read(path: &Path) -> Result<Self, Error> {
+        Self::new(&read_bytes(path, LONGEST as u64).map_err(Error::KeyFile)?)
     }
 
     /// Returns the code of these bytes.

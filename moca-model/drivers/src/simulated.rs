@@ -13,6 +13,7 @@ use moca_model::{
     moca,
 };
 
+#[cfg(feature = "ros2")]
 use nalgebra::Isometry3;
 
 use super::command_limits::{CommandLimits, CommandRefusal};
@@ -108,7 +109,8 @@ impl SimulatedSide {
     ///
     /// # Errors
     /// Those of the simulation.
-    pub fn tool_pose(&mut self) -> Result<Isometry3<f64>, Error> {
+    #[cfg(feature = "ros2")]
+    pub(crate) fn tool_pose(&mut self) -> Result<Isometry3<f64>, Error> {
         let q = self.position().to_vec();
         let data = self.robot.simulation_mut().data_mut();
         Ok(data.pose(&self.model, &q)?.world_from(self.tool)?)

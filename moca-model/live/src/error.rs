@@ -23,12 +23,12 @@ pub enum Error {
         reason: String,
     },
     /// A word that is none of those that are known.
-    #[error("{what} \"{found}\": give {wanted}")]
+    #[error("{what} \"{got}\": give {wanted}")]
     Word {
         /// Purpose of the word.
         what: &'static str,
         /// Value given.
-        found: String,
+        got: String,
         /// Values that would be right.
         wanted: String,
     },

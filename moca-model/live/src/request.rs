@@ -270,7 +270,7 @@ impl Request {
             Message::Move(MoveMessage { who, movement }) => {
                 let found = Movement::from_name(&movement).ok_or_else(|| Error::Word {
                     what: "movement",
-                    found: movement.chars().take(40).collect(),
+                    got: movement.chars().take(40).collect(),
                     wanted: Movement::ALL.map(Movement::name).join(", "),
                 });
                 Self::Move(who.into(), found?)

@@ -10,14 +10,14 @@ use percept_recording::RecordingError;
 #[non_exhaustive]
 pub enum Error {
     /// A setting is outside its range.
-    #[error("{name} = {value}: give {expected}")]
-    Setting {
+    #[error("{what} = {got}: give {wanted}")]
+    Value {
         /// The setting.
-        name: &'static str,
+        what: &'static str,
         /// The value that was given.
-        value: f64,
+        got: f64,
         /// The accepted values.
-        expected: &'static str,
+        wanted: &'static str,
     },
     /// A recording lacks what is needed.
     #[error("{found}; {wanted}")]
@@ -56,7 +56,7 @@ pub enum Error {
     Threads(#[source] rayon::ThreadPoolBuildError),
     /// A person cannot be simulated.
     #[error(transparent)]
-    People(#[from] simulated_people::Error),
+    People(simulated_people::Error),
     /// The controller or the robot's model reported an error.
     #[error(transparent)]
     Controller(#[from] moca_model::Error),
@@ -78,6 +78,17 @@ pub enum Error {
     /// A run cannot be recorded or shown.
     #[error(transparent)]
     Replay(Box<ReplayError>),
+}
+
+impl From<simulated_people::Error> for Error {
+    fn from(error: simulated_people::Error) -> Self {
+        match error {
+            simulated_people::Error::Value { what, got, wanted } => {
+                Self::Value { what, got, wanted }
+            }
+            error => Self::People(error),
+        }
+    }
 }
 
 impl From<whole_body::Error> for Error {

@@ -4,6 +4,7 @@ mod error;
 pub mod experiment;
 pub mod judges;
 pub mod plant;
+mod quantile;
 pub mod rendering;
 pub mod run;
 pub mod soak;

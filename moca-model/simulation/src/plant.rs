@@ -21,7 +21,6 @@ mod judged;
 
 use std::time::Instant;
 
-use human_perception::random;
 use moca_model::whole_body::control_loop::JointMeasurement;
 use moca_model::whole_body::simulation::RandomSource;
 use moca_model::whole_body::state::{ExternalWrench, PayloadId};
@@ -126,7 +125,7 @@ pub struct RobotNoise(ChaCha8Rng);
 impl RobotNoise {
     /// Creates a random stream with this seed.
     pub fn new(seed: u64) -> Self {
-        Self(random::generator(seed, STREAM))
+        Self(simulated_people::generator(seed, STREAM))
     }
 }
 

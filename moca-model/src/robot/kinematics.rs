@@ -133,9 +133,9 @@ impl Kinematics {
     /// # Errors
     /// [`Error::Value`]; the hand is then unchanged.
     pub(crate) fn set_hand(&mut self, hand: Vector3<f64>) -> Result<(), Error> {
-        if let Some(&value) = hand.iter().find(|value| !value.is_finite()) {
+        if let Some(&got) = hand.iter().find(|value| !value.is_finite()) {
             let what = "the place of a hand".to_owned();
-            return Err(Error::Value { what, value, expected: "finite" });
+            return Err(Error::Value { what, got, wanted: "finite" });
         }
         self.hand = hand;
         self.carry()

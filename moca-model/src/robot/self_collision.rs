@@ -81,7 +81,7 @@ impl SelfCollisionLimit {
     ) -> Result<Self, Error> {
         if !(distance.is_finite() && distance >= 0.0) {
             let what = "the least distance of own bodies [m]".to_owned();
-            return Err(Error::Value { what, value: distance, expected: "0 or more" });
+            return Err(Error::Value { what, got: distance, wanted: "0 or more" });
         }
         let on = |link: &str| {
             let frame = model.frame_id(link)?;
@@ -99,7 +99,7 @@ impl SelfCollisionLimit {
         }
         if all.is_empty() {
             let what = "the number of pairs of own bodies".to_owned();
-            return Err(Error::Value { what, value: 0.0, expected: "at least 1" });
+            return Err(Error::Value { what, got: 0.0, wanted: "at least 1" });
         }
         let count = model.velocity_count();
         Ok(Self {

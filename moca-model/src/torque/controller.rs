@@ -251,7 +251,7 @@ impl TorqueController {
     /// If torques are not measured, contacts are not noticed, so that nobody may be touched.
     ///
     /// # Errors
-    /// [`Error::WrongSize`] for a configuration of the wrong size, as [`Controller::step`].
+    /// [`Error::Size`] for a configuration of the wrong size, as [`Controller::step`].
     pub fn step(&mut self, now: f64, measured: &JointMeasurement) -> Result<&Command, Error> {
         let usable = self.take(measured);
         let last = self.last.replace(now);

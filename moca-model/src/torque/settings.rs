@@ -80,11 +80,11 @@ impl TorqueLoopSettings {
     /// Checks the ranges that do not depend on a robot.
     ///
     /// # Errors
-    /// [`Error::Robot`] for a gain or the torque rate; [`Error::Setting`] for an empty list of joints.
+    /// [`Error::Robot`] for a gain or the torque rate; [`Error::Value`] for an empty list of joints.
     pub fn validate(&self) -> Result<(), Error> {
         if self.joints.is_empty() {
-            let (name, expected) = ("the number of joints driven by torque", "at least one");
-            return Err(Error::Setting { name, value: 0.0, expected });
+            let what = "the number of joints driven by torque".to_owned();
+            return Err(Error::Value { what, got: 0.0, wanted: "at least one" });
         }
         let inertia = [("torque.rotor_inertia", self.rotor_inertia)];
         check_settings(inertia, "from 0 to 1000 kg m²", |value| (0.0..=1e3).contains(&value))?;

@@ -3,9 +3,10 @@
 use ergo_map::ErgonomicsQuadratic;
 use moca_model::whole_body::Data;
 use moca_model::whole_body::control_loop::{ControlLaw, JointCommand};
+use moca_model::whole_body::torque::{JointImpedance, JointState};
 use moca_model::{
-    Controller, ControllerSettings, GraspedObject, ImpedanceSettings, JointImpedance, JointState,
-    Kinematics, MOCA_HOME, MOCA_TOOL, Scene, SimulatedRobot, moca, moca_safety,
+    Controller, ControllerSettings, GraspedObject, ImpedanceSettings, Kinematics, MOCA_HOME,
+    MOCA_TOOL, Scene, SimulatedRobot, moca, moca_safety,
 };
 use nalgebra::{Matrix3, Point3, Vector3};
 use vision_models::{Action, Body, Body25, Confidence, Keypoint, Percept, RecognisedAction, Tool};

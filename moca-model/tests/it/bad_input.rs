@@ -83,7 +83,7 @@ fn configurations_that_are_none() {
         Kinematics::new(MOCA.clone(), MOCA_TOOL, &[ball("panda_hand")], &MOCA_HOME).unwrap();
     let before = robot.clone();
     let error = robot.update(&MOCA_HOME[1..]).unwrap_err();
-    assert_error!(error, Error::Robot(whole_body::Error::WrongSize { .. }), "q", "9", "10");
+    assert_error!(error, Error::Robot(whole_body::Error::Size { .. }), "q", "9", "10");
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e200] {
         let mut q = MOCA_HOME;
         q[6] = bad;

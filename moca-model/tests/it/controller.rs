@@ -264,7 +264,7 @@ fn bad_settings_and_bad_measurements_are_named() {
     }
     let mut settings = standard();
     settings.posture.gain.pop();
-    assert!(matches!(make(settings), Err(Error::WrongSize { got: 9, expected: 10, .. })));
+    assert!(matches!(make(settings), Err(Error::Size { got: 9, wanted: 10, .. })));
     let upside_down = SpaceSettings { min: Vector3::repeat(2.0), ..SpaceSettings::default() };
     let error = make(ControllerSettings { space: upside_down, ..standard() }).unwrap_err();
     assert!(matches!(error, Error::Workspace(_)), "{error}");

@@ -228,7 +228,7 @@ fn error_brakes_and_informs_the_supervisor() {
     for _ in 0..3000 {
         let now = drive.time();
         let error = drive.controller.step(now, &[0.0; 9]).unwrap_err();
-        assert!(matches!(error, Error::WrongSize { got: 9, expected: 10, .. }), "{error}");
+        assert!(matches!(error, Error::Size { got: 9, wanted: 10, .. }), "{error}");
         assert!(drive.fastest() < before);
         drive.obey(PERIOD);
         drive.tick += 1;

@@ -185,7 +185,7 @@ fn invalid_objects_are_named_and_change_nothing() {
         HandSettings { polisher: f64::NAN, ..HandSettings::default() },
     ] {
         let settings = ControllerSettings { hand, ..ControllerSettings::default() };
-        assert!(matches!(settings.validate(), Err(Error::Setting { .. })));
+        assert!(matches!(settings.validate(), Err(Error::Value { .. })));
     }
 }
 

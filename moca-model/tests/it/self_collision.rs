@@ -325,5 +325,5 @@ fn pairs_without_bodies_are_refused() {
     for distance in [-0.1, f64::NAN] {
         assert!(matches!(refused(&[("link0", "link5")], distance), Error::Value { .. }));
     }
-    assert!(matches!(refused(&[], 0.0), Error::Value { value: 0.0, .. }));
+    assert!(matches!(refused(&[], 0.0), Error::Value { got: 0.0, .. }));
 }

@@ -35,7 +35,7 @@ fn bad_input_gives_an_error_and_no_motion() {
     let model = &*MOCA;
     assert!(matches!(
         SimulatedRobot::new(model, &[0.0; 9]),
-        Err(Error::WrongSize { expected: 10, got: 9, .. })
+        Err(Error::Size { got: 9, wanted: 10, .. })
     ));
     assert!(matches!(SimulatedRobot::new(model, &[f64::NAN; 10]), Err(Error::Value { .. })));
     let mut robot = robot();
@@ -43,7 +43,7 @@ fn bad_input_gives_an_error_and_no_motion() {
     command[9] = f64::INFINITY;
     let error = robot.step(&command, 0.001).unwrap_err();
     assert!(error.to_string().contains("joint 10"), "{error}");
-    assert!(matches!(robot.step(&[0.0; 3], 0.001), Err(Error::WrongSize { .. })));
+    assert!(matches!(robot.step(&[0.0; 3], 0.001), Err(Error::Size { .. })));
     assert!(matches!(robot.step(&[0.0; 10], 0.0), Err(Error::Value { .. })));
     assert!(matches!(robot.step(&[0.0; 10], f64::NAN), Err(Error::Value { .. })));
     assert_eq!(robot.position(), MOCA_HOME);

@@ -2,6 +2,7 @@
 
 pub(crate) mod urdf;
 
+use std::borrow::Cow;
 use std::path::PathBuf;
 
 use thiserror::Error;
@@ -83,14 +84,14 @@ pub enum Error {
 
     /// The listed joints are not the joints that move.
     #[error(
-        "the joints that move are {expected}, but the description lists {given}; list these in \
+        "the joints that move are {wanted}, but the description lists {got}; list these in \
          this order, or hold the others at a position"
     )]
     JointOrder {
-        /// The joints that move, in the order of q.
-        expected: String,
         /// Names that the description lists.
-        given: String,
+        got: String,
+        /// The joints that move, in the order of q.
+        wanted: String,
     },
 
     /// A joint is listed both as moving and as locked.
@@ -113,37 +114,20 @@ pub enum Error {
         root: String,
     },
 
-    /// A joint's range of positions is empty.
-    #[error(
-        "{}joint `{joint}` may move from {lower} to {upper}; the lower limit must be \
-         below the upper one (a joint that does not move is fixed or held)",
-        at_line(*line)
-    )]
-    PositionLimits {
+    /// A limit of a joint is out of its range.
+    #[error("{}the {what} limit of joint `{joint}` is {got}; it must be {wanted}", at_line(*line))]
+    Limit {
         /// Line on which the joint begins, if the URDF has it.
         line: Option<usize>,
         /// The joint.
         joint: String,
-        /// Lower limit \[rad or m\].
-        lower: f64,
-        /// Upper limit \[rad or m\].
-        upper: f64,
-    },
-
-    /// A limit is not positive.
-    #[error(
-        "{}the {limit} limit of joint `{joint}` is {value}; it must be positive",
-        at_line(*line)
-    )]
-    LimitNotPositive {
-        /// Line on which the joint begins, if the URDF has it.
-        line: Option<usize>,
-        /// The joint.
-        joint: String,
-        /// Name of the limit.
-        limit: &'static str,
-        /// Value given.
-        value: f64,
+        /// Name of the limit: `upper`, where the range of positions is empty, `velocity`, `acceleration`, `jerk` or
+        /// `effort`.
+        what: &'static str,
+        /// The limit, in units of its kind: rad or m, their rates, or Nm or N.
+        got: f64,
+        /// The allowed range.
+        wanted: Cow<'static, str>,
     },
 
     /// The effort limit of a joint that is driven by torque is not known.
@@ -156,30 +140,15 @@ pub enum Error {
         joint: String,
     },
 
-    /// A measured number is far beyond what the robot can reach, probably in wrong units.
-    #[error("the {what} of {joint} is {value:.3}, far beyond its {limit:.3}; give {unit}")]
-    Units {
-        /// `position` or `velocity`.
-        what: &'static str,
-        /// The joint, or the base's axis.
-        joint: String,
-        /// Value given.
-        value: f64,
-        /// The limit that it was compared with.
-        limit: f64,
-        /// The unit that it should be in, and the unit that it may be in.
-        unit: &'static str,
-    },
-
     /// A vector or matrix has the wrong size.
-    #[error("{what} has {got} elements; the robot needs {expected}")]
-    WrongSize {
+    #[error("{what} has {got} elements; the robot needs {wanted}")]
+    Size {
         /// Name of the vector.
         what: &'static str,
-        /// Number it must have.
-        expected: usize,
         /// Number it has.
         got: usize,
+        /// Number it must have.
+        wanted: usize,
     },
 
     /// Data and model are not of the same robot.
@@ -235,14 +204,14 @@ pub enum Error {
     TargetMissing,
 
     /// A number is out of its range.
-    #[error("{what} is {value}; it must be {expected}")]
+    #[error("{what} is {got}; it must be {wanted}")]
     Value {
         /// Name of the number.
         what: String,
         /// Value given.
-        value: f64,
+        got: f64,
         /// The range it must lie in.
-        expected: &'static str,
+        wanted: Cow<'static, str>,
     },
 
     /// The robot cannot do what is asked of it.
@@ -270,20 +239,6 @@ pub enum Error {
         reason: String,
         /// Remedy.
         remedy: &'static str,
-    },
-
-    /// A row of velocities has bounds that are not in order.
-    #[error(
-        "row {row} must lie from {lower} to {upper}; order the bounds, and use an infinite one for \
-         a side that is free"
-    )]
-    RowRange {
-        /// The row.
-        row: usize,
-        /// Lower bound.
-        lower: f64,
-        /// Upper bound.
-        upper: f64,
     },
 
     /// A level has both tasks of rows and tasks of quadratics.
@@ -315,8 +270,12 @@ pub enum Error {
 
 impl Error {
     /// Creates the error for a number out of its range.
-    pub(crate) fn value(what: impl Into<String>, value: f64, expected: &'static str) -> Self {
-        Self::Value { what: what.into(), value, expected }
+    pub(crate) fn value(
+        what: impl Into<String>,
+        got: f64,
+        wanted: impl Into<Cow<'static, str>>,
+    ) -> Self {
+        Self::Value { what: what.into(), got, wanted: wanted.into() }
     }
 
     /// Creates the error for a number that is not positive.
@@ -351,9 +310,8 @@ impl Error {
     pub fn is_unusable_limit(&self) -> bool {
         match self {
             Self::InFile { source, .. } => source.is_unusable_limit(),
-            Self::PositionLimits { line, .. } => line.is_some(),
-            Self::LimitNotPositive { line, limit, .. } => {
-                line.is_some() && ["velocity", "effort"].contains(limit)
+            Self::Limit { line, what, .. } => {
+                line.is_some() && ["upper", "velocity", "effort"].contains(what)
             }
             Self::Urdf(UrdfError::LimitsMissing { .. }) => true,
             _ => false,
@@ -380,8 +338,8 @@ pub(crate) fn check_finite(value: f64, what: impl FnOnce() -> String) -> Result<
     if is_sensible(value) { Ok(()) } else { Err(Error::not_finite(what(), value)) }
 }
 
-/// Returns an error unless `got` is `expected`.
+/// Returns an error unless `got` is `wanted`.
 #[inline]
-pub(crate) fn check_size(what: &'static str, got: usize, expected: usize) -> Result<(), Error> {
-    if got == expected { Ok(()) } else { Err(Error::WrongSize { what, expected, got }) }
+pub(crate) fn check_size(what: &'static str, got: usize, wanted: usize) -> Result<(), Error> {
+    if got == wanted { Ok(()) } else { Err(Error::Size { what, got, wanted }) }
 }

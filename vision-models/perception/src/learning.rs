@@ -8,6 +8,6 @@ pub mod cutting;
 pub mod description;
 pub mod digest;
 pub mod evaluation;
-pub mod random_network;
+mod random_network;
 pub mod split;
 pub mod twins;

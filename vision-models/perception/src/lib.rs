@@ -9,11 +9,9 @@ pub mod learning;
 pub mod networks;
 pub mod npy;
 pub mod percepts;
-mod printable;
-pub mod random;
+mod random;
 pub mod surface;
 mod watch;
 
 pub use error::Error;
-pub use printable::printable;
-pub use watch::{Event, Watch};
+pub use watch::{Event, Watch, wait_while};

@@ -5,7 +5,7 @@ pub(crate) mod checkpoint;
 pub mod classifier;
 mod clip_classifier;
 pub mod clip_stream;
-pub mod clips;
+pub(crate) mod clips;
 pub(crate) mod decider;
 pub mod folders;
 mod input;

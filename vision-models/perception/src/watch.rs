@@ -3,6 +3,7 @@
 use std::{
     fmt,
     fmt::Display,
+    io,
     ops::ControlFlow,
     sync::mpsc::{RecvTimeoutError, channel},
     thread,
@@ -76,20 +77,41 @@ pub(crate) fn wait_for<T: Send + 'static>(
     work: impl FnOnce() -> T + Send + 'static,
     watch: &mut Watch<'_>,
 ) -> Result<T, Error> {
+    let result = wait_while(work, || watch(Event::Working));
+    result.map_err(|error| Error::at("another thread", error))?.ok_or(Error::Stopped)
+}
+
+/// Runs work that cannot be interrupted, and asks every 20 ms whether to wait for it. Returns `None` if it was
+/// abandoned.
+///
+/// ```
+/// use std::ops::ControlFlow;
+///
+/// use human_perception::wait_while;
+///
+/// assert_eq!(wait_while(|| 6 * 7, || ControlFlow::Continue(()))?, Some(42));
+/// # Ok::<(), std::io::Error>(())
+/// ```
+///
+/// # Errors
+/// The system's, if no thread can be started.
+pub fn wait_while<T: Send + 'static>(
+    work: impl FnOnce() -> T + Send + 'static,
+    mut go_on: impl FnMut() -> ControlFlow<()>,
+) -> io::Result<Option<T>> {
     let (sender, receiver) = channel();
-    let worker = thread::Builder::new()
-        .spawn(move || {
-            // The receiver is gone if the work was abandoned.
-            let _ = sender.send(work());
-        })
-        .map_err(|error| Error::at("another thread", error))?;
+    let worker = thread::Builder::new().spawn(move || {
+        // The receiver is gone if the work was abandoned.
+        let _ = sender.send(work());
+    })?;
     loop {
         match receiver.recv_timeout(PATIENCE) {
-            Ok(result) => return Ok(result),
-            Err(RecvTimeoutError::Timeout) => go_on(watch)?,
+            Ok(result) => return Ok(Some(result)),
+            Err(RecvTimeoutError::Timeout) if go_on().is_continue() => {}
+            Err(RecvTimeoutError::Timeout) => return Ok(None),
             Err(RecvTimeoutError::Disconnected) => match worker.join() {
                 Err(panic) => std::panic::resume_unwind(panic),
-                Ok(()) => return Err(Error::Stopped),
+                Ok(()) => return Ok(None),
             },
         }
     }

@@ -2,10 +2,10 @@
 //! such lines.
 
 use nalgebra::Point3;
+use vision_models::file::Excerpt;
 use vision_models::{Body, Body25, Confidence};
 
 use crate::error::RecordingError;
-use crate::excerpt::excerpt;
 use crate::format::Header;
 use crate::timing::Stamp;
 
@@ -120,7 +120,7 @@ pub(super) fn ids(line: usize, ids: &[Option<u64>], people: usize) -> Result<(),
     Err(RecordingError::Value {
         line,
         what: "the ids of the people".to_owned(),
-        got: excerpt(&format!("{ids:?}")),
+        got: Excerpt(&format!("{ids:?}")).to_string(),
         wanted: format!("{people}, of the person and of each other, all different or null"),
     })
 }

@@ -2,7 +2,6 @@
 
 mod check;
 mod error;
-mod excerpt;
 mod format;
 mod lines;
 #[cfg(feature = "mcap")]

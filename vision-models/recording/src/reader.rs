@@ -7,13 +7,13 @@ use std::path::Path;
 use nalgebra::Point3;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
+use vision_models::file::Excerpt;
 use vision_models::{
     Action, Body, Body25, Keypoint, Percept, PersonId, RecognisedAction, RecognisedSurface, Surface,
 };
 
 use crate::check;
 use crate::error::RecordingError;
-use crate::excerpt::excerpt;
 use crate::format::{
     EndLine, FORMAT, FrameLine, Header, HeaderLine, Label, UNMARKED_VERSION, VERSION,
 };
@@ -224,7 +224,7 @@ fn parse<T: DeserializeOwned>(
 fn problem(error: &serde_json::Error) -> String {
     let problem = error.to_string();
     let place = format!(" at line {} column {}", error.line(), error.column());
-    excerpt(problem.strip_suffix(&place).unwrap_or(&problem))
+    Excerpt(problem.strip_suffix(&place).unwrap_or(&problem)).to_string()
 }
 
 fn parse_header(line: &Line<'_>) -> Result<(Header, u32), RecordingError> {
@@ -235,7 +235,7 @@ fn parse_header(line: &Line<'_>) -> Result<(Header, u32), RecordingError> {
         return Err(fail(format!(
             "format \"{}\" version {version} is not \"{FORMAT}\" version {VERSION} or \
              {UNMARKED_VERSION}",
-            excerpt(&format)
+            Excerpt(&format)
         )));
     }
     Ok((check::header(line.number, Header { frame, rate, stature, segments })?, version))
@@ -323,7 +323,7 @@ fn keypoint(line: usize, joint: Body25, value: &Value) -> Result<Option<Keypoint
         return Err(RecordingError::Value {
             line,
             what: check::keypoint(joint),
-            got: excerpt(&value.to_string()),
+            got: Excerpt(&value.to_string()).to_string(),
             wanted: "[x, y, z, confidence] with the position in metres, or null if it was not seen"
                 .to_owned(),
         });
@@ -336,14 +336,14 @@ fn keypoint(line: usize, joint: Body25, value: &Value) -> Result<Option<Keypoint
 
 fn action(line: usize, label: &Label) -> Result<RecognisedAction, RecordingError> {
     Ok(RecognisedAction {
-        action: Action::from_name(&excerpt(&label.name))
+        action: Action::from_name(&Excerpt(&label.name).to_string())
             .map_err(|source| RecordingError::Name { line, source: Box::new(source) })?,
         confidence: check::confidence(line, || "the action".to_owned(), label.confidence)?,
     })
 }
 
 fn surface(line: usize, label: &Label) -> Result<RecognisedSurface, RecordingError> {
-    let surface: Result<Surface, _> = excerpt(&label.name).parse();
+    let surface: Result<Surface, _> = Excerpt(&label.name).to_string().parse();
     Ok(RecognisedSurface {
         surface: surface
             .map_err(|source| RecordingError::Name { line, source: Box::new(source) })?,

@@ -60,11 +60,12 @@ impl MapStudy {
     /// Fits the quadratic of a map over the person's work zone.
     ///
     /// # Errors
-    /// [`Error::Map`] if the map knows too little of the work zone. [`Error::Acceptable`] if the
+    /// [`Error::Map`] if the map knows too little of the work zone. [`Error::Value`] if the
     /// threshold is outside ]0, 4.25].
     pub fn new(map: ErgonomicsMap, person: Person, acceptable: f64) -> Result<Self, Error> {
         if !(acceptable > 0.0 && acceptable <= 4.25) {
-            return Err(Error::Acceptable(acceptable));
+            let wanted = "a score e_s above 0 and up to 4.25";
+            return Err(Error::Value { what: "acceptable", got: acceptable, wanted });
         }
         let (quadratic, fit) = fit(&map)?;
         let inside: Vec<MapNode> =

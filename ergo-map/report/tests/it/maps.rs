@@ -46,7 +46,7 @@ fn studies_refuse_invalid_input() {
     let map = coarse_map();
     for threshold in [0.0, -1.0, 5.0, f64::NAN, f64::INFINITY] {
         let study = MapStudy::new(map.clone(), Person::average(), threshold);
-        assert!(matches!(study, Err(Error::Acceptable(_))));
+        assert!(matches!(study, Err(Error::Value { .. })));
     }
     let outside = Assessment::new(&map, &Person::average(), &Vector3::new(9.0, 0.0, 1.0));
     assert!(matches!(outside, Err(Error::OutsideMap { .. })));

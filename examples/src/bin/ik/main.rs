@@ -15,7 +15,7 @@ use std::process::ExitCode;
 use anyhow::{Context, Result};
 use clap::Parser;
 use examples::program::{
-    self, Ending, Json, OutputFile, Program, Quiet, Session, check_folder, read_text,
+    self, Ending, OutputFile, Printing, Program, Session, check_folder, read_text,
 };
 
 use figure::figure;
@@ -73,9 +73,7 @@ struct Options {
     #[arg(long)]
     no_report: bool,
     #[command(flatten)]
-    json: Json,
-    #[command(flatten)]
-    quiet: Quiet,
+    printing: Printing,
 }
 
 fn period(text: &str) -> Result<f64, String> {
@@ -93,10 +91,6 @@ fn positive(text: &str) -> Result<f64, String> {
 }
 
 impl Program for Options {
-    fn quiet(&self) -> Quiet {
-        self.quiet
-    }
-
     fn run(self, session: &mut Session) -> Result<Ending> {
         let folder = (!self.no_report).then_some(self.output.as_path());
         if let Some(folder) = folder {
@@ -162,7 +156,7 @@ impl Program for Options {
         if let Some(folder) = folder {
             writeln!(session.output(), "report: {}", folder.display())?;
         }
-        session.conclude(self.json, &summary, ending)
+        session.conclude(self.printing, &summary, ending)
     }
 }
 

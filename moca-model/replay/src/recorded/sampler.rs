@@ -155,7 +155,7 @@ impl Sampler {
     }
 
     /// The columns of [`nearest`](Self::nearest).
-    pub fn nearest_group() -> Group {
+    pub(crate) fn nearest_group() -> Group {
         Group::new("nearest", &NEAREST, 1, Encoding::Exact)
     }
 
@@ -177,7 +177,7 @@ impl Sampler {
     }
 
     /// Returns true if the robot has wheels.
-    pub fn is_on_wheels(&self) -> bool {
+    pub(crate) fn is_on_wheels(&self) -> bool {
         self.limits.is_of_wheels()
     }
 

@@ -8,8 +8,10 @@ pub enum ReportError {
     #[error(transparent)]
     Table(#[from] csv::Error),
     /// A row has another number of joints than the table.
-    #[error("a row has {got} joints: give the {wanted} of the table")]
-    Joints {
+    #[error("{what} has {got} joints: give the {wanted} of the table")]
+    Size {
+        /// The list of the row.
+        what: &'static str,
         /// Number of joints of the row.
         got: usize,
         /// Number of joints of the table.

@@ -50,13 +50,13 @@ impl<W: Write> TickTable<W> {
     /// Writes a tick with six decimals: micrometres and microradians.
     ///
     /// # Errors
-    /// [`ReportError::Table`]; [`ReportError::Joints`] if the number of joints differs from the header. Nothing is
+    /// [`ReportError::Table`]; [`ReportError::Size`] if the number of joints differs from the header. Nothing is
     /// written then.
     pub fn write(&mut self, row: &TickRow) -> Result<(), ReportError> {
         let TickRow { desired, actual, workspace_min, workspace_max, q, qdot, slack, .. } = row;
-        for got in [q.len(), qdot.len()] {
+        for (what, got) in [("the q of a row", q.len()), ("the q̇ of a row", qdot.len())] {
             if got != self.joints {
-                return Err(ReportError::Joints { got, wanted: self.joints });
+                return Err(ReportError::Size { what, got, wanted: self.joints });
             }
         }
         self.number(row.time)?;

@@ -1,6 +1,6 @@
 //! Errors of simulated people.
 
-use std::{io, path::PathBuf};
+use std::{io, ops::RangeInclusive, path::PathBuf};
 
 use super::built_in::NAMES;
 
@@ -9,14 +9,14 @@ use super::built_in::NAMES;
 #[non_exhaustive]
 pub enum Error {
     /// A setting is outside its range.
-    #[error("{name} = {value}: give {expected}")]
-    Setting {
+    #[error("{what} = {got}: give {wanted}")]
+    Value {
         /// The setting.
-        name: &'static str,
+        what: &'static str,
         /// The value that was given.
-        value: f64,
+        got: f64,
         /// The accepted values.
-        expected: &'static str,
+        wanted: &'static str,
     },
     /// A path is neither a name nor a list of points.
     #[error(
@@ -74,4 +74,17 @@ pub enum Error {
         /// Error of the operating system.
         source: io::Error,
     },
+}
+
+/// Checks a setting.
+///
+/// # Errors
+/// [`Error::Value`] outside the range, and for NaN.
+pub fn in_range(
+    what: &'static str,
+    got: f64,
+    range: RangeInclusive<f64>,
+    wanted: &'static str,
+) -> Result<(), Error> {
+    if range.contains(&got) { Ok(()) } else { Err(Error::Value { what, got, wanted }) }
 }

@@ -9,7 +9,7 @@ use super::activity::Activity;
 use super::motion::{Gait, Goal};
 use super::movement::Movement;
 use super::person::Person;
-use crate::error::Error;
+use crate::error::{Error, in_range};
 
 /// Slower than this they stand, and may begin a movement on the spot (m/s).
 const STANDING: f64 = 0.05;
@@ -97,37 +97,30 @@ impl Lead {
     /// Checks every field.
     ///
     /// # Errors
-    /// [`Error::Setting`] names the field that is wrong.
+    /// [`Error::Value`] names the field that is wrong.
     pub fn validate(&self) -> Result<(), Error> {
-        let in_range = |name, value: f64, (low, high), expected| {
-            if value >= low && value <= high {
-                Ok(())
-            } else {
-                Err(Error::Setting { name, value, expected })
-            }
-        };
-        in_range("speed", self.speed, (0.1, 1.2), "0.1 to 1.2 m/s")?;
-        in_range("lean", self.lean, (0.0, 1.2), "0 to 1.2 rad")?;
-        in_range("squat", self.squat, (0.0, 0.2), "0 to 0.2 statures")?;
-        let room = (-FARTHEST, FARTHEST);
+        in_range("speed", self.speed, 0.1..=1.2, "0.1 to 1.2 m/s")?;
+        in_range("lean", self.lean, 0.0..=1.2, "0 to 1.2 rad")?;
+        in_range("squat", self.squat, 0.0..=0.2, "0 to 0.2 statures")?;
+        let room = || -FARTHEST..=FARTHEST;
         match self.way {
             Way::Stand => {}
             Way::To(place) => {
-                in_range("way.to.x", place.x, room, "a place within 20 m")?;
-                in_range("way.to.y", place.y, room, "a place within 20 m")?;
+                in_range("way.to.x", place.x, room(), "a place within 20 m")?;
+                in_range("way.to.y", place.y, room(), "a place within 20 m")?;
             }
             Way::Along(direction) => {
                 let length = direction.norm();
-                in_range("way.along", length, (1e-3, 1e3), "a direction")?;
+                in_range("way.along", length, 1e-3..=1e3, "a direction")?;
             }
         }
         match self.facing {
             Facing::Robot | Facing::Way => Ok(()),
             Facing::Heading(yaw) => {
-                in_range("facing.heading", yaw, (-TAU, TAU), "a yaw of -2π to 2π")
+                in_range("facing.heading", yaw, -TAU..=TAU, "a yaw of -2π to 2π")
             }
             Facing::Turning(rate) => {
-                in_range("facing.turning", rate, (-2.0, 2.0), "a rate of -2 to 2 rad/s")
+                in_range("facing.turning", rate, -2.0..=2.0, "a rate of -2 to 2 rad/s")
             }
         }
     }
@@ -174,11 +167,9 @@ impl LedPerson {
     /// Somebody who stands there, in the world (m, rad).
     ///
     /// # Errors
-    /// [`Error::Setting`] for a stature (m) that nobody has.
+    /// [`Error::Value`] for a stature (m) that nobody has.
     pub fn new(stature: f64, floor: Point2<f64>, heading: f64) -> Result<Self, Error> {
-        if !(1.0..=2.3).contains(&stature) {
-            return Err(Error::Setting { name: "stature", value: stature, expected: "1 to 2.3 m" });
-        }
+        in_range("stature", stature, 1.0..=2.3, "1 to 2.3 m")?;
         let lead = Lead::default();
         // Hands no slower than hands are that work.
         let gait = Gait { hand_speed: 0.5, turning_rate: 1.0, ..Gait::CAREFUL };

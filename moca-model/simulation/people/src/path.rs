@@ -2,8 +2,6 @@
 
 use std::{
     f64::consts::{PI, TAU},
-    fs::File,
-    io::{self, Read},
     path::Path,
     str::FromStr,
 };
@@ -11,6 +9,7 @@ use std::{
 use nalgebra::{Point2, Rotation2, Vector2};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
+use vision_models::file::{Excerpt, read_text};
 
 use crate::error::Error;
 
@@ -63,13 +62,13 @@ pub enum WalkingPath {
 
 /// A place on the path.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Waypoint {
+pub(super) struct Waypoint {
     /// Point on the floor, in the world \[m\].
-    pub floor: Point2<f64>,
+    pub(super) floor: Point2<f64>,
     /// Heading of the person there \[rad\].
-    pub heading: f64,
+    pub(super) heading: f64,
     /// Time for which the person stays and works \[s\]; zero passes by without a stop.
-    pub dwell: f64,
+    pub(super) dwell: f64,
 }
 
 impl WalkingPath {
@@ -83,12 +82,16 @@ impl WalkingPath {
             return argument.parse();
         }
         let fail = |source| Error::PathFile { path: file.to_owned(), source };
-        let text = read(file).map_err(fail)?;
+        let text = read_text(file, LARGEST_FILE).map_err(fail)?;
         let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
         let lines = (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty());
         let points = lines.map(|(line, text)| {
             let path = file.to_owned();
-            point(text).ok_or_else(|| Error::PathLine { path, line, text: excerpt(text) })
+            point(text).ok_or_else(|| Error::PathLine {
+                path,
+                line,
+                text: Excerpt(text).to_string(),
+            })
         });
         let path = Self::Points(points.collect::<Result<_, _>>()?);
         path.validate().map(|()| path)
@@ -101,10 +104,10 @@ impl WalkingPath {
             Self::Points(points) => {
                 let outside = |value: &&f64| !(-FARTHEST..=FARTHEST).contains(*value);
                 match points.iter().flat_map(|point| point.iter()).find(outside) {
-                    Some(&value) => Err(Error::Setting {
-                        name: "path",
-                        value,
-                        expected: "points within 50 m of the origin",
+                    Some(&got) => Err(Error::Value {
+                        what: "path",
+                        got,
+                        wanted: "points within 50 m of the origin",
                     }),
                     None => Ok(()),
                 }
@@ -195,7 +198,7 @@ impl FromStr for WalkingPath {
             "directions" => Self::Directions,
             list => {
                 let points = list.split_whitespace().map(point).collect::<Option<_>>();
-                Self::Points(points.ok_or_else(|| Error::Path { text: excerpt(text) })?)
+                Self::Points(points.ok_or_else(|| Error::Path { text: Excerpt(text).to_string() })?)
             }
         };
         path.validate().map(|()| path)
@@ -206,20 +209,4 @@ impl FromStr for WalkingPath {
 fn point(text: &str) -> Option<Point2<f64>> {
     let (x, y) = text.split_once(',')?;
     Some(Point2::new(x.trim().parse().ok()?, y.trim().parse().ok()?))
-}
-
-/// Reads a text of at most [`LARGEST_FILE`].
-fn read(file: &Path) -> io::Result<String> {
-    let mut text = String::new();
-    File::open(file)?.take(LARGEST_FILE + 1).read_to_string(&mut text)?;
-    if text.len() as u64 > LARGEST_FILE {
-        let limit = format!("more than {LARGEST_FILE} bytes");
-        return Err(io::Error::new(io::ErrorKind::FileTooLarge, limit));
-    }
-    Ok(text)
-}
-
-/// The part of a text that an error quotes.
-fn excerpt(text: &str) -> String {
-    format!("{text:.120}")
 }

@@ -8,7 +8,7 @@ use super::camera::CameraSettings;
 use super::captured::CapturedMotion;
 use super::movement::Movement;
 use super::path::WalkingPath;
-use crate::error::Error;
+use crate::error::{Error, in_range};
 
 /// The person's purpose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -84,36 +84,29 @@ impl WalkerSettings {
     /// Checks every field.
     ///
     /// # Errors
-    /// [`Error::Setting`] names the field that is wrong, [`Error::Path`] the path.
+    /// [`Error::Value`] names the field that is wrong, [`Error::Path`] the path.
     pub fn validate(&self) -> Result<(), Error> {
-        let in_range = |name, value: f64, low: f64, high: f64, expected| {
-            if value >= low && value <= high {
-                Ok(())
-            } else {
-                Err(Error::Setting { name, value, expected })
-            }
-        };
         let stature = self.motion.as_ref().map_or(self.stature, |motion| motion.stature());
-        in_range("stature", stature, 1.0, 2.3, "1 to 2.3 m")?;
+        in_range("stature", stature, 1.0..=2.3, "1 to 2.3 m")?;
         if let Some(speed) = self.speed {
-            in_range("speed", speed, 0.1, 2.0, "0.1 to 2 m/s")?;
+            in_range("speed", speed, 0.1..=2.0, "0.1 to 2 m/s")?;
         }
         if let Some(speed) = self.arm_speed {
-            in_range("arm_speed", speed, 0.5, f64::INFINITY, "0.5 m/s or more")?;
+            in_range("arm_speed", speed, 0.5..=f64::INFINITY, "0.5 m/s or more")?;
         }
-        in_range("offer", self.offer, 0.0, 3600.0, "0 to 3600 s")?;
-        in_range("duration", self.duration, 0.0, 3600.0, "0 to 3600 s")?;
-        in_range("sway", self.sway, 0.0, 3.0, "a factor of 0 to 3")?;
-        in_range("noise", self.camera.noise, 0.0, 10.0, "a factor of 0 to 10")?;
-        in_range("lasting", self.camera.lasting, 0.0, 1.0, "a share of 0 to 1")?;
+        in_range("offer", self.offer, 0.0..=3600.0, "0 to 3600 s")?;
+        in_range("duration", self.duration, 0.0..=3600.0, "0 to 3600 s")?;
+        in_range("sway", self.sway, 0.0..=3.0, "a factor of 0 to 3")?;
+        in_range("noise", self.camera.noise, 0.0..=10.0, "a factor of 0 to 10")?;
+        in_range("lasting", self.camera.lasting, 0.0..=1.0, "a share of 0 to 1")?;
         let largest = self.camera.largest_error;
-        in_range("largest_error", largest, 0.0, f64::INFINITY, "0 m or more")?;
+        in_range("largest_error", largest, 0.0..=f64::INFINITY, "0 m or more")?;
         if let Some(spacing) = self.camera.spacing {
-            in_range("spacing", spacing, 0.1, 1000.0, "0.1 to 1000 m")?;
+            in_range("spacing", spacing, 0.1..=1000.0, "0.1 to 1000 m")?;
         }
-        in_range("drop", self.camera.drop, 0.0, 1.0, "a probability of 0 to 1")?;
-        in_range("jump", self.camera.jumps.into(), 0.0, 1000.0, "0 to 1000 jumps")?;
-        in_range("vanish", self.camera.vanishings.into(), 0.0, 1000.0, "0 to 1000 times")?;
+        in_range("drop", self.camera.drop, 0.0..=1.0, "a probability of 0 to 1")?;
+        in_range("jump", self.camera.jumps.into(), 0.0..=1000.0, "0 to 1000 jumps")?;
+        in_range("vanish", self.camera.vanishings.into(), 0.0..=1000.0, "0 to 1000 times")?;
         self.path.validate()
     }
 }

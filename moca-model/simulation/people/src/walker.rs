@@ -60,7 +60,7 @@ impl Walker {
     /// Creates a person before the first frame. The same settings give the same percepts.
     ///
     /// # Errors
-    /// [`Error::Setting`] names the field that is wrong.
+    /// [`Error::Value`] names the field that is wrong.
     pub fn new(settings: WalkerSettings) -> Result<Self, Error> {
         settings.validate()?;
         Ok(Self::at_pace(settings, 1.0))

@@ -3,7 +3,6 @@
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use human_perception::random;
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 
@@ -14,7 +13,7 @@ const STREAM: u64 = 1000;
 
 /// Creates the random generator of a case.
 pub fn generator(seed: u64, case: u64) -> ChaCha8Rng {
-    random::generator(seed, STREAM + case)
+    simulated_people::generator(seed, STREAM + case)
 }
 
 /// Runs the cases with `threads` threads. Returns their results in the order of the cases.

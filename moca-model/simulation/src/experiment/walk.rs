@@ -1,7 +1,6 @@
 //! The percepts of a simulated person, and the person's true motion.
 
 use ergo_map::{ErgonomicsMap, FitOptions, Person};
-use human_perception::random;
 use moca_model::MOCA_HOME;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
@@ -50,7 +49,7 @@ impl Walk {
             Sight::Modelled => None,
             Sight::Pixels => Some(FilmedPerson::new(&settings)?),
         };
-        let mut transport = Transport::new(random::generator(settings.seed, TRANSPORT));
+        let mut transport = Transport::new(simulated_people::generator(settings.seed, TRANSPORT));
         let mut walker = Walker::new(settings)?;
         let (mut percepts, mut others) = (Vec::new(), Vec::new());
         let (mut arrivals, mut truth) = (Vec::new(), Vec::new());

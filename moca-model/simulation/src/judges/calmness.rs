@@ -10,6 +10,8 @@ use serde::{Deserialize, Serialize};
 use simulated_people::Joints;
 use vision_models::Body25;
 
+use crate::quantile::quantile;
+
 /// Sampling period of the person's motion \[s\].
 const STEP: f64 = 0.05;
 /// Number of samples to each side for the smoothing parabola.
@@ -158,7 +160,7 @@ impl CalmnessMonitor {
             values.map(|(_, value)| *value).collect()
         };
         let mut speeds = of(workpiece);
-        speeds.sort_by(f64::total_cmp);
+        let workpiece_p99 = quantile(&mut speeds, 990).unwrap_or_default();
         let people: Vec<f64> = person.iter().map(|[speed, _]| *speed).collect();
         let sign = |value: f64| if value == 0.0 { 0.0 } else { value.signum() };
         let pairs = self.ticks.windows(2).enumerate().filter(|(index, _)| chosen(index + 1));
@@ -172,7 +174,7 @@ impl CalmnessMonitor {
             duration: number * self.period,
             person: rms(&mut of(&people).into_iter()),
             workpiece: rms(&mut speeds.iter().copied()),
-            workpiece_p99: speeds.get(count * 99 / 100).copied().unwrap_or_default(),
+            workpiece_p99,
             base: mean(&|tick| tick.base.norm_squared()).sqrt(),
             base_at_rest: mean(&|tick| f64::from(tick.base.amax() < AT_REST)),
             base_at_limit: mean(&|tick| f64::from(tick.at_limit)),

@@ -1,7 +1,6 @@
 //! The frames of a simulated walk as the camera sees them.
 
 use human_perception::frames::FrameEntry;
-use human_perception::random;
 use percept_recording::Header;
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
@@ -75,14 +74,14 @@ impl Film {
     /// errors of `pixel_sigma` in images 640 pixels wide. The person does not jump or vanish.
     ///
     /// # Errors
-    /// [`Error::Setting`] names the setting that is wrong.
+    /// [`Error::Value`] names the setting that is wrong.
     pub fn new(
         settings: WalkerSettings,
         viewpoint: Viewpoint,
         size: [usize; 2],
         pixel_sigma: f64,
     ) -> Result<Self, Error> {
-        let refuse = |name, value, expected| Error::Setting { name, value, expected };
+        let refuse = |what, got, wanted| Error::Value { what, got, wanted };
         if !(0.0..=100.0).contains(&pixel_sigma) {
             return Err(refuse("pixel-noise", pixel_sigma, "0 to 100 pixels"));
         }
@@ -90,7 +89,7 @@ impl Film {
             .map_err(|_| refuse("size", size[0] as f64, "sides of 1 to 16384 pixels"))?;
         let (seed, seen) = (settings.seed, settings.camera);
         let walker = Walker::new(settings)?;
-        let draw = |stream| random::generator(seed, stream);
+        let draw = |stream| simulated_people::generator(seed, stream);
         let pixel_sigma = pixel_sigma * size[0] as f64 / WIDTH;
         let skeletons = SkeletonSettings { pixel_sigma, drop: seen.drop };
         Ok(Self {
@@ -111,7 +110,7 @@ impl Film {
     #[must_use]
     pub fn varied(mut self) -> Self {
         let seed = self.walker.settings().seed;
-        self.appearance = Appearance::random(&mut random::generator(seed, APPEARANCE));
+        self.appearance = Appearance::random(&mut simulated_people::generator(seed, APPEARANCE));
         self.room = None;
         self
     }

@@ -1,6 +1,5 @@
 //! The robot's own camera, which recognises the surface of the grasped object.
 
-use human_perception::random;
 use moca_model::GraspedObject;
 use nalgebra::{Isometry3, Vector3};
 use rand::Rng;
@@ -53,7 +52,7 @@ pub(crate) struct OnBoardEye {
 
 impl OnBoardEye {
     pub(crate) fn new(seed: u64) -> Self {
-        Self { draw: random::generator(seed, STREAM) }
+        Self { draw: simulated_people::generator(seed, STREAM) }
     }
 
     /// The surface of the true object that faces the camera; none while the robot holds nothing.

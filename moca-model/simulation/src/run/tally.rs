@@ -2,6 +2,7 @@
 
 use super::summary::{MeasuredReba, Summary};
 use crate::judges::{Calmness, Margins};
+use crate::quantile::quantile;
 
 /// Sums over ticks.
 #[derive(Debug, Default)]
@@ -93,11 +94,4 @@ impl Tally {
             wall,
         }
     }
-}
-
-/// The quantile of this number of thousandths; `None` without values.
-fn quantile(values: &mut [f64], thousandths: usize) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    let last = values.len().checked_sub(1)?;
-    values.get((values.len() * thousandths / 1000).min(last)).copied()
 }

@@ -2,7 +2,6 @@
 
 use ergo_map::ErgonomicsQuadratic;
 use hrsw_safety::{FORGET_AFTER, LEAST_CONFIDENCE};
-use human_perception::random;
 use moca_model::whole_body::Model;
 use moca_model::{Controller, ControllerSettings, Goal, GraspedObject, MOCA_HOME};
 use nalgebra::{Matrix3, Vector2, Vector3};
@@ -53,7 +52,7 @@ const PASSERS_BY: u64 = 2;
 const STREAMS: u64 = 3;
 
 fn generator(seed: u64, stream: Stream) -> ChaCha8Rng {
-    random::generator(seed, stream as u64)
+    simulated_people::generator(seed, stream as u64)
 }
 
 /// The closed loop.
@@ -115,7 +114,7 @@ impl Episode {
         for number in 0..draw.random_range(0..=PASSERS_BY) {
             let streams = |index| {
                 let stream = Stream::PassersBy as u64 + 1 + number * STREAMS + index;
-                random::generator(seed, stream)
+                simulated_people::generator(seed, stream)
             };
             passers_by.push(somebody(Wanderer::passing_by(streams(0), robot))?);
             let camera = CameraSettings { drop: 0.0, ..camera };

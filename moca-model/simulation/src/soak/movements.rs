@@ -13,6 +13,7 @@ use simulated_people::Movement;
 use super::episode::Episode;
 use crate::error::Error;
 use crate::plant::PlantSettings;
+use crate::quantile::quantile;
 
 /// Ticks with each person.
 const TICKS: u64 = 8_000;
@@ -103,19 +104,13 @@ impl Movements {
         }
         let mut all = Vec::new();
         let movements = results.into_iter().map(|(result, mut speeds)| {
-            let contact_speed = at_most(&mut speeds);
+            let contact_speed = quantile(&mut speeds, 999);
             all.append(&mut speeds);
             MovementResult { contact_speed, ..result }
         });
         let movements = movements.collect();
-        Ok(MovementResults { movements, contact_speed: at_most(&mut all), findings })
+        Ok(MovementResults { movements, contact_speed: quantile(&mut all, 999), findings })
     }
-}
-
-/// Value that 99.9 % of the values do not exceed.
-fn at_most(values: &mut [f64]) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() * 999 / 1000).copied()
 }
 
 impl MovementResult {

@@ -42,10 +42,10 @@ impl Soak {
     /// A soak of `ticks` milliseconds.
     ///
     /// # Errors
-    /// [`Error::Setting`] for no ticks at all.
+    /// [`Error::Value`] for no ticks at all.
     pub fn new(seed: u64, ticks: u64) -> Result<Self, Error> {
         if ticks == 0 {
-            return Err(Error::Setting { name: "ticks", value: 0.0, expected: "at least 1" });
+            return Err(Error::Value { what: "ticks", got: 0.0, wanted: "at least 1" });
         }
         Ok(Self { seed, ticks, robot: PlantSettings::default() })
     }

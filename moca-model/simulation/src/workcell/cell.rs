@@ -2,7 +2,6 @@
 
 use ergo_map::{ErgonomicsMap, PersonFrame};
 use human_perception::percepts::{MeasuredAssessment, assess};
-use human_perception::random;
 use moca_model::whole_body::FrameId;
 use moca_model::{Controller, DynamicRobotSettings, Goal, GraspedObject, MOCA_HOME, Phase, moca};
 use moca_replay::report::{TickRow, Together};
@@ -94,7 +93,7 @@ impl Workcell {
             work: WorkForce::default(),
             judge,
             memory: Memory::new(stature),
-            movements: random::generator(seed, MOVEMENTS),
+            movements: simulated_people::generator(seed, MOVEMENTS),
             faults: Faults::default(),
             blind: 0.0,
             slipped: Vector2::zeros(),
@@ -135,7 +134,7 @@ impl Workcell {
     /// # Errors
     /// Nobody moves who is not there.
     pub fn begin(&mut self, who: Who, movement: Movement) -> Result<(), Error> {
-        let draw = random::generator(self.movements.random(), MOVEMENTS);
+        let draw = simulated_people::generator(self.movements.random(), MOVEMENTS);
         self.guided(who)?.person.begin(movement, draw);
         Ok(())
     }

@@ -1,6 +1,5 @@
 //! The camera beside the workplace, and the way of its frames to the controller.
 
-use human_perception::random;
 use simulated_people::{CameraSettings, FRAME_RATE, Perception, Person, Transport};
 use vision_models::{Body, Percept, PersonId, Tool};
 
@@ -25,7 +24,7 @@ impl Eye {
     pub(super) fn new(seed: u64, period: f64) -> Self {
         let faults = Faults::default();
         let perception = |stream, camera| {
-            let eyes = [stream, stream + 1].map(|stream| random::generator(seed, stream));
+            let eyes = [stream, stream + 1].map(|stream| simulated_people::generator(seed, stream));
             Perception::new(PersonId::new(stream), camera, 0.0, Tool::Drill, eyes)
         };
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at least 1")]
@@ -33,7 +32,7 @@ impl Eye {
         Self {
             worker: perception(WORKER, faults.camera()),
             bystander: perception(BYSTANDER, of_bystander(&faults)),
-            transport: Transport::new(random::generator(seed, TRANSPORT)),
+            transport: Transport::new(simulated_people::generator(seed, TRANSPORT)),
             interval,
         }
     }

@@ -1,7 +1,7 @@
 //! Faults around the controller, by switches.
 
 use nalgebra::Vector3;
-use simulated_people::CameraSettings;
+use simulated_people::{CameraSettings, in_range};
 
 use crate::error::Error;
 
@@ -62,23 +62,16 @@ impl Faults {
     /// Checks every field.
     ///
     /// # Errors
-    /// [`Error::Setting`] names the field that is wrong.
+    /// [`Error::Value`] names the field that is wrong.
     pub fn validate(&self) -> Result<(), Error> {
-        let in_range = |name, value: f64, (low, high), expected| {
-            if value >= low && value <= high {
-                Ok(())
-            } else {
-                Err(Error::Setting { name, value, expected })
-            }
-        };
-        in_range("noise", self.noise, (0.0, 5.0), "a factor of 0 to 5")?;
-        in_range("lost", self.lost, (0.0, 1.0), "a probability of 0 to 1")?;
-        in_range("latency", self.latency, (0.0, 2.0), "0 to 2 s")?;
-        in_range("payload", self.payload, (0.0, 5.0), "0 to 5 kg")?;
-        in_range("slip", self.slip, (0.0, 0.5), "a share of 0 to 0.5")?;
+        in_range("noise", self.noise, 0.0..=5.0, "a factor of 0 to 5")?;
+        in_range("lost", self.lost, 0.0..=1.0, "a probability of 0 to 1")?;
+        in_range("latency", self.latency, 0.0..=2.0, "0 to 2 s")?;
+        in_range("payload", self.payload, 0.0..=5.0, "0 to 5 kg")?;
+        in_range("slip", self.slip, 0.0..=0.5, "a share of 0 to 0.5")?;
         for (name, force) in [("push_tool", self.push_tool), ("push_elbow", self.push_elbow)] {
             for value in &force {
-                in_range(name, *value, (-200.0, 200.0), "forces of -200 to 200 N")?;
+                in_range(name, *value, -200.0..=200.0, "forces of -200 to 200 N")?;
             }
         }
         Ok(())

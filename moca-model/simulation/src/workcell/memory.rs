@@ -46,7 +46,7 @@ impl Memory {
     }
 
     /// Takes where the person truly is at a time \[s, m\].
-    pub fn witness(&mut self, time: f64, joints: &Joints) {
+    pub(crate) fn witness(&mut self, time: f64, joints: &Joints) {
         self.truth.push_back(Arc::new((time, *joints)));
         while self.truth.front().is_some_and(|first| first.0 < time - SPAN) {
             self.truth.pop_front();

@@ -2,6 +2,7 @@
 
 use ergo_map::{ErgonomicsMap, ErgonomicsQuadratic, FitOptions};
 use moca_model::ControllerSettings;
+use simulated_people::in_range;
 
 use crate::error::Error;
 use crate::plant::PlantSettings;
@@ -47,10 +48,7 @@ impl Setup {
     /// # Errors
     /// A stature that nobody has.
     pub fn for_stature(&self, stature: f64) -> Result<Self, Error> {
-        if !(1.4..=2.1).contains(&stature) {
-            let expected = "1.4 to 2.1 m";
-            return Err(Error::Setting { name: "stature", value: stature, expected });
-        }
+        in_range("stature", stature, 1.4..=2.1, "1.4 to 2.1 m")?;
         let map = self.map.for_stature(stature)?;
         let fresh = Self::new(map)?;
         let space = fresh.robot.controller.space;

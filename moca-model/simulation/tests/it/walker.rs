@@ -180,7 +180,7 @@ fn wrong_settings_are_named() {
         ("path", on(WalkingPath::Points(vec![nalgebra::Point2::new(f64::NAN, 0.0)]))),
     ] {
         let error = Walker::new(settings).unwrap_err();
-        assert!(matches!(error, Error::Setting { name: found, .. } if found == name), "{error}");
+        assert!(matches!(error, Error::Value { what, .. } if what == name), "{error}");
         assert!(error.to_string().contains("give"), "{error}");
     }
 }

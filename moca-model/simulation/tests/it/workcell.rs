@@ -4,9 +4,8 @@ use std::ops::ControlFlow;
 use std::sync::OnceLock;
 
 use ergo_map::{ErgonomicsMap, MapOptions, Person};
-use human_perception::random;
 use moca_model::Goal;
-use moca_simulation::people::{Activity, Facing, Lead, Movement, Reach, Way};
+use moca_simulation::people::{self, Activity, Facing, Lead, Movement, Reach, Way};
 use moca_simulation::run::{Run, Scenario};
 use moca_simulation::workcell::{Faults, Setup, Who, Workcell};
 use nalgebra::{Point2, Rotation2, Vector2, Vector3};
@@ -171,7 +170,7 @@ fn what_was_done_plays_again() {
 
 /// Somebody plays with everything that moves the people.
 fn soak(seed: u64, seconds: f64) {
-    let mut draw = random::generator(seed, 0);
+    let mut draw = people::generator(seed, 0);
     let mut cell = Workcell::new(Setup { seed, ..setup() }).unwrap();
     cell.set_bystander(true).unwrap();
     let activities = [Activity::Walk, Activity::Use(Tool::Drill), Activity::Use(Tool::Polisher)];

@@ -21,7 +21,7 @@ impl Posed<'_> {
     /// the links k that the joint moves.
     ///
     /// # Errors
-    /// [`Error::WrongSize`] unless `out` has as many columns as q̇ entries.
+    /// [`Error::Size`] unless `out` has as many columns as q̇ entries.
     pub fn centre_of_mass_jacobian_into(&mut self, out: &mut Matrix3xX<f64>) -> Result<(), Error> {
         check_size("the Jacobian's list of columns", out.ncols(), self.model.velocities)?;
         self.sum_up_carried();

@@ -14,7 +14,7 @@ impl Moving<'_> {
     /// matrix by Cholesky. Friction is left out: subtract [`friction_into`](Self::friction_into) from the torque.
     ///
     /// # Errors
-    /// [`Error::WrongSize`], [`Error::Value`], [`Error::ForeignId`]; [`Error::NoInertia`] for a
+    /// [`Error::Size`], [`Error::Value`], [`Error::ForeignId`]; [`Error::NoInertia`] for a
     /// joint that moves nothing.
     pub fn forward_dynamics_into(
         &mut self,

@@ -11,7 +11,7 @@ impl Moving<'_> {
     /// from the torques that move the robot.
     ///
     /// # Errors
-    /// [`Error::WrongSize`].
+    /// [`Error::Size`].
     pub fn friction_into(&self, out: &mut [f64]) -> Result<(), Error> {
         check_size("the list of torques", out.len(), self.posed.model.velocities)?;
         let joints = self.posed.model.friction.iter().zip(self.velocity());

@@ -13,7 +13,7 @@ impl Posed<'_> {
     /// that joint i moves: ∂U/∂qᵢ = −gᵀ (zᵢ × Σ mₖ(cₖ − pᵢ)) for a revolute joint and −gᵀzᵢ Σ mₖ for a prismatic one.
     ///
     /// # Errors
-    /// [`Error::WrongSize`].
+    /// [`Error::Size`].
     pub fn gravity_into(&mut self, out: &mut [f64]) -> Result<(), Error> {
         check_size("the list of torques", out.len(), self.model.velocities)?;
         self.sum_up_carried();

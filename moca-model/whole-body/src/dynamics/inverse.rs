@@ -19,7 +19,7 @@ impl Moving<'_> {
     /// the root. Friction is left out; see [`friction_into`](Self::friction_into).
     ///
     /// # Errors
-    /// [`Error::WrongSize`], [`Error::Value`], [`Error::ForeignId`].
+    /// [`Error::Size`], [`Error::Value`], [`Error::ForeignId`].
     pub fn inverse_dynamics_into(
         &mut self,
         acceleration: &[f64],
@@ -38,7 +38,7 @@ impl Moving<'_> {
     /// The bias forces C(q, q̇) q̇ + g(q), of the size of q̇ \[Nm or N\].
     ///
     /// # Errors
-    /// [`Error::WrongSize`].
+    /// [`Error::Size`].
     pub fn bias_forces_into(&mut self, out: &mut [f64]) -> Result<(), Error> {
         check_size("the list of torques", out.len(), self.posed.model.velocities)?;
         self.forces(None);

@@ -17,7 +17,7 @@ impl Moving<'_> {
     /// Friction is left out; see [`friction_into`](Self::friction_into).
     ///
     /// # Errors
-    /// [`Error::WrongSize`].
+    /// [`Error::Size`].
     pub fn joint_momentum_into(
         &mut self,
         momentum: &mut [f64],

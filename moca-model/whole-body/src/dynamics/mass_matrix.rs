@@ -15,7 +15,7 @@ impl Posed<'_> {
     /// holds the forces for a unit acceleration of joint i alone, which moves its whole subtree.
     ///
     /// # Errors
-    /// [`Error::WrongSize`] unless `out` is square of the size of q̇.
+    /// [`Error::Size`] unless `out` is square of the size of q̇.
     pub fn mass_matrix_into(&mut self, out: &mut DMatrix<f64>) -> Result<(), Error> {
         check_size("the mass matrix's list of rows", out.nrows(), self.model.velocities)?;
         check_size("the mass matrix's list of columns", out.ncols(), self.model.velocities)?;

@@ -54,16 +54,16 @@ pub enum UrdfError {
     },
 
     /// An attribute has a wrong value.
-    #[error("line {line}: {what} is \"{value}\"; it must be {expected}")]
+    #[error("line {line}: {what} is \"{got}\"; it must be {wanted}")]
     Attribute {
         /// The line.
         line: usize,
         /// Attribute and its element.
         what: String,
         /// Value given.
-        value: String,
-        /// Expected form.
-        expected: &'static str,
+        got: String,
+        /// The right form.
+        wanted: &'static str,
     },
 
     /// A link is the child of two joints.

@@ -197,7 +197,7 @@ impl Ik {
     /// joint's limits, the limits win.
     ///
     /// # Errors
-    /// Those of [`step`](Self::step); [`Error::WrongSize`] and [`Error::Value`] for intervals.
+    /// Those of [`step`](Self::step); [`Error::Size`] and [`Error::Value`] for intervals.
     pub fn step_within(
         &mut self,
         q: &[f64],
@@ -374,7 +374,7 @@ impl Ik {
     /// Sets the robot's present velocity, with zero acceleration.
     ///
     /// # Errors
-    /// [`Error::WrongSize`], [`Error::Value`]; nothing has changed then.
+    /// [`Error::Size`], [`Error::Value`]; nothing has changed then.
     pub fn reset(&mut self, velocity: &[f64]) -> Result<(), Error> {
         self.model.check_velocity("q̇", velocity)?;
         self.velocity.copy_from_slice(velocity);

@@ -27,7 +27,7 @@ impl Posed<'_> {
     /// Control*, 2009, eq. 3.30). A mimic joint adds to the column of the joint that it follows.
     ///
     /// # Errors
-    /// [`Error::ForeignId`]; [`Error::WrongSize`] unless `out` has as many columns as q̇ entries.
+    /// [`Error::ForeignId`]; [`Error::Size`] unless `out` has as many columns as q̇ entries.
     pub fn jacobian_into(
         &self,
         frame: FrameId,

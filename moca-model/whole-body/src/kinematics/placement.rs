@@ -27,7 +27,7 @@ impl Posed<'_> {
     /// Writes the poses of all frames in the world \[m\], in the order of [`Model::frames`](crate::Model::frames).
     ///
     /// # Errors
-    /// [`Error::WrongSize`] unless `out` has one element for each frame.
+    /// [`Error::Size`] unless `out` has one element for each frame.
     pub fn placements_into(&self, out: &mut [IsometryMatrix3<f64>]) -> Result<(), Error> {
         check_size("the list of placements", out.len(), self.model.frames.len())?;
         for (out, frame) in out.iter_mut().zip(&self.model.frames) {

@@ -34,7 +34,7 @@ impl Posed<'_> {
     /// reference has the opposite sign.
     ///
     /// # Errors
-    /// [`Error::ForeignId`]; [`Error::WrongSize`] unless `out` has as many columns as q̇ entries.
+    /// [`Error::ForeignId`]; [`Error::Size`] unless `out` has as many columns as q̇ entries.
     pub fn relative_jacobian_into(
         &self,
         reference: FrameId,

@@ -39,7 +39,7 @@ impl Model {
     /// ```
     ///
     /// # Errors
-    /// [`Error::WrongSize`], [`Error::Value`]; q is then unchanged.
+    /// [`Error::Size`], [`Error::Value`]; q is then unchanged.
     pub fn integrate(&self, q: &mut [f64], displacement: &[f64]) -> Result<(), Error> {
         self.check_configuration(q)?;
         self.check_velocity("the displacement", displacement)?;
@@ -65,7 +65,7 @@ impl Model {
     /// q̇. The base turns by at most half a turn.
     ///
     /// # Errors
-    /// [`Error::WrongSize`], [`Error::Value`]; `out` is then unchanged.
+    /// [`Error::Size`], [`Error::Value`]; `out` is then unchanged.
     pub fn difference(&self, start: &[f64], end: &[f64], out: &mut [f64]) -> Result<(), Error> {
         self.check_configuration(start)?;
         self.check_configuration(end)?;

@@ -1,7 +1,9 @@
 //! Rules that derive a joint's limits from URDF and description.
 
 use super::description::Description;
-use super::limits::{JointLimits, LimitOverride, MissingAcceleration, UnusableLimits};
+use super::limits::{
+    JointLimits, LimitOverride, MissingAcceleration, UnusableLimits, empty_range, not_positive,
+};
 use super::warning::Warning;
 use crate::error::{Error, urdf::UrdfError};
 use crate::urdf::document::{Joint, Kind};
@@ -116,7 +118,7 @@ impl Rule<'_> {
             if lower < upper {
                 return Ok((lower, upper));
             }
-            Error::PositionLimits { line: Some(line), joint: name, lower, upper }
+            empty_range(name, Some(line), lower, upper)
         };
         self.ignore("range of positions", fault)?;
         Ok((f64::NEG_INFINITY, f64::INFINITY))
@@ -134,7 +136,7 @@ impl Rule<'_> {
         let (line, joint) = (self.joint.line, self.joint.name.clone());
         let fault = match stated {
             Some(value) if value > 0.0 => return Ok(value),
-            Some(value) => Error::LimitNotPositive { line: Some(line), joint, limit, value },
+            Some(value) => not_positive(joint, Some(line), limit, value),
             None if self.joint.kind == Kind::Continuous && self.joint.limit.is_none() => {
                 return Ok(f64::INFINITY);
             }
@@ -151,12 +153,7 @@ impl Rule<'_> {
     fn effort(&mut self, known: Option<f64>, stated: Option<f64>) -> Result<f64, Error> {
         let says_nothing = stated.is_none_or(|value| value == 0.0);
         match known {
-            Some(0.0) => Err(Error::LimitNotPositive {
-                line: None,
-                joint: self.joint.name.clone(),
-                limit: "effort",
-                value: 0.0,
-            }),
+            Some(0.0) => Err(not_positive(self.joint.name.clone(), None, "effort", 0.0)),
             None if says_nothing && self.policy == UnusableLimits::Refuse => {
                 let is_free = self.joint.kind == Kind::Continuous && self.joint.limit.is_none();
                 Ok(if is_free { f64::INFINITY } else { JointLimits::UNKNOWN_EFFORT })

@@ -45,12 +45,7 @@ impl JointLimits {
     /// not negative.
     pub(crate) fn validate(&self, joint: &str, line: Option<usize>) -> Result<(), Error> {
         if self.lower.is_nan() || self.upper.is_nan() || self.lower >= self.upper {
-            return Err(Error::PositionLimits {
-                line,
-                joint: joint.to_owned(),
-                lower: self.lower,
-                upper: self.upper,
-            });
+            return Err(empty_range(joint.to_owned(), line, self.lower, self.upper));
         }
         let positive = [
             ("velocity", self.velocity),
@@ -60,11 +55,26 @@ impl JointLimits {
         ];
         match positive.into_iter().find(|(_, value)| value.is_nan() || *value <= 0.0) {
             None => Ok(()),
-            Some((limit, value)) => {
-                Err(Error::LimitNotPositive { line, joint: joint.to_owned(), limit, value })
-            }
+            Some((limit, value)) => Err(not_positive(joint.to_owned(), line, limit, value)),
         }
     }
+}
+
+/// Returns the error for a range of positions in which nothing lies.
+pub(super) fn empty_range(joint: String, line: Option<usize>, lower: f64, upper: f64) -> Error {
+    let wanted =
+        format!("above the lower limit {lower} (a joint that does not move is fixed or held)");
+    Error::Limit { line, joint, what: "upper", got: upper, wanted: wanted.into() }
+}
+
+/// Returns the error for a limit that is not positive.
+pub(super) fn not_positive(
+    joint: String,
+    line: Option<usize>,
+    what: &'static str,
+    got: f64,
+) -> Error {
+    Error::Limit { line, joint, what, got, wanted: "positive".into() }
 }
 
 /// Limits of a joint beyond its URDF; `None` keeps the URDF's.

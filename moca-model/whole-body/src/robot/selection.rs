@@ -144,12 +144,12 @@ impl Followers<'_, '_> {
 }
 
 fn check_order(tree: &Tree, description: &Description, free: &[usize]) -> Result<(), Error> {
-    let expected = free.iter().map(|&joint| tree.document.joints[joint].name.as_str());
-    if description.joints.is_empty() || expected.clone().eq(&description.joints) {
+    let wanted = free.iter().map(|&joint| tree.document.joints[joint].name.as_str());
+    if description.joints.is_empty() || wanted.clone().eq(&description.joints) {
         return Ok(());
     }
     Err(Error::JointOrder {
-        expected: list(expected),
-        given: list(description.joints.iter().map(String::as_str)),
+        got: list(description.joints.iter().map(String::as_str)),
+        wanted: list(wanted),
     })
 }

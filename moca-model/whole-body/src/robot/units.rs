@@ -37,7 +37,7 @@ impl Model {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Units`] for the first number that is too large; [`Error::WrongSize`].
+    /// [`Error::Value`] for the first number that is too large; [`Error::Size`].
     pub fn check_units(&self, position: &[f64], velocity: &[f64]) -> Result<(), Error> {
         check_size("q", position.len(), self.position_count())?;
         check_size("q̇", velocity.len(), self.velocity_count())?;
@@ -76,6 +76,9 @@ fn check(
 ) -> Result<(), Error> {
     // NaN is another fault.
     let beyond = (value < lower).then_some(lower).or_else(|| (value > upper).then_some(upper));
-    let joint = || joint.to_owned();
-    beyond.map_or(Ok(()), |limit| Err(Error::Units { what, joint: joint(), value, limit, unit }))
+    beyond.map_or(Ok(()), |limit| {
+        let side = if value < limit { "least" } else { "most" };
+        let wanted = format!("at {side} {limit:.3}; give {unit}");
+        Err(Error::value(format!("the {what} of {joint}"), value, wanted))
+    })
 }

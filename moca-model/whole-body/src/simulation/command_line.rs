@@ -54,7 +54,7 @@ impl CommandLine {
     /// nothing.
     ///
     /// # Errors
-    /// [`Error::WrongSize`].
+    /// [`Error::Size`].
     pub fn pass(&mut self, packet: &[f64], arrives: bool) -> Result<Option<&[f64]>, Error> {
         check_size("the packet", packet.len(), self.obeyed.len())?;
         let velocities = self.change.iter_mut().zip(&mut self.obeyed);

@@ -129,7 +129,7 @@ impl RigidBodySimulation {
     /// one substep.
     ///
     /// # Errors
-    /// [`Error::WrongSize`]; [`Error::Value`] for a drive; [`Error::UnknownEffort`] of a joint with a torque drive;
+    /// [`Error::Size`]; [`Error::Value`] for a drive; [`Error::UnknownEffort`] of a joint with a torque drive;
     /// [`Error::Unsuitable`] for a floating base or a mimic joint; those of [`Data::pose`].
     pub fn new(model: &Model, drives: &[JointDrive], position: &[f64]) -> Result<Self, Error> {
         if model.base() == Base::Floating {
@@ -229,7 +229,7 @@ impl RigidBodySimulation {
     /// there is room for wrenches and contacts.
     ///
     /// # Errors
-    /// [`Error::WrongSize`], [`Error::Value`], [`Error::ForeignId`]; [`Error::NoInertia`]; [`Error::Value`] for a state
+    /// [`Error::Size`], [`Error::Value`], [`Error::ForeignId`]; [`Error::NoInertia`]; [`Error::Value`] for a state
     /// whose numbers have grown too large. The robot then stays where it was.
     pub fn step(
         &mut self,

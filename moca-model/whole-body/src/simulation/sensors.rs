@@ -55,7 +55,7 @@ impl Sensors {
     /// Creates sensors of a robot without a floating base, which is at rest at `position` at first.
     ///
     /// # Errors
-    /// [`Error::WrongSize`]; [`Error::Value`] for noise that is negative or not finite, and for a share out of range.
+    /// [`Error::Size`]; [`Error::Value`] for noise that is negative or not finite, and for a share out of range.
     pub fn new(settings: SensorSettings, position: &[f64]) -> Result<Self, Error> {
         let n = position.len();
         for (what, noise) in [
@@ -79,7 +79,7 @@ impl Sensors {
     /// Measures the present state of the robot. Allocates nothing.
     ///
     /// # Errors
-    /// [`Error::WrongSize`] for another robot.
+    /// [`Error::Size`] for another robot.
     pub fn measure(
         &mut self,
         robot: &RigidBodySimulation,

@@ -52,7 +52,7 @@ impl Transmission {
     /// below the share of losses. Allocates nothing.
     ///
     /// # Errors
-    /// [`Error::WrongSize`].
+    /// [`Error::Size`].
     pub fn pass(&mut self, packet: &[f64], draw: f64) -> Result<&[f64], Error> {
         check_size("the packet", packet.len(), self.received.len())?;
         let mut arrives = draw >= self.loss;

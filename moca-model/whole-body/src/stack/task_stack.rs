@@ -96,7 +96,7 @@ impl TaskStack {
     /// `velocity` (of the size of q̇). Allocates nothing, unless it returns an error.
     ///
     /// # Errors
-    /// [`Error::ForeignData`] for another robot; [`Error::WrongSize`] for the velocity;
+    /// [`Error::ForeignData`] for another robot; [`Error::Size`] for the velocity;
     /// [`Error::InTask`], with the names of task and level, such as a target that was never set.
     pub fn write(
         &mut self,

@@ -20,7 +20,7 @@ impl<'a> Posed<'a> {
     /// Sets the velocity `v` = q̇ \[rad/s or m/s\] and returns a view with twists, J̇q̇ and dynamics.
     ///
     /// # Errors
-    /// [`Error::WrongSize`] and [`Error::Value`] on v.
+    /// [`Error::Size`] and [`Error::Value`] on v.
     pub fn moving(self, v: &[f64]) -> Result<Moving<'a>, Error> {
         Moving::new(self, v)
     }

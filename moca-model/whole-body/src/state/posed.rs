@@ -38,7 +38,7 @@ impl Data {
     /// them, and the joint's rotation or translation.
     ///
     /// # Errors
-    /// [`Error::ForeignData`]; [`Error::WrongSize`] and [`Error::Value`] on q.
+    /// [`Error::ForeignData`]; [`Error::Size`] and [`Error::Value`] on q.
     pub fn pose<'a>(&'a mut self, model: &'a Model, q: &[f64]) -> Result<Posed<'a>, Error> {
         self.check(model)?;
         model.check_configuration(q)?;

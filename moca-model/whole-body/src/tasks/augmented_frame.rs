@@ -147,9 +147,9 @@ impl Task for AugmentedFrameTask {
                 carry(rows.row_mut(row), jacobian, axis, &lever);
             }
             let (got, own) = (variable + 1, rows.row_mut(row));
-            let (what, expected) =
+            let (what, wanted) =
                 ("the list of variables up to those of the desired twist", own.len());
-            let entry = own.get_mut(variable).ok_or(Error::WrongSize { what, expected, got })?;
+            let entry = own.get_mut(variable).ok_or(Error::Size { what, got, wanted })?;
             let clik = AugmentedRow::new(gain, period, error[axis]);
             *entry = clik.desired;
             rows.set_target(row, clik.target);

@@ -87,7 +87,7 @@ impl<'a> TaskQuadratic<'a> {
     /// [`Variables`](crate::tasks::Variables).
     ///
     /// # Errors
-    /// [`Error::WrongSize`] unless H and g have the size of the range and the stack has these variables.
+    /// [`Error::Size`] unless H and g have the size of the range and the stack has these variables.
     pub fn add<R, C, S, G, T>(
         &mut self,
         variables: Range<usize>,
@@ -107,8 +107,8 @@ impl<'a> TaskQuadratic<'a> {
         check_size("the gradient", gradient.nrows(), size)?;
         let first = variables.start;
         if variables.end > self.gradient.len() {
-            let (expected, got) = (self.gradient.len(), variables.end);
-            return Err(Error::WrongSize { what: "the range of variables", expected, got });
+            let (got, wanted) = (variables.end, self.gradient.len());
+            return Err(Error::Size { what: "the range of variables", got, wanted });
         }
         for column in 0..size {
             for row in 0..size {

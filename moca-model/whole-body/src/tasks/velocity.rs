@@ -47,8 +47,8 @@ impl VelocityTask {
     /// both bounds may be infinite. Allocates only the first time.
     ///
     /// # Errors
-    /// [`Error::WrongSize`] for a row that does not exist, [`Error::Value`], [`Error::RowRange`] for bounds that are
-    /// not in order. The row is then unchanged.
+    /// [`Error::Size`] for a row that does not exist, [`Error::Value`], also for bounds that are not in
+    /// order. The row is then unchanged.
     pub fn set_row(
         &mut self,
         row: usize,
@@ -84,7 +84,7 @@ impl VelocityTask {
     /// Sets the weight of a row relative to the other rows of the level. It has no effect on a hard limit.
     ///
     /// # Errors
-    /// [`Error::WrongSize`] for a row that does not exist, [`Error::Value`] for a weight out of range.
+    /// [`Error::Size`] for a row that does not exist, [`Error::Value`] for a weight out of range.
     pub fn set_weight(&mut self, row: usize, weight: f64) -> Result<(), Error> {
         check_weights(&[weight])?;
         self.expect_row(row)?;
@@ -93,8 +93,8 @@ impl VelocityTask {
     }
 
     fn expect_row(&self, row: usize) -> Result<(), Error> {
-        let (what, expected) = ("the list of rows up to this one", self.lower.len());
-        if row < expected { Ok(()) } else { Err(Error::WrongSize { what, expected, got: row + 1 }) }
+        let (what, wanted) = ("the list of rows up to this one", self.lower.len());
+        if row < wanted { Ok(()) } else { Err(Error::Size { what, got: row + 1, wanted }) }
     }
 
     /// Makes room for longer rows.
@@ -112,8 +112,15 @@ impl VelocityTask {
 
 /// Returns an error unless the bounds are in order.
 fn check_range(row: usize, lower: f64, upper: f64) -> Result<(), Error> {
-    if lower.is_nan() || upper.is_nan() || lower > upper || lower == f64::INFINITY {
-        return Err(Error::RowRange { row, lower, upper });
+    if lower.is_nan() || lower == f64::INFINITY {
+        let (what, wanted) =
+            (format!("the lower bound of row {row}"), "below its upper bound, or minus infinity");
+        return Err(Error::value(what, lower, wanted));
+    }
+    if upper.is_nan() || lower > upper {
+        let what = format!("the upper bound of row {row}");
+        let wanted = format!("at least its lower bound {lower}, or infinity");
+        return Err(Error::value(what, upper, wanted));
     }
     Ok(())
 }

@@ -54,7 +54,7 @@ impl ContactForce {
     /// Returns the force \[N\] in world axes for external torques, one a joint \[Nm or N\]. Allocates nothing.
     ///
     /// # Errors
-    /// [`Error::WrongSize`]; [`Error::ForeignId`] for another robot.
+    /// [`Error::Size`]; [`Error::ForeignId`] for another robot.
     pub fn estimate(&mut self, robot: &Posed<'_>, torque: &[f64]) -> Result<Vector3<f64>, Error> {
         check_size("the list of torques", torque.len(), self.joints.len())?;
         robot.jacobian_into(self.frame, Axes::World, &mut self.jacobian)?;

@@ -99,7 +99,7 @@ impl TorqueControl {
     /// since the measurement came plus the known part of its delay beyond one period.
     ///
     /// # Errors
-    /// [`Error::WrongSize`]; [`Error::Value`] for states and the period. No torque is then sent, and the desired state
+    /// [`Error::Size`]; [`Error::Value`] for states and the period. No torque is then sent, and the desired state
     /// is unchanged.
     pub fn step(
         &mut self,

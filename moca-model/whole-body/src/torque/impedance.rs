@@ -40,7 +40,7 @@ impl ImpedanceSettings {
     /// Checks the settings for `joints` joints.
     ///
     /// # Errors
-    /// [`Error::WrongSize`]; [`Error::Value`] for a gain that is not a positive number;
+    /// [`Error::Size`]; [`Error::Value`] for a gain that is not a positive number;
     /// [`Error::Value`] for the rate.
     pub fn validate(&self, joints: usize) -> Result<(), Error> {
         for (name, gains) in [("stiffness", &self.stiffness), ("damping", &self.damping)] {
@@ -146,7 +146,7 @@ impl JointImpedance {
     /// the robot had been held still.
     ///
     /// # Errors
-    /// [`Error::WrongSize`]; [`Error::Value`] for states and dt. No torque is then returned, and the rate limit
+    /// [`Error::Size`]; [`Error::Value`] for states and dt. No torque is then returned, and the rate limit
     /// continues from the last one.
     pub fn torque(
         &mut self,

@@ -167,7 +167,7 @@ impl TorqueLaw {
     /// since the last tick \[s\], and `period` the period of the commands \[s\].
     ///
     /// # Errors
-    /// [`Error::WrongSize`], [`Error::Value`]; nothing is then changed.
+    /// [`Error::Size`], [`Error::Value`]; nothing is then changed.
     pub fn observe(
         &mut self,
         measured: JointState<'_>,
@@ -205,7 +205,7 @@ impl TorqueLaw {
     /// difference from the predicted state; usually both are [`weight`](Self::weight).
     ///
     /// # Errors
-    /// [`Error::WrongSize`]; [`Error::Value`] for states and the period. The torques are then unchanged.
+    /// [`Error::Size`]; [`Error::Value`] for states and the period. The torques are then unchanged.
     pub fn step(
         &mut self,
         desired: JointState<'_>,

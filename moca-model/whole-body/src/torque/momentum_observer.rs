@@ -87,7 +87,7 @@ impl MomentumObserver {
     /// Creates an observer for a robot.
     ///
     /// # Errors
-    /// [`Error::UnknownName`]; [`Error::Unsuitable`]; [`Error::WrongSize`] unless there is a rate for each joint;
+    /// [`Error::UnknownName`]; [`Error::Unsuitable`]; [`Error::Size`] unless there is a rate for each joint;
     /// [`Error::Value`] for a rate that is not positive.
     pub fn new(model: &Model, settings: ObserverSettings) -> Result<Self, Error> {
         let entries = joints(model, &settings.joints)?;
@@ -117,7 +117,7 @@ impl MomentumObserver {
     /// torque on each observed joint since the last update, `period` \[s\] ago. The estimate begins at zero.
     ///
     /// # Errors
-    /// [`Error::WrongSize`]; [`Error::Value`] for torque and period. The estimate is then unchanged.
+    /// [`Error::Size`]; [`Error::Value`] for torque and period. The estimate is then unchanged.
     pub fn update(
         &mut self,
         robot: &mut Moving<'_>,

@@ -35,8 +35,7 @@ const REMEMBERED: usize = 16;
 /// The weight w says how far the measurement can be trusted. It is 1 up to an age of 2.5 ms, then 2.5 ms over the age,
 /// and falls to 0 from 8 to 12 ms. It is at most c, since q̇* has meanwhile changed otherwise than q̇. Springs and dampers
 /// on the predicted state are weighted by it, because a damper on an old velocity is a constant push. The model provides
-/// the remaining share 1 − w of M(q̂) â + C(q̂, v̂) v̂, and a part of M(q̂) â always
-/// ([`modelled_acceleration`](Self::modelled_acceleration)).
+/// the remaining share 1 − w of M(q̂) â + C(q̂, v̂) v̂, and a part of M(q̂) â always.
 ///
 /// ```
 /// use whole_body::torque::{JointState, StatePrediction};
@@ -119,7 +118,7 @@ impl StatePrediction {
     /// measurement is overdue above an age of `awaited` \[s\], at most 8 ms. Allocates nothing.
     ///
     /// # Errors
-    /// [`Error::WrongSize`]; nothing is then changed.
+    /// [`Error::Size`]; nothing is then changed.
     pub fn update(
         &mut self,
         measured: JointState<'_>,
@@ -218,7 +217,7 @@ impl StatePrediction {
     ///
     /// They follow â with 0.03 s: all of it for joints that follow velocities, whose motion pushes the others, and 60 %
     /// of it for joints with torque drives. While the weight w is below 1, a share 1 − w of â counts at once and in full.
-    pub fn modelled_acceleration(&self) -> &[f64] {
+    pub(crate) fn modelled_acceleration(&self) -> &[f64] {
         &self.modelled
     }
 
@@ -244,7 +243,7 @@ impl StatePrediction {
     }
 
     /// The way in which torques change: together while measurements do not have full weight.
-    pub fn rate_limit(&self) -> RateLimit {
+    pub(crate) fn rate_limit(&self) -> RateLimit {
         if self.weight() < 1.0 { RateLimit::Together } else { RateLimit::Each }
     }
 }

@@ -99,7 +99,7 @@ impl Resynchronisation {
     /// following-error limit is reached. Allocates nothing.
     ///
     /// # Errors
-    /// [`Error::WrongSize`]; nothing is then changed.
+    /// [`Error::Size`]; nothing is then changed.
     pub fn clamp(
         &mut self,
         desired: &mut [f64],

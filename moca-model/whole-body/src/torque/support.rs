@@ -141,7 +141,7 @@ impl SupportTorque {
     /// Computes the torques for a motion, one for each entry of q̇ \[Nm or N\]. Allocates nothing.
     ///
     /// # Errors
-    /// [`Error::WrongSize`]; [`Error::Value`] for the motion. The torques are then unchanged.
+    /// [`Error::Size`]; [`Error::Value`] for the motion. The torques are then unchanged.
     pub fn update(
         &mut self,
         data: &mut Data,

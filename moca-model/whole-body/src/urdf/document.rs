@@ -163,8 +163,8 @@ fn read_origin(element: &Element) -> Result<Origin, Error> {
                 return Err(Error::from(UrdfError::Attribute {
                     line: element.line(),
                     what: "`quat_xyzw` of <origin>".to_owned(),
-                    value: format!("{x} {y} {z} {w}"),
-                    expected: "a quaternion that is not zero",
+                    got: format!("{x} {y} {z} {w}"),
+                    wanted: "a quaternion that is not zero",
                 }));
             }
             let (roll, pitch, yaw) =

@@ -204,25 +204,25 @@ impl Element<'_> {
         let sensible = |value: &f64| value.abs() <= 1e12;
         for value in &mut values {
             let number = words.next().and_then(|word| word.parse().ok()).filter(sensible);
-            *value = number.ok_or_else(|| self.wrong(name, &text, expected(N)))?;
+            *value = number.ok_or_else(|| self.wrong(name, &text, wanted(N)))?;
         }
         if words.next().is_some() {
-            return Err(self.wrong(name, &text, expected(N)));
+            return Err(self.wrong(name, &text, wanted(N)));
         }
         Ok(Some(values))
     }
 
-    fn wrong(&self, attribute: &str, value: &str, expected: &'static str) -> Error {
+    fn wrong(&self, attribute: &str, got: &str, wanted: &'static str) -> Error {
         Error::from(UrdfError::Attribute {
             line: self.line,
             what: format!("`{attribute}` of <{}>", self.name),
-            value: shortened(value),
-            expected,
+            got: shortened(got),
+            wanted,
         })
     }
 }
 
-fn expected(count: usize) -> &'static str {
+fn wanted(count: usize) -> &'static str {
     match count {
         1 => "a finite number of magnitude 1e12 at most",
         3 => "three finite numbers of magnitude 1e12 at most",

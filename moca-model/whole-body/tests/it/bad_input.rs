@@ -46,7 +46,7 @@ fn configurations_and_velocities_that_are_none() {
     wrong[6] = 1.1;
     assert!(!model.is_configuration(&wrong));
     let error = data.pose(&model, &wrong).unwrap_err();
-    assert!(matches!(error, Error::Value { value: norm, .. } if (norm - 1.1).abs() < 1e-12));
+    assert!(matches!(error, Error::Value { got: norm, .. } if (norm - 1.1).abs() < 1e-12));
     wrong[6] = 0.0;
     assert!(matches!(data.pose(&model, &wrong), Err(Error::Value { .. })));
 }
@@ -59,7 +59,7 @@ fn room_of_the_wrong_size() {
     let frame = model.frame_id("left_palm").unwrap();
     let (q, v) = (model.neutral(), vec![0.0; n]);
     let size = |outcome: Result<(), Error>| {
-        assert!(matches!(outcome, Err(Error::WrongSize { .. })), "{outcome:?}");
+        assert!(matches!(outcome, Err(Error::Size { .. })), "{outcome:?}");
     };
     let mut posed = data.pose(&model, &q).unwrap();
     size(posed.jacobian_into(frame, Axes::World, &mut Matrix6xX::zeros(n - 1)));

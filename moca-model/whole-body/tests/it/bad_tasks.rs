@@ -153,9 +153,12 @@ fn states_periods_and_targets() {
 #[test]
 fn rows_of_the_caller() {
     let mut task = VelocityTask::new(1);
-    assert!(matches!(task.set_row(1, &[], 0.0, 0.0), Err(Error::WrongSize { .. })));
+    assert!(matches!(task.set_row(1, &[], 0.0, 0.0), Err(Error::Size { .. })));
     assert!(task.set_row(0, &[f64::NAN], 0.0, 0.0).is_err());
-    expect(task.set_row(0, &[1.0], 1.0, 0.0).unwrap_err(), &["row 0", "from 1 to 0"]);
+    expect(
+        task.set_row(0, &[1.0], 1.0, 0.0).unwrap_err(),
+        &["upper bound of row 0 is 0", "lower bound 1"],
+    );
     assert!(task.set_row(0, &[1.0], f64::NAN, 0.0).is_err());
     assert!(task.set_weight(0, -1.0).is_err() && task.set_weight(3, 1.0).is_err());
     task.set_row(0, &[1.0; 9], 0.0, 0.0).unwrap();

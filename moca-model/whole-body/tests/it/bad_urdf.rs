@@ -350,10 +350,10 @@ fn limits_that_are_missing_or_contradict() {
         let (text, _) = changed(from, to);
         assert_error!(
             error_of(&text),
-            Error::PositionLimits { .. },
+            Error::Limit { what: "upper", .. },
             "panda_joint2",
             word,
-            "below",
+            "above the lower limit",
             "line"
         );
     }
@@ -366,19 +366,13 @@ fn limits_that_are_missing_or_contradict() {
         ("effort=\"87\"", "effort=\"87\" jerk=\"-3\"", "jerk"),
     ] {
         let (text, _) = changed(from, to);
-        assert_error!(
-            error_of(&text),
-            Error::LimitNotPositive { .. },
-            "panda_joint1",
-            word,
-            "line"
-        );
+        assert_error!(error_of(&text), Error::Limit { .. }, "panda_joint1", word, "line");
     }
     let acceleration = LimitOverride { acceleration: Some(f64::NAN), ..LimitOverride::default() };
     let limits = vec![("panda_joint2".to_owned(), acceleration)];
     assert_error!(
         refused(Description { limits, ..Description::default() }),
-        Error::LimitNotPositive { .. },
+        Error::Limit { .. },
         "panda_joint2"
     );
 }

@@ -145,7 +145,7 @@ fn bad_input_gives_an_error_and_no_torque() {
     let error = impedance.torque(rest, rest, &[f64::INFINITY; 7], DT).unwrap_err();
     assert!(matches!(error, Error::Value { .. }));
     let error = impedance.torque(rest, rest, &[0.0; 6], DT).unwrap_err();
-    assert!(matches!(error, Error::WrongSize { expected: 7, got: 6, .. }));
+    assert!(matches!(error, Error::Size { got: 6, wanted: 7, .. }));
     for dt in [0.0, -0.001] {
         let error = impedance.torque(rest, rest, &[0.0; 7], dt).unwrap_err();
         assert!(matches!(error, Error::Value { .. }));
@@ -162,7 +162,7 @@ fn settings_that_make_no_sense() {
     let default = ImpedanceSettings::default;
     let bad = |settings| panda(settings).unwrap_err();
     let error = bad(ImpedanceSettings { stiffness: vec![1.0; 6], ..default() });
-    assert!(matches!(error, Error::WrongSize { what: "stiffness", expected: 7, got: 6 }));
+    assert!(matches!(error, Error::Size { what: "stiffness", got: 6, wanted: 7 }));
     let error = bad(ImpedanceSettings { damping: vec![0.0; 7], ..default() });
     assert!(error.to_string().contains("damping of joint 1"), "{error}");
     let error = bad(ImpedanceSettings { stiffness: vec![f64::NAN; 7], ..default() });

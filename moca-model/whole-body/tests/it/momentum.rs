@@ -171,7 +171,7 @@ fn what_an_observer_cannot_use() {
     let new = |settings| MomentumObserver::new(&model, settings).unwrap_err();
     let default = ObserverSettings::default;
     let error = new(ObserverSettings { rates: vec![50.0; 3], ..default() });
-    assert!(matches!(error, Error::WrongSize { expected: 7, got: 3, .. }));
+    assert!(matches!(error, Error::Size { got: 3, wanted: 7, .. }));
     for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let error = new(ObserverSettings { rates: vec![bad; 7], ..default() });
         assert!(matches!(error, Error::Value { what, .. } if what == "the rate of joint 1"));

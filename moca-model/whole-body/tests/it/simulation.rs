@@ -222,7 +222,7 @@ fn sensors_are_noisy_late_and_lossy_and_repeatable() {
 fn what_cannot_be_simulated() {
     let model = arm(false);
     let new = |drives: &[JointDrive]| RigidBodySimulation::new(&model, drives, &HOME);
-    assert!(matches!(new(&[JointDrive::TORQUE; 6]), Err(Error::WrongSize { expected: 7, .. })));
+    assert!(matches!(new(&[JointDrive::TORQUE; 6]), Err(Error::Size { wanted: 7, .. })));
     for time_constant in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let bad = new(&[JointDrive::Velocity { time_constant }; 7]);
         assert!(matches!(bad, Err(Error::Value { .. })));

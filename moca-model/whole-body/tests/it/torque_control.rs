@@ -200,7 +200,7 @@ fn what_torque_control_cannot_use() {
     assert!(matches!(error, Error::UnknownName { .. }));
     let error =
         new(TorqueSettings { joints: vec!["panda_joint4".into()], ..default() }).unwrap_err();
-    assert!(matches!(error, Error::WrongSize { what: "stiffness", expected: 1, got: 7 }));
+    assert!(matches!(error, Error::Size { what: "stiffness", got: 7, wanted: 1 }));
     assert!(TorqueControl::new(&model, default(), &[0.0; 6]).is_err());
     let mut control = new(default()).unwrap();
     for [revolute, prismatic] in [[0.0, 0.1], [f64::NAN, 0.1]] {

@@ -45,7 +45,7 @@ fn zero_effort_counts_as_unknown() {
     let effort = LimitOverride { effort: Some(0.0), ..LimitOverride::default() };
     let limits = vec![("hinge".to_owned(), effort)];
     let said = Model::from_urdf(&urdf(""), &Description { limits, ..Description::default() });
-    assert!(matches!(said, Err(Error::LimitNotPositive { limit: "effort", .. })));
+    assert!(matches!(said, Err(Error::Limit { what: "effort", .. })));
 }
 
 #[test]

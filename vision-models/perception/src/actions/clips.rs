@@ -32,7 +32,7 @@ pub struct ClipSet {
 
 /// Returns HRI30's class as written in the paper, whatever the copy. Any other name is returned
 /// unchanged.
-pub fn class_name(label: &str) -> String {
+pub(crate) fn class_name(label: &str) -> String {
     Action::from_label(label).map_or_else(|_| label.to_owned(), |action| action.name().to_owned())
 }
 

@@ -8,7 +8,7 @@ use std::{
 };
 
 use ndarray::Array3;
-use vision_models::{list_frames, read_image};
+use vision_models::{file::Excerpt, list_frames, read_image};
 
 use crate::error::Error;
 
@@ -119,7 +119,7 @@ impl Video {
             .rewind()
             .and_then(|()| self.said.try_clone()?.take(SAID).read_to_string(&mut said));
         let said = if read.is_ok() { said.trim() } else { "" };
-        Err(Error::at(self.path.display(), format!("{PROGRAM} says: {}", crate::printable(said))))
+        Err(Error::at(self.path.display(), format!("{PROGRAM} says: {}", Excerpt(said))))
     }
 }
 

@@ -8,11 +8,15 @@ use std::{
     time::{Duration, Instant},
 };
 
-use vision_models::{Camera, DepthImage, file::read_text, read_depth};
+use vision_models::{
+    Camera, DepthImage,
+    file::{Excerpt, read_text},
+    read_depth,
+};
 
 use super::format::{CAMERA, CameraFile, EndLine, FrameEntry, INDEX};
 use super::images::{FrameImages, Picture};
-use crate::{error::Error, npy, printable::printable};
+use crate::{error::Error, npy};
 
 /// Interval between checks of a growing folder.
 const LOOK: Duration = Duration::from_millis(5);
@@ -276,7 +280,7 @@ impl FramesReader {
             return Ok(None);
         }
         let entry: FrameEntry = serde_json::from_str(text)
-            .map_err(|error| self.problem(printable(&error.to_string())))?;
+            .map_err(|error| self.problem(Excerpt(&error.to_string()).to_string()))?;
         let FrameEntry { frame, time, arrived } = entry;
         if !time.is_finite() || arrived.is_some_and(|arrived| arrived.is_nan() || arrived < time) {
             return Err(self.problem(format!("taken at {time} s and arrived at {arrived:?} s")));

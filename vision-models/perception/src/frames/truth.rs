@@ -53,7 +53,7 @@ impl TrueFilm {
     ///
     /// # Errors
     /// Those of [`Self::open`], and an error if two have the same name.
-    pub fn open_all(folders: &[PathBuf]) -> Result<Vec<Self>, Error> {
+    pub(crate) fn open_all(folders: &[PathBuf]) -> Result<Vec<Self>, Error> {
         let films =
             folders.iter().map(|folder| Self::open(folder)).collect::<Result<Vec<_>, _>>()?;
         for (place, film) in films.iter().enumerate() {

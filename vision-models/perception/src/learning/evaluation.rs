@@ -78,7 +78,7 @@ impl Evaluation {
 }
 
 /// Returns counts in percent of their sum, or zeros if the sum is zero.
-pub fn percents(row: &[u64]) -> impl Iterator<Item = f64> {
+pub(crate) fn percents(row: &[u64]) -> impl Iterator<Item = f64> {
     let sum = row.iter().sum::<u64>().max(1);
     row.iter().map(move |&count| 100.0 * count as f64 / sum as f64)
 }

@@ -17,7 +17,7 @@ const RESIDUAL: f32 = 0.3;
 ///
 /// # Errors
 /// None known, since the shapes fit.
-pub fn random_network(kind: NetworkKind, seed: u64) -> Result<Tensors, Error> {
+pub(crate) fn random_network(kind: NetworkKind, seed: u64) -> Result<Tensors, Error> {
     let mut tensors = Tensors::new();
     let parameters = kind.parameters(1);
     for (stream, (name, shape)) in (0..).zip(parameters) {

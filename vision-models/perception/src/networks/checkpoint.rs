@@ -2,11 +2,10 @@
 
 use std::path::Path;
 
-use vision_models::{Checkpoint, NetworkKind};
+use vision_models::{Checkpoint, NetworkKind, file::Excerpt};
 
 use crate::{
     error::Error,
-    printable::printable,
     watch::{Watch, warn},
 };
 
@@ -22,7 +21,7 @@ pub fn open_weights(path: &Path, watch: &mut Watch<'_>) -> Result<Checkpoint, Er
     let network = NetworkKind::of(&checkpoint);
     let left_out = network.and_then(|kind| kind.left_out(&checkpoint)).unwrap_or_default();
     let unread = checkpoint.unread().iter().chain(&left_out);
-    let mut names: Vec<String> = unread.map(|name| printable(name)).collect();
+    let mut names: Vec<String> = unread.map(|name| Excerpt(name).to_string()).collect();
     let more = names.len().saturating_sub(SHOWN);
     names.truncate(SHOWN);
     if !names.is_empty() {

@@ -7,7 +7,7 @@ use super::clip_classifier::probabilities;
 use crate::{error::Error, frames::Picture};
 
 /// Returns the preprocessing of the library from which a SlowOnly comes.
-pub fn preprocessing_of(form: SlowOnlyForm) -> Preprocessing {
+pub(crate) fn preprocessing_of(form: SlowOnlyForm) -> Preprocessing {
     match form {
         SlowOnlyForm::PyTorchVideo => Preprocessing::PYTORCHVIDEO,
         SlowOnlyForm::MmAction2

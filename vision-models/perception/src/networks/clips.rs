@@ -17,7 +17,7 @@ use crate::{
 ///
 /// # Errors
 /// Names a frame that cannot be used or has another size than the first one.
-pub fn read_clip(
+pub(crate) fn read_clip(
     preprocessing: &Preprocessing,
     frames: &[PathBuf],
     indices: &[usize],

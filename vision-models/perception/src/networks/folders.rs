@@ -24,7 +24,7 @@ pub struct LabelledImage {
 /// # Errors
 /// Names the folder if it cannot be read, has too few folders, or has a folder whose name cannot be
 /// a class's.
-pub fn list_classes(folder: &Path, watch: &mut Watch<'_>) -> Result<Vec<String>, Error> {
+pub(crate) fn list_classes(folder: &Path, watch: &mut Watch<'_>) -> Result<Vec<String>, Error> {
     let shown = folder.display();
     let found = open(folder)?;
     let mut classes = Vec::new();
@@ -65,7 +65,7 @@ pub fn list_classes(folder: &Path, watch: &mut Watch<'_>) -> Result<Vec<String>,
 ///
 /// # Errors
 /// Names the folder if it cannot be read or has no images.
-pub fn list_images(
+pub(crate) fn list_images(
     folder: &Path,
     classes: &[String],
     watch: &mut Watch<'_>,
@@ -83,7 +83,7 @@ pub fn list_images(
 ///
 /// # Errors
 /// Names the folder if it cannot be read or has no images.
-pub fn images_in(folder: &Path, watch: &mut Watch<'_>) -> Result<Vec<PathBuf>, Error> {
+pub(crate) fn images_in(folder: &Path, watch: &mut Watch<'_>) -> Result<Vec<PathBuf>, Error> {
     let ImageFolder { images, others, .. } = open(folder)?;
     let shown = folder.display();
     if images.is_empty() {
@@ -103,7 +103,7 @@ pub fn images_in(folder: &Path, watch: &mut Watch<'_>) -> Result<Vec<PathBuf>, E
 ///
 /// # Errors
 /// Names the folder if it cannot be read.
-pub fn folders_in(folder: &Path) -> Result<Vec<PathBuf>, Error> {
+pub(crate) fn folders_in(folder: &Path) -> Result<Vec<PathBuf>, Error> {
     Ok(open(folder)?.folders)
 }
 

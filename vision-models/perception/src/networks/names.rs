@@ -68,7 +68,7 @@ pub fn depth_of(layers: &str) -> Option<ResNetDepth> {
 }
 
 /// Returns the form of SlowOnly with this name.
-pub fn form_of(name: &str) -> Option<SlowOnlyForm> {
+pub(crate) fn form_of(name: &str) -> Option<SlowOnlyForm> {
     forms().into_iter().find_map(|(own, form)| (own == name).then_some(form))
 }
 

@@ -142,7 +142,7 @@ impl SeparationMonitor {
     ///
     /// # Errors
     /// A configuration that does not belong to the robot.
-    pub fn overlap_at(&mut self, configuration: &[f64]) -> Result<f64, Error> {
+    pub(crate) fn overlap_at(&mut self, configuration: &[f64]) -> Result<f64, Error> {
         let mut rods = Vec::with_capacity(self.shapes.len());
         place(&mut self.data, &self.model, &self.shapes, configuration, &mut rods)?;
         Ok(self.overlap_of(&rods))
