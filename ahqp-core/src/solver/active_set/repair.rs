@@ -105,6 +105,9 @@ impl ActiveSet {
                 }
             }
         }
+        if self.signs.unsettled == 0 {
+            return;
+        }
         let Self { data, factorisation, multipliers, .. } = self;
         let x = std::mem::take(&mut factorisation.x);
         multipliers.balance_norm(data, factorisation, &x);
