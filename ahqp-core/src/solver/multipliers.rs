@@ -99,8 +99,8 @@ impl Multipliers {
             }
             // The rounding is only computed where it may explain the residual, since it costs more
             // than the rest.
-            let is_small = residual[i].abs() < CLEARLY_THERE * data.magnitude(id, x_norm);
-            if end - start > rank && is_small && residual[i].abs() > rounding[i] {
+            let is_small = || residual[i].abs() < CLEARLY_THERE * data.magnitude(id, x_norm);
+            if end - start > rank && residual[i].abs() > rounding[i] && is_small() {
                 rounding[i] += factorisation.rounding_of_point(data, group, start + i, x_norm);
             }
             any |= residual[i].abs() > rounding[i];

@@ -63,10 +63,11 @@ impl Orthogonal {
         self.pending.end = step + 1;
         let stride = self.stride;
         let reflection = &mut self.reflectors[step * stride..(step + 1) * stride];
-        reflection[first_lane(step)..step].fill(0.0);
-        reflection[self.size..].fill(0.0);
+        // The row is padded with zeros, as the reflector must be.
+        let first = first_lane(step);
+        reflection[first..].copy_from_slice(&row[first..]);
+        reflection[first..step].fill(0.0);
         let v = &mut reflection[step..self.size];
-        v.copy_from_slice(&row[step..self.size]);
         let (tau, image) = reflector(v);
         self.tau[step] = tau;
         self.reflect_rows(step, below);
