@@ -33,7 +33,7 @@ use settings::Stacking;
 use settings::{Settings, WarmStart};
 use solution::Solution;
 use status::Status;
-use tolerances::{NEAR_THRESHOLD, ROUNDS};
+use tolerances::{NEAR_THRESHOLD, ROUNDS, ROUNDS_AFTER};
 
 /// Solves hierarchies of one shape, without allocation after construction.
 ///
@@ -316,7 +316,7 @@ impl Solver {
         if self.set.has_scale_disparity() {
             self.incumbent.copy_from(&self.set);
             let left = self.set.remaining.left(self.set.iterations);
-            if !self.set.repair(ROUNDS.min(left)) {
+            if !self.set.repair(ROUNDS_AFTER.min(left)) {
                 self.incumbent.copy_to(&mut self.set);
             }
         }

@@ -10,6 +10,7 @@ mod loops;
 use crate::linalg::vector::dot;
 use lanes::Portable;
 use loops as with;
+pub(crate) use loops::{rows, rows_mut};
 
 /// Rows of a matrix. Row i starts at `i * stride`.
 #[derive(Debug)]

@@ -6,7 +6,7 @@ mod unchanged;
 use std::ops::Range;
 
 use crate::error::Error;
-use crate::linalg::kernels::{add_rows, multiply_rows, square, square_rows};
+use crate::linalg::kernels::{multiply_rows, square, square_rows};
 use crate::linalg::vector::{norm, norm_max};
 use crate::problem::hierarchy::Hierarchy;
 use crate::problem::ids::LevelId;
@@ -90,15 +90,6 @@ pub(crate) struct LevelRows {
 }
 
 impl LevelRows {
-    /// Returns the rows of the level that contain `ids`, which are all constraints or all rows of
-    /// the objective.
-    pub(crate) fn rows_of(&self, ids: &[usize]) -> Range<usize> {
-        match ids.first() {
-            Some(id) if self.constraints.contains(id) => self.constraints.clone(),
-            _ => self.used_objective(),
-        }
-    }
-
     pub(crate) fn used_objective(&self) -> Range<usize> {
         self.objective.start..self.objective.start + self.used
     }
@@ -215,12 +206,6 @@ impl ProblemData {
             }
         }
         self.multiply(start..self.len(), x, out);
-    }
-
-    /// Computes y ← y + Σ weight · row over the rows in `ids`, none of them a bound.
-    pub(crate) fn add_rows(&self, ids: Range<usize>, weights: &[f64], y: &mut [f64]) {
-        let data = &self.coefficients[(ids.start - self.n) * self.n..];
-        add_rows(data, self.n, &weights[..ids.len()], &mut y[..self.n]);
     }
 
     pub(crate) fn is_equality(&self, id: usize) -> bool {

@@ -287,8 +287,9 @@ impl Factorisation {
         let first = self.groups.get(group).map_or(self.stacked.len(), |group| group.start);
         let rows = first * self.stride..self.stacked.len() * self.stride;
         self.orthogonal.turn_rows(&mut self.rows[rows], self.closed);
+        let turned = self.pivots.len();
         for group in group..self.groups.len() {
-            self.eliminate(group);
+            self.eliminate(group, turned);
         }
     }
 
@@ -307,8 +308,9 @@ impl Factorisation {
         self.eliminate_from(0);
     }
 
-    /// Reflects the group's rows onto coordinates of their own. The later rows are reflected too.
-    fn eliminate(&mut self, group: usize) {
+    /// Reflects the group's rows onto coordinates of their own. Its rows have the reflections of the
+    /// first `turned` coordinates.
+    fn eliminate(&mut self, group: usize, turned: usize) {
         let (n, k) = (self.stride, self.free.len());
         let Group { start, end, purpose, .. } = self.groups[group];
         let tolerance = match purpose {
@@ -316,6 +318,7 @@ impl Factorisation {
             Purpose::Minimised => self.tolerances.dependent,
         };
         let first_pivot = self.pivots.len();
+        self.orthogonal.apply(turned..first_pivot, &mut self.rows[start * n..end * n]);
         self.measure(start..end, first_pivot);
         for at in start..end {
             let step = self.pivots.len();
@@ -337,8 +340,6 @@ impl Factorisation {
             }
             self.pivots.push(at);
         }
-        let behind = &mut self.rows[end * n..self.stacked.len() * n];
-        self.orthogonal.apply(first_pivot..self.pivots.len(), behind);
         self.invalidate_from(group);
         let group = &mut self.groups[group];
         (group.first_pivot, group.rank) = (first_pivot, self.pivots.len() - first_pivot);
@@ -356,23 +357,15 @@ impl Factorisation {
     /// Returns the row with the largest remainder among those whose remainder exceeds `tolerance`
     /// of their norm. Heavy rows come first, and light rows in what these leave.
     fn heaviest_row(&mut self, rows: Range<usize>, step: usize, tolerance: f64) -> Option<usize> {
-        // A remainder that has shrunk much consists mostly of rounding.
-        let shrunk = |(rest, measured): (&f64, &f64)| *rest < SHRUNK * *measured;
-        let first = rows.start;
-        if self.rest[rows.clone()].iter().zip(&self.measured[rows.clone()]).any(shrunk) {
-            for at in rows.clone() {
-                if shrunk((&self.rest[at], &self.measured[at])) {
-                    self.measure(at..at + 1, step);
-                }
+        let (mut best, mut largest) = (None, 0.0);
+        for at in rows {
+            // A remainder that has shrunk much consists mostly of rounding.
+            if self.rest[at] < SHRUNK * self.measured[at] {
+                self.measure(at..at + 1, step);
             }
-        }
-        let mut best = None;
-        let mut largest = 0.0;
-        let squares = self.rest[rows.clone()].iter().zip(&self.square[rows]);
-        for (i, (&rest, &square)) in squares.enumerate() {
-            if rest > tolerance.powi(2) * square && rest > largest {
-                largest = rest;
-                best = Some(first + i);
+            let rest = self.rest[at];
+            if rest > largest && rest > tolerance.powi(2) * self.square[at] {
+                (best, largest) = (Some(at), rest);
             }
         }
         best

@@ -7,7 +7,7 @@ use super::activity::Activity;
 use super::data::{ProblemData, active_bound};
 use super::factorisation::{Factorisation, Group};
 use super::tolerances::{CLEARLY_THERE, NEGLIGIBLE, ROUNDING};
-use crate::linalg::vector::{add_scaled, norm};
+use crate::linalg::vector::norm;
 
 /// Residuals that form a level's gradient.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,8 +35,6 @@ pub(crate) struct Multipliers {
     residual_rounding: Vec<f64>,
     /// Remainder of the gradient at the variables at a bound, after the multipliers of the pivots.
     gradient: Vec<f64>,
-    /// Weights of the rows of the problem in a sum.
-    weights: Vec<f64>,
     /// Size of the forces that balance each other, and the rounding in each coordinate that does
     /// not come from rows.
     size: f64,
@@ -61,7 +59,6 @@ impl Multipliers {
             residual: vec![0.0; data.len()],
             residual_rounding: vec![0.0; data.len()],
             gradient: vec![0.0; data.n],
-            weights: vec![0.0; data.len()],
             size: 0.0,
             rounding: 0.0,
             has_scale_disparity: false,
@@ -80,8 +77,7 @@ impl Multipliers {
         activity: &[Activity],
         (group, residuals): (usize, Residuals),
     ) -> bool {
-        let Group { level, start, end, rank, first_pivot, linear_of, .. } =
-            factorisation.groups[group];
+        let Group { start, end, rank, first_pivot, linear_of, .. } = factorisation.groups[group];
         (self.group, self.pivots) = (Some(group), factorisation.closed()..first_pivot);
         // If there are only pivots, they are all satisfied.
         if residuals == Residuals::Balanced && linear_of.is_none() && end - start == rank {
@@ -103,8 +99,8 @@ impl Multipliers {
             }
             // The rounding is only computed where it may explain the residual, since it costs more
             // than the rest.
-            let is_small = residual[i].abs() < CLEARLY_THERE * data.magnitude(id, x_norm);
-            if end - start > rank && is_small && residual[i].abs() > rounding[i] {
+            let is_small = || residual[i].abs() < CLEARLY_THERE * data.magnitude(id, x_norm);
+            if end - start > rank && residual[i].abs() > rounding[i] && is_small() {
                 rounding[i] += factorisation.rounding_of_point(data, group, start + i, x_norm);
             }
             any |= residual[i].abs() > rounding[i];
@@ -125,24 +121,17 @@ impl Multipliers {
         let coordinates = &mut self.of_pivots[..first_pivot];
         coordinates.fill(0.0);
         factorisation.add_rows(start..end, residual, coordinates);
-        if !factorisation.bounded.is_empty() {
-            let objective = data.levels[level].rows_of(&factorisation.stacked[start..end]);
-            self.weights[objective.clone()].fill(0.0);
-            for (&id, &residual) in factorisation.stacked[start..end].iter().zip(residual.iter()) {
-                self.weights[id] = residual;
-            }
-            self.gradient.fill(0.0);
-            data.add_rows(objective.clone(), &self.weights[objective], &mut self.gradient);
-        }
         if let Some(level) = linear_of {
             let linear = &data.levels[level].linear;
             factorisation.add_linear(level, coordinates);
-            if !factorisation.bounded.is_empty() {
-                add_scaled(&mut self.gradient, 1.0, linear);
-            }
+            self.gradient.copy_from_slice(linear);
             self.size += norm(linear);
             self.rounding += ROUNDING * norm(linear);
+        } else {
+            self.gradient.fill(0.0);
         }
+        let rows = factorisation.stacked[start..end].iter().zip(residual.iter());
+        add_at_bounds(data, &factorisation.bounded, rows, &mut self.gradient);
         self.balance(data, factorisation);
         true
     }
@@ -169,22 +158,10 @@ impl Multipliers {
         let pivots = self.pivots.clone();
         factorisation.balance(&mut self.of_pivots[..pivots.end]);
         let multipliers = &self.of_pivots[pivots.clone()];
-        if !factorisation.bounded.is_empty() {
-            self.weights.fill(0.0);
-            let mut end = data.n;
-            for (&multiplier, &pivot) in
-                multipliers.iter().zip(&factorisation.pivots[pivots.clone()])
-            {
-                let id = factorisation.stacked[pivot];
-                self.weights[id] = multiplier;
-                end = end.max(id + 1);
-            }
-            // A bound in the stack belongs to a variable that counts as free.
-            let rows = data.n..end;
-            data.add_rows(rows.clone(), &self.weights[rows], &mut self.gradient);
-        }
-        let ids = factorisation.pivots[pivots].iter().map(|&pivot| factorisation.stacked[pivot]);
-        let forces = multipliers.iter().zip(ids).map(|(m, id)| m.abs() * data.norm(id));
+        let ids = factorisation.pivots[pivots].iter().map(|&pivot| &factorisation.stacked[pivot]);
+        let rows = ids.clone().zip(multipliers);
+        add_at_bounds(data, &factorisation.bounded, rows, &mut self.gradient);
+        let forces = multipliers.iter().zip(ids).map(|(m, &id)| m.abs() * data.norm(id));
         self.size += forces.sum::<f64>();
     }
 
@@ -308,5 +285,24 @@ impl Multipliers {
     /// multiplier times the norm of its row.
     pub(crate) fn negligible(&self, data: &ProblemData, factorisation: &Factorisation) -> f64 {
         NEGLIGIBLE * self.rounding_of_coordinates(data, factorisation)
+    }
+}
+
+/// Adds weighted rows to a gradient, at the variables at a bound. A bound in the stack belongs to
+/// another variable.
+fn add_at_bounds<'a>(
+    data: &ProblemData,
+    bounded: &[usize],
+    rows: impl Iterator<Item = (&'a usize, &'a f64)>,
+    gradient: &mut [f64],
+) {
+    if bounded.is_empty() {
+        return;
+    }
+    for (&id, &weight) in rows.filter(|&(&id, _)| id >= data.n) {
+        let row = data.coefficients(id);
+        for &variable in bounded {
+            gradient[variable] += weight * row[variable];
+        }
     }
 }

@@ -73,8 +73,11 @@ pub(crate) const NEAR_ONE: Range<f64> = 0.0625..32.0;
 
 // Effort: these save time and decide nothing.
 
-/// Rounds of repairing a predicted active set before the levels are searched.
-pub(crate) const ROUNDS: usize = 20;
+/// Rounds of repairing a predicted active set before the levels are searched. A search costs about
+/// as much as ten.
+pub(crate) const ROUNDS: usize = 6;
+/// Rounds of a repair after a search, and projections onto broken rows for each variable.
+pub(crate) const ROUNDS_AFTER: usize = 20;
 /// Iterations for each variable after which a search takes rows by least index.
 pub(crate) const LONG: usize = 10;
 /// Weight of the newest solve in a row's mean, once there have been enough solves.

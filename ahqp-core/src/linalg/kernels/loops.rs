@@ -8,7 +8,7 @@ use super::{FourReflections, MovingRows, Rotation, RowsMut};
 /// Iterates over whole rows of a matrix. Unlike `chunks_exact` it needs no division, which takes as
 /// long as a short row.
 #[derive(Debug)]
-struct Rows<'a> {
+pub(crate) struct Rows<'a> {
     data: &'a [f64],
     stride: usize,
 }
@@ -25,13 +25,13 @@ impl<'a> Iterator for Rows<'a> {
 }
 
 #[inline(always)]
-fn rows(data: &[f64], stride: usize) -> Rows<'_> {
+pub(crate) fn rows(data: &[f64], stride: usize) -> Rows<'_> {
     Rows { data, stride }
 }
 
 /// The same for rows that change.
 #[derive(Debug)]
-struct RowsToChange<'a> {
+pub(crate) struct RowsToChange<'a> {
     data: &'a mut [f64],
     stride: usize,
 }
@@ -48,7 +48,7 @@ impl<'a> Iterator for RowsToChange<'a> {
 }
 
 #[inline(always)]
-fn rows_mut(data: &mut [f64], stride: usize) -> RowsToChange<'_> {
+pub(crate) fn rows_mut(data: &mut [f64], stride: usize) -> RowsToChange<'_> {
     RowsToChange { data, stride }
 }
 
@@ -155,13 +155,13 @@ fn mix_columns<L: Lanes, const B: usize>(
     tau: f64,
 ) {
     let mut image = [L::splat(0.0); B];
-    for (row, &weight) in rows.data.chunks_exact(rows.stride).zip(v) {
+    for (row, &weight) in self::rows(rows.data, rows.stride).zip(v) {
         let weight = L::splat(weight);
         for (image, part) in image.iter_mut().zip(row[start..start + 4 * B].as_chunks::<4>().0) {
             *image = weight.multiply_add(L::load(part), *image);
         }
     }
-    for (row, &weight) in rows.data.chunks_exact_mut(rows.stride).zip(v) {
+    for (row, &weight) in rows_mut(rows.data, rows.stride).zip(v) {
         let weight = L::splat(-tau * weight);
         for (image, part) in image.iter().zip(row[start..start + 4 * B].as_chunks_mut::<4>().0) {
             weight.multiply_add(*image, L::load(part)).store(part);
@@ -284,7 +284,7 @@ fn add_columns<L: Lanes, const B: usize>(
     out: &mut [f64],
 ) {
     let mut sums = [L::splat(0.0); B];
-    for (row, &weight) in data.chunks_exact(stride).zip(weights) {
+    for (row, &weight) in rows(data, stride).zip(weights) {
         let weight = L::splat(weight);
         for (sum, part) in sums.iter_mut().zip(row[start..start + 4 * B].as_chunks::<4>().0) {
             *sum = weight.multiply_add(L::load(part), *sum);

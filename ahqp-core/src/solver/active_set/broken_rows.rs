@@ -6,7 +6,7 @@
 use super::ActiveSet;
 use crate::linalg::vector::norm;
 use crate::solver::data::Coefficients;
-use crate::solver::tolerances::ROUNDS;
+use crate::solver::tolerances::ROUNDS_AFTER;
 
 impl ActiveSet {
     /// Clamps x to its bounds, and returns the most violated hard row. None if the violation is
@@ -37,7 +37,7 @@ impl ActiveSet {
     /// tolerance of its length.
     pub(crate) fn move_onto_broken_rows(&mut self) -> Option<usize> {
         let most = self.settings.feasibility_tolerance * norm(&self.x);
-        for _ in 0..ROUNDS * self.data.n {
+        for _ in 0..ROUNDS_AFTER * self.data.n {
             let id = self.broken_row()?;
             let norm = self.data.norm_beside_bounds(id, &self.activity);
             let distance = self.violation(id) / norm;

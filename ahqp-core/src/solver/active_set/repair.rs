@@ -81,8 +81,10 @@ impl ActiveSet {
             self.signs.changed.push(id);
         }
         if !blocked {
-            self.reached.copy_from_slice(&self.value);
             self.check_signs();
+            if !self.signs.changed.is_empty() {
+                self.reached.copy_from_slice(&self.value);
+            }
         }
         Some(self.signs.changed.len())
     }
@@ -104,6 +106,9 @@ impl ActiveSet {
                     return;
                 }
             }
+        }
+        if self.signs.unsettled == 0 {
+            return;
         }
         let Self { data, factorisation, multipliers, .. } = self;
         let x = std::mem::take(&mut factorisation.x);

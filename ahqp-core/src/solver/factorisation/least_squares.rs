@@ -1,7 +1,7 @@
 //! Least squares of one group: its pivots and the rows that depend on them.
 
 use super::{Factorisation, Group, LANES};
-use crate::linalg::kernels::{RowsMut, multiply_rows, triangularise};
+use crate::linalg::kernels::{RowsMut, multiply_rows, rows, rows_mut, triangularise};
 use crate::linalg::vector::{add_scaled, dot, norm};
 use crate::solver::data::ProblemData;
 use crate::solver::tolerances::ROUNDING;
@@ -110,14 +110,14 @@ impl Factorisation {
         let least = ROUNDING * norm(remaining);
         let triangular = &mut triangular[..rank * stride];
         let place = |index: usize| (start + index) * n + first;
-        let pivots = triangular.chunks_exact_mut(stride).zip(remaining).enumerate();
+        let pivots = rows_mut(triangular, stride).zip(remaining).enumerate();
         for (index, (row, &target)) in pivots {
             row[0] = target;
             row[1..=index + 1].copy_from_slice(&self.rows[place(index)..=place(index) + index]);
         }
         if count > 0 {
             let stack = &mut stack[..(count + 1) * stride];
-            let dependent = stack.chunks_exact_mut(stride).skip(1).zip(&remaining[rank..]);
+            let dependent = rows_mut(stack, stride).skip(1).zip(&remaining[rank..]);
             for (index, (row, &target)) in (rank..).zip(dependent) {
                 // Rounding of rotations of a heavy row would act as a force on light rows.
                 let nothing = ROUNDING * data.norm(self.stacked[start + index]);
@@ -141,7 +141,7 @@ impl Factorisation {
                 add_scaled(&mut linear[..j], -part, &row[1..=j]);
             }
         }
-        for (j, row) in triangular.chunks_exact(stride).enumerate() {
+        for (j, row) in rows(triangular, stride).enumerate() {
             y[j] = (row[0] - dot(&row[1..=j], &y[..j])) / row[j + 1];
         }
     }

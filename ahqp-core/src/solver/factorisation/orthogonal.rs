@@ -8,7 +8,7 @@ use std::ops::Range;
 use super::{LANES, first_lane};
 use crate::linalg::kernels::{
     BlockFactor, FourReflections, Rotation, RowsMut, add_rows, mix_rows, multiply_rows,
-    reflect_rows, reflect_rows_four, rotate_rows,
+    reflect_rows, reflect_rows_four, rotate_rows, rows_mut,
 };
 use crate::linalg::vector::reflector;
 
@@ -63,10 +63,11 @@ impl Orthogonal {
         self.pending.end = step + 1;
         let stride = self.stride;
         let reflection = &mut self.reflectors[step * stride..(step + 1) * stride];
-        reflection[first_lane(step)..step].fill(0.0);
-        reflection[self.size..].fill(0.0);
+        // The row is padded with zeros, as the reflector must be.
+        let first = first_lane(step);
+        reflection[first..].copy_from_slice(&row[first..]);
+        reflection[first..step].fill(0.0);
         let v = &mut reflection[step..self.size];
-        v.copy_from_slice(&row[step..self.size]);
         let (tau, image) = reflector(v);
         self.tau[step] = tau;
         self.reflect_rows(step, below);
@@ -169,7 +170,7 @@ impl Orthogonal {
     pub(super) fn turn_rows(&mut self, data: &mut [f64], first: usize) {
         if !self.is_identity {
             let needed = self.first_needed(first);
-            for row in data.chunks_exact_mut(self.stride) {
+            for row in rows_mut(data, self.stride) {
                 self.scratch.copy_from_slice(row);
                 row[..needed].fill(0.0);
                 let part = &mut row[needed..self.size];
@@ -179,7 +180,7 @@ impl Orthogonal {
         }
         self.apply(self.pending.clone(), data);
         if first > 0 {
-            data.chunks_exact_mut(self.stride).for_each(|row| row[..first].fill(0.0));
+            rows_mut(data, self.stride).for_each(|row| row[..first].fill(0.0));
         }
     }
 

@@ -244,7 +244,8 @@ impl Factorisation {
         let open = self.closed.min(first_pivot);
         let mut remainder = std::mem::take(&mut self.turned);
         let mut left = std::mem::take(&mut self.left);
-        let any = (start..end).zip(residuals).skip(rank).any(|(at, residual)| {
+        let dependent = (start..end).zip(residuals).skip(rank);
+        let any = dependent.filter(|&(_, residual)| residual != 0.0).any(|(at, _)| {
             let id = self.stacked[at];
             remainder.copy_from_slice(&self.rows[at * n..(at + 1) * n]);
             left.copy_from_slice(data.coefficients(id));
@@ -260,7 +261,7 @@ impl Factorisation {
                 self.tolerances.nothing * size..self.tolerances.near_threshold * size;
             let of_bounds = self.bounded.iter().map(|&i| left[i]);
             let mut parts = remainder[open..first_pivot].iter().copied().chain(of_bounds);
-            residual != 0.0 && parts.any(|part| near_threshold.contains(&part.abs()))
+            parts.any(|part| near_threshold.contains(&part.abs()))
         });
         (self.turned, self.left) = (remainder, left);
         any

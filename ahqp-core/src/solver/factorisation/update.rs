@@ -12,7 +12,7 @@
 use std::ops::Range;
 
 use super::{Factorisation, Group, Purpose};
-use crate::linalg::kernels::Rotation;
+use crate::linalg::kernels::{Rotation, rows_mut};
 use crate::linalg::vector::{length, norm};
 use crate::solver::activity::Activity;
 use crate::solver::data::{Coefficients, ProblemData, active_bound};
@@ -215,7 +215,7 @@ impl Factorisation {
     fn rotate_entries(&mut self, at: usize, rotation: Rotation) {
         let Rotation { first, cosine, sine, .. } = rotation;
         let rows = &mut self.rows[at * self.stride..self.stacked.len() * self.stride];
-        for row in rows.chunks_exact_mut(self.stride) {
+        for row in rows_mut(rows, self.stride) {
             if let [a, b] = &mut row[first..first + 2] {
                 (*a, *b) = (cosine * *a + sine * *b, cosine * *b - sine * *a);
             }
