@@ -58,7 +58,7 @@ pub enum Error {
 
     /// The shape of a body was refused.
     #[error(transparent)]
-    Shape(hrsw::Error),
+    Shape(Box<hrsw::Error>),
 
     /// The rows were refused by `ahqp-core`.
     #[error(transparent)]
@@ -70,7 +70,8 @@ impl From<hrsw::Error> for Error {
         match error {
             hrsw::Error::Value { what, got, wanted } => Self::Value { what, got, wanted },
             hrsw::Error::Size { what, got, wanted } => Self::Size { what, got, wanted },
-            error => Self::Shape(error),
+            hrsw::Error::Hierarchy(error) => Self::Hierarchy(error),
+            error => Self::Shape(Box::new(error)),
         }
     }
 }
