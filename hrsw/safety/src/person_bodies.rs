@@ -12,11 +12,11 @@ use crate::joint_velocity::{JUMP_SPEED, JointVelocities, LIMB_GATE};
 use crate::separation::SeparationSettings;
 use crate::settings::PersonBodySettings;
 
-/// Smallest confidence of a keypoint that counts as seen for safety \[-\]. A joint below it is as
-/// likely misplaced as not.
+/// Smallest confidence of a keypoint that counts as seen for safety \[-\]: below half, a detector
+/// rather guesses.
 pub const LEAST_CONFIDENCE: f64 = 0.5;
-/// Time without being seen after which a person is assumed to have left \[s\]: in it they can walk
-/// out of every workspace. Until then unseen parts grow at the speed at which a person may approach.
+/// Time without being seen after which a person is assumed to have left \[s\]: at walking speed they
+/// are 16 m away by then. Until then unseen parts grow at the speed at which a person may approach.
 pub const FORGET_AFTER: f64 = 10.0;
 /// Largest apparent motion of a standing trunk from frame to frame, common to all its joints \[m\].
 const NOISE: f64 = 0.03;

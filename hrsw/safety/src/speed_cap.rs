@@ -12,7 +12,7 @@ const REDUCED: f64 = 0.25;
 const FULL: f64 = 1.7;
 /// Distance up to which the speed is [`REDUCED`] \[m\]: about the reach of a person's arm.
 const NEAR: f64 = 0.6;
-/// Distance from which there is no cap \[m\]: nobody there reaches the tool before it is slower.
+/// Distance from which there is no cap \[m\]: more than a person's step and reach.
 const FAR: f64 = 2.0;
 
 /// Largest speed of the tool as a function of the distance to the nearest person.
