@@ -24,7 +24,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::error::Error;
 use crate::problem::hierarchy::Hierarchy;
 use crate::problem::level::Objective;
-use crate::solver::Solver;
+use crate::solver::data::ProblemData;
 use always_active::always_active;
 use level::{LevelOptimum, LevelProgram};
 use polish::polish;
@@ -61,10 +61,10 @@ const DETERMINED: f64 = 1e-8;
 /// ```
 ///
 /// # Errors
-/// Those of [`Solver::validate`]. [`Error::Reference`] with the level and the reason if constraints
+/// Those of [`Solver::validate`](crate::Solver::validate). [`Error::Reference`] with the level and the reason if constraints
 /// cannot hold, or with Clarabel's status if Clarabel fails.
 pub fn solve_reference(hierarchy: &Hierarchy) -> Result<DVector<f64>, Error> {
-    Solver::validate(hierarchy)?;
+    ProblemData::validate(hierarchy)?;
     let n = hierarchy.variables();
     let mut cascade = Cascade::new(hierarchy)?;
     for (level, data) in hierarchy.levels().iter().enumerate() {

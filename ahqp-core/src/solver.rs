@@ -128,7 +128,7 @@ impl Solver {
     /// Those of [`Solver::solve`] for invalid data: [`Error::Datum`], [`Error::EmptyRange`],
     /// [`Error::Hessian`].
     pub fn validate(hierarchy: &Hierarchy) -> Result<(), Error> {
-        ProblemData::new(hierarchy).load(hierarchy).map_err(|error| hierarchy.named(error))
+        ProblemData::validate(hierarchy)
     }
 
     /// Forgets the previous active set, so that the next solve is a cold start.

@@ -164,6 +164,11 @@ impl ProblemData {
         }
     }
 
+    /// Checks the data of a hierarchy.
+    pub(crate) fn validate(hierarchy: &Hierarchy) -> Result<(), Error> {
+        Self::new(hierarchy).load(hierarchy).map_err(|error| hierarchy.named(error))
+    }
+
     pub(crate) fn len(&self) -> usize {
         self.sources.len()
     }
