@@ -100,12 +100,18 @@ impl SharedSpace {
         })
     }
 
-    /// Takes a camera frame.
+    /// Takes a camera frame. A person with another id than before is somebody else: what is known of the one before
+    /// is forgotten, the intention too.
     ///
     /// # Errors
     /// [`Error::Perception`] for times that go backwards; the frame is then ignored.
     pub fn observe(&mut self, percept: &Percept) -> Result<(), Error> {
+        let before = self.tracker.id();
         self.tracker.update(percept)?;
+        if before.is_some() && self.tracker.id() != before {
+            self.person = None;
+            self.intention.forget();
+        }
         self.intention.update(percept.time, percept.action.as_ref());
         Ok(())
     }

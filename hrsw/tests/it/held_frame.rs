@@ -115,6 +115,26 @@ fn it_moves_when_the_mean_leaves_the_zone() {
     assert!(fastest <= 0.05 + 0.03, "{fastest} m/s");
 }
 
+/// The place changes by a zone in a tick. The target's speed and jerk are those of three lags of 0.4 s, here for a step
+/// of up to 1.1 zones.
+#[test]
+fn a_new_place_is_approached_smoothly() {
+    let mut frame = HeldFrame::following();
+    let mut rates = Vec::new();
+    for tick in 0..12_000 {
+        let x = (0.02 * (f64::from(tick) * PERIOD - 4.0)).clamp(0.0, 0.09);
+        let (_, rate) = frame.advance(at(x, 0.0, 0.0), REST, REST, PERIOD);
+        if frame.is_held() {
+            rates.push(rate.position.x / HeldFrame::POSITION);
+        }
+    }
+    let fastest = rates.iter().fold(0.0_f64, |most, rate| most.max(rate.abs()));
+    assert!((0.5..0.75).contains(&fastest), "{fastest} zones/s");
+    let bends = rates.windows(3).map(|r| (r[2] - 2.0 * r[1] + r[0]).abs() / (PERIOD * PERIOD));
+    let jerk = bends.fold(0.0, f64::max);
+    assert!((10.0..1.1 / 0.4_f64.powi(3)).contains(&jerk), "{jerk} zones/s³");
+}
+
 /// A frame that is held off the person moves to them, slowly.
 #[test]
 fn a_recentred_frame_moves_to_the_mean() {

@@ -133,6 +133,34 @@ fn working_person_stops_counting_as_another() {
     assert_eq!(look(false), of_two);
 }
 
+/// Somebody else steps to the tool while the robot works with a person. What the first one wanted does not count for
+/// the second.
+#[test]
+fn somebody_else_is_not_taken_for_the_worker() {
+    let mut drive = Drive::new();
+    drive.camera = false;
+    let mut work = |id: u64, action: Option<Action>, frames: u32| {
+        for _frame in 0..frames {
+            let percept = match action {
+                Some(action) => doing(action, drive.time(), None),
+                None => percept(drive.time(), None),
+            };
+            let body = body(3.0).with_id(PersonId::new(id));
+            drive.controller.observe(&Percept { body: Some(body), ..percept }).unwrap();
+            (0..FRAME).for_each(|_| {
+                drive.controller.set_external_force(0.0);
+                drive.step();
+            });
+        }
+        let situation = drive.controller.situation();
+        (situation.intention.is_together(), situation.worker.is_some())
+    };
+    assert_eq!(work(1, Some(Action::Using(Tool::Drill)), 20), (true, true));
+    assert_eq!(work(2, None, 1), (false, false), "nothing is known of the second");
+    assert_eq!(work(2, None, 10), (false, true), "who only stands there");
+    assert_eq!(work(2, Some(Action::Using(Tool::Drill)), 20), (true, true));
+}
+
 /// Frames come from another thread.
 mod from_another_thread {
     use hrsw_safety::SafetyState;

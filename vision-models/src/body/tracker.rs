@@ -11,6 +11,7 @@ use super::{
     keypoints::Body,
     lean::Lean,
     lengths::{SegmentLength, StatureEstimate},
+    person_id::PersonId,
     pose::TrackedPerson,
     seen::{Facing, Seen},
     segment::BodySegment,
@@ -31,6 +32,7 @@ use crate::percept::Percept;
 /// another and are too far away for noise, the track restarts there. If measurements are missing,
 /// the track is predicted at constant velocity for at most half a second. [`Freshness`] states how
 /// well the person's place is known. The lengths of segments measured after a restart show whether it is another person.
+/// A body with another id than before is another person: the tracker begins anew.
 ///
 /// [`update`](Self::update) takes each percept as it comes. [`predict`](Self::predict) returns the
 /// person's pose at any time and allocates nothing. Joints that are missing, have low confidence or
@@ -48,6 +50,7 @@ use crate::percept::Percept;
 pub struct BodyTracker {
     settings: TrackerSettings,
     last_time: Option<f64>,
+    id: Option<PersonId>,
     track: Option<Track>,
     candidate: Option<Candidate>,
     identity: Identity,
@@ -63,16 +66,21 @@ impl BodyTracker {
     /// [`Error::Value`] if a setting is outside its range.
     pub fn new(settings: TrackerSettings) -> Result<Self, Error> {
         settings.validate()?;
-        Ok(Self {
+        Ok(Self::unseen(settings))
+    }
+
+    fn unseen(settings: TrackerSettings) -> Self {
+        Self {
             noise: FrameNoise::at_least(settings.position_sigma),
             settings,
             last_time: None,
+            id: None,
             track: None,
             candidate: None,
             identity: Identity::default(),
             lean: Lean::default(),
             jumps: 0,
-        })
+        }
     }
 
     /// The parameters.
@@ -94,6 +102,7 @@ impl BodyTracker {
         let Some(body) = &percept.body else {
             return Ok(());
         };
+        self.recognise(body.id());
         let seen = self.look(body, interval);
         self.identity.update(&seen);
         let facing = self.facing(time);
@@ -130,6 +139,20 @@ impl BodyTracker {
             (Some(_), None) => {}
         }
         Ok(())
+    }
+
+    /// Forgets the person before if the one that is seen has another id.
+    fn recognise(&mut self, seen: Option<PersonId>) {
+        if seen.is_some() && self.id.is_some_and(|id| seen != Some(id)) {
+            let Self { last_time, jumps, .. } = *self;
+            *self = Self { last_time, jumps, ..Self::unseen(self.settings) };
+        }
+        self.id = seen.or(self.id);
+    }
+
+    /// Returns the id of the person seen last, if bodies have one.
+    pub fn id(&self) -> Option<PersonId> {
+        self.id
     }
 
     /// Returns the view of a body, with the noise of frames so far. `interval` is the time since the
