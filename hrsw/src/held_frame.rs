@@ -22,8 +22,9 @@ const AHEAD_TURN: f64 = 0.1;
 const LEAVES: f64 = 1.6;
 /// A person who is farther from the held place is not swaying \[zones\].
 const ELSEWHERE: f64 = 3.0;
-/// Speed at which a held frame moves to a new place \[zones/s\].
-const PLACING: f64 = 0.7;
+/// Time constant of each of the three lags with which a held frame moves to a new place \[s\]. After a step of one zone
+/// its speed is at most 0.27 / 0.4 s = 0.7 zones/s, and its jerk 1 / (0.4 s)³ = 16 zones/s³.
+const PLACING: f64 = 0.4;
 
 /// Place and heading of a person on the floor, or their rates.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -122,8 +123,8 @@ struct Seen<const N: usize> {
 struct Hold<const N: usize> {
     /// The held value. None while it follows.
     place: Option<SVector<f64, N>>,
-    /// Target on the way to a new value.
-    target: SVector<f64, N>,
+    /// The held value behind one, two and three lags. The last is the target.
+    lags: [SVector<f64, N>; 3],
     /// Mean value of the person, once they were seen.
     mean: Option<SVector<f64, N>>,
     /// Time for which the person has been slow \[s\].
@@ -133,14 +134,14 @@ struct Hold<const N: usize> {
 impl<const N: usize> Hold<N> {
     const FOLLOWING: Self = Self {
         place: None,
-        target: SVector::<f64, N>::from_array_storage(nalgebra::ArrayStorage([[0.0; N]; 1])),
+        lags: [SVector::<f64, N>::from_array_storage(nalgebra::ArrayStorage([[0.0; N]; 1])); 3],
         mean: None,
         slow: 0.0,
     };
 
     fn map(&mut self, by: impl Fn(f64) -> f64) {
         self.mean = self.mean.map(|mean| mean.map(&by));
-        self.target = self.target.map(&by);
+        self.lags = self.lags.map(|lag| lag.map(&by));
         self.place = self.place.map(|place| place.map(&by));
     }
 
@@ -175,16 +176,20 @@ impl<const N: usize> Hold<N> {
             self.slow = if speed < zone.slow { self.slow + period } else { 0.0 };
             if self.slow >= SETTLING && (stops - seen).norm() <= NEAR * zone.width {
                 self.place = Some(stops);
-                (self.target, self.mean) = (stops, Some(seen));
+                (self.lags, self.mean) = ([stops; 3], Some(seen));
             }
         }
         let Some(place) = self.place else {
             // A slow motion is mostly noise, and is left to the follower.
             return (seen, rate * (speed / zone.slow - 1.0).clamp(0.0, 1.0));
         };
-        let (way, most) = (place - self.target, PLACING * zone.width * period);
-        let step = if way.norm() > most { way * (most / way.norm()) } else { way };
-        self.target += step;
-        (self.target, step / period)
+        let drawn = -(-period / PLACING).exp_m1();
+        let [.., before] = self.lags;
+        let mut towards = place;
+        for lag in &mut self.lags {
+            *lag += (towards - *lag) * drawn;
+            towards = *lag;
+        }
+        (towards, (towards - before) / period)
     }
 }
