@@ -287,9 +287,8 @@ impl Factorisation {
         let first = self.groups.get(group).map_or(self.stacked.len(), |group| group.start);
         let rows = first * self.stride..self.stacked.len() * self.stride;
         self.orthogonal.turn_rows(&mut self.rows[rows], self.closed);
-        let turned = self.pivots.len();
         for group in group..self.groups.len() {
-            self.eliminate(group, turned);
+            self.eliminate(group);
         }
     }
 
@@ -308,9 +307,8 @@ impl Factorisation {
         self.eliminate_from(0);
     }
 
-    /// Reflects the group's rows onto coordinates of their own. Its rows have the reflections of the
-    /// first `turned` coordinates.
-    fn eliminate(&mut self, group: usize, turned: usize) {
+    /// Reflects the group's rows onto coordinates of their own. The later rows are reflected too.
+    fn eliminate(&mut self, group: usize) {
         let (n, k) = (self.stride, self.free.len());
         let Group { start, end, purpose, .. } = self.groups[group];
         let tolerance = match purpose {
@@ -318,7 +316,6 @@ impl Factorisation {
             Purpose::Minimised => self.tolerances.dependent,
         };
         let first_pivot = self.pivots.len();
-        self.orthogonal.apply(turned..first_pivot, &mut self.rows[start * n..end * n]);
         self.measure(start..end, first_pivot);
         for at in start..end {
             let step = self.pivots.len();
@@ -340,6 +337,8 @@ impl Factorisation {
             }
             self.pivots.push(at);
         }
+        let behind = &mut self.rows[end * n..self.stacked.len() * n];
+        self.orthogonal.apply(first_pivot..self.pivots.len(), behind);
         self.invalidate_from(group);
         let group = &mut self.groups[group];
         (group.first_pivot, group.rank) = (first_pivot, self.pivots.len() - first_pivot);
