@@ -15,6 +15,7 @@ use super::monitor::{Counts, Monitor};
 use super::summary::Summary;
 use super::tick_times::TickTimes;
 use crate::Error;
+use crate::judges::Stillness;
 use crate::plant::PlantSettings;
 
 /// Ticks of an episode.
@@ -40,6 +41,8 @@ pub struct EpisodeResult {
     pub ended: Endings,
     /// Ticks in which the robot moves.
     pub moving: u64,
+    /// Stillness while the person stands.
+    pub standing: Stillness,
     /// The first tick with something wrong, in words.
     pub finding: Option<String>,
 }
@@ -130,8 +133,10 @@ impl Soak {
                     flow = each(done);
                 }
             }
+            let standing = episode.stillness.stillness();
             let Monitor { counts, ended, .. } = episode.monitor;
-            results.insert(number, EpisodeResult { ticks: run, counts, ended, moving, finding });
+            let result = EpisodeResult { ticks: run, counts, ended, moving, standing, finding };
+            results.insert(number, result);
         }
         Ok((results, times))
     }
