@@ -146,7 +146,7 @@ ROWS = [
     ("tracking error, standing", 1, " mm", max, motion("standing", "tracking_error", 1e3), 4, None),
     ("tracking error, walking", 1, " mm", max, motion("walking", "tracking_error", 1e3), 8, None),
     ("$e_s$, mean", 2, "", max, lambda run: run["score_mean_on"], 0.22, None),
-    ("of it because the frame is held", 2, "", max, lambda run: run["score_of_hold_on"], None, None),
+    ("of it because the frame is held", 3, "", max, lambda run: run["score_of_hold_on"], None, None),
     ("$e_s$ without ergonomics / with", 1, "", min, lambda run: run["score_mean_off"] / run["score_mean_on"], 3, None),
     ("outside the shared workspace", 1, " s", max, lambda run: run["outside_s_on"], 1.5, None),
     ("retreats, with ergonomics and without", 1, "", max, lambda run: run["retreats"], None, None),
@@ -159,7 +159,8 @@ def cell(values, digits, unit, worst, floor):
     values = [value for value in values if value is not None]
     if not values:
         return "–"
-    mean = f"{sum(values) / len(values):.{digits}f}"
+    # Adding zero removes the sign of a zero that comes from rounding.
+    mean = f"{round(sum(values) / len(values), digits) + 0.0:.{digits}f}"
     missed = floor is not None and worst(float(mean), floor) != floor
     return f"{mean} ({worst(values):.{digits}f}){unit}{MISSED if missed else ''}"
 
