@@ -153,7 +153,7 @@ type Row = (&'static str, usize, fn(&Summary) -> f64);
 
 const ROWS: [Row; 34] = [
     ("e_s mean (0 good, 4.25 bad)", 2, |run| run.score_mean),
-    ("  of it because the frame is held", 2, |run| run.score_of_hold),
+    ("  of it because the frame is held", 3, |run| run.score_of_hold),
     ("e_s maximum", 2, |run| run.score_max),
     ("REBA predicted, mean (1 good, 15 bad)", 1, |run| run.reba_mean),
     ("REBA predicted, maximum", 0, |run| f64::from(run.reba_max)),

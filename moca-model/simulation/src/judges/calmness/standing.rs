@@ -11,9 +11,8 @@ use crate::people::Joints;
 
 /// Time over which the motion of the person is averaged \[s\].
 const WINDOW: f64 = 0.2;
-/// Times after which a person who stands counts, and after which working together does \[s\].
+/// Time after which a person counts who stands and works with the robot \[s\].
 const SETTLING: f64 = 1.0;
-const APPROACH: f64 = 3.0;
 
 /// How still workpiece and base are while the person stands.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -57,8 +56,8 @@ pub(crate) struct StillnessMonitor {
     period: f64,
     person: VecDeque<[Vector2<f64>; 2]>,
     workpiece: VecDeque<Vector3<f64>>,
-    /// Ticks since the person stands, and since person and robot work together.
-    since: [usize; 2],
+    /// Ticks since the person stands and works with the robot.
+    since: usize,
     ticks: [u64; 2],
     squares: f64,
 }
@@ -67,7 +66,7 @@ impl StillnessMonitor {
     /// Creates a monitor. Ticks are `period` \[s\] apart.
     pub(crate) fn new(period: f64) -> Self {
         let (person, workpiece) = (VecDeque::new(), VecDeque::new());
-        Self { period, person, workpiece, since: [0; 2], ticks: [0; 2], squares: 0.0 }
+        Self { period, person, workpiece, since: 0, ticks: [0; 2], squares: 0.0 }
     }
 
     /// Takes a tick: the true person, the place of the workpiece \[m\], the velocity of the base \[m/s\], and whether
@@ -89,9 +88,8 @@ impl StillnessMonitor {
         let turn = across.perp(&moved[1]).atan2(across.dot(&moved[1])).abs();
         let stands =
             (person[0] - moved[0]).norm() < STANDING[0] * WINDOW && turn < STANDING[1] * WINDOW;
-        let lasts = |holds: bool, since: usize| if holds { since + 1 } else { 0 };
-        self.since = [lasts(stands, self.since[0]), lasts(together, self.since[1])];
-        if self.since[0] > count(SETTLING) && self.since[1] > count(APPROACH) {
+        self.since = if stands && together { self.since + 1 } else { 0 };
+        if self.since > count(SETTLING) {
             let speed = 1e3 * (workpiece - before).norm() / (averaged as f64 * self.period);
             self.squares += speed * speed;
             self.ticks[0] += 1;
@@ -131,14 +129,14 @@ mod tests {
             let time = f64::from(tick) * 1e-3;
             // They stand for 12 s, and then walk.
             if tick > 12_000 {
-                joints.iter_mut().for_each(|joint| joint.x += 3e-4);
+                joints = joints.map(|joint| joint + Vector3::x() * 3e-4);
             }
             let x = 0.02 * (std::f64::consts::TAU * time).sin();
             let base = Vector2::new(if tick % 4 == 0 { 0.1 } else { 0.0 }, 0.0);
             monitor.watch(&joints, Vector3::new(x, 0.0, 1.0), base, tick > 500);
         }
         let still = monitor.stillness();
-        assert!((8_400..8_700).contains(&still.ticks), "{still:?}");
+        assert!((10_400..10_700).contains(&still.ticks), "{still:?}");
         assert!((still.workpiece_rms().unwrap() - 88.9).abs() < 1.0, "{still:?}");
         assert!((still.base_at_rest().unwrap() - 0.75).abs() < 1e-3, "{still:?}");
     }
