@@ -293,6 +293,16 @@ impl SharedSpace {
         Ok(self.moving.set_lead(lead + behind)?)
     }
 
+    /// The smooth frame that follows the person, and is held in the world while they stand.
+    ///
+    /// # Errors
+    /// Poses that are not finite.
+    pub fn person_frame(&self) -> Result<PersonFrame, Error> {
+        let pose = self.frame.pose();
+        let forward = pose.rotation * Vector3::x();
+        Ok(PersonFrame::new(pose.translation.vector, forward.y.atan2(forward.x))?)
+    }
+
     /// The shared workspace.
     pub fn workspace(&self) -> &Workspace {
         self.moving.workspace()

@@ -15,7 +15,8 @@ mod limits;
 mod separation;
 mod witness;
 
-pub use calmness::{Calmness, CalmnessMonitor, Motion};
+pub(crate) use calmness::StillnessMonitor;
+pub use calmness::{Calmness, CalmnessMonitor, Following, Motion, Stillness};
 pub(crate) use limits::is_unseen;
 pub use limits::{Breaches, LimitMonitor, Margins, Return, TorqueMonitor};
 pub(crate) use separation::body;

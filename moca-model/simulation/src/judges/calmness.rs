@@ -1,15 +1,21 @@
 //! Measures of how still robot and workpiece are while the person stands, and how smooth while they walk.
 //!
-//! The person's true motion, smoothed over some tenths of a second, distinguishes standing and walking, since gait
-//! sways the trunk.
+//! The person's true motion, smoothed over 2.05 s, distinguishes standing and walking, since gait sways the trunk.
+
+mod following;
+mod standing;
 
 use moca_model::Command;
 use moca_model::whole_body::Model;
-use nalgebra::{Point3, Vector2, Vector3};
+use nalgebra::{Point3, Rotation2, Vector2, Vector3};
 use serde::{Deserialize, Serialize};
 use simulated_people::Joints;
 use vision_models::Body25;
 
+pub use self::following::Following;
+use self::following::{Path, Workpiece};
+pub use self::standing::Stillness;
+pub(crate) use self::standing::StillnessMonitor;
 use crate::quantile::quantile;
 
 /// Sampling period of the person's motion \[s\].
@@ -36,6 +42,8 @@ pub struct Calmness {
     pub settled: Option<Motion>,
     /// Motion while they walk, from 0.5 s after the beginning; `None` if they did not walk for 1 s.
     pub walking: Option<Motion>,
+    /// How the workpiece follows them; `None` if they did not walk for 1 s.
+    pub following: Option<Following>,
 }
 
 /// The motion of a robot in a part of a run.
@@ -119,7 +127,7 @@ impl CalmnessMonitor {
 
     /// The result for a person whose joints are at `person` at times after the first tick \[s\].
     pub fn judge(&self, person: impl Fn(f64) -> Option<Joints>) -> Calmness {
-        let Some(motion) = self.person(person) else { return Calmness::default() };
+        let Some((path, motion)) = self.person(person) else { return Calmness::default() };
         let ticks = |time: f64| whole((time / self.period).round());
         // The robot's approach to the person does not count.
         let together =
@@ -132,13 +140,21 @@ impl CalmnessMonitor {
             stretches(stands, ticks(settling + 1.0), ticks(settling))
         };
         let walks = all().map(|(together, [speed, _])| *together && *speed > WALKING);
-        let walks = stretches(walks, ticks(1.0), ticks(0.5));
-        let speeds = self.workpiece_speeds();
+        let walks = stretches(walks, ticks(1.0), 0);
+        let walking = stretches(walks.iter().copied(), ticks(1.0), ticks(0.5));
+        let settled = stands(2.0);
+        let velocities = self.workpiece_velocities();
+        let floor = self.ticks.iter().zip(&velocities);
+        let floor: Vec<_> = floor.map(|(tick, v)| [tick.workpiece.xy(), v.xy()]).collect();
+        let workpiece = Workpiece { period: self.period, motion: &floor };
+        let following = workpiece.judge(&path, [&walks, &settled], &walking);
+        let speeds: Vec<f64> = velocities.iter().map(Vector3::norm).collect();
         let motion = |mask: &[bool]| self.motion(mask, &motion, &speeds);
         Calmness {
             standing: motion(&stands(1.0)),
-            settled: motion(&stands(2.0)),
-            walking: motion(&walks),
+            settled: motion(&settled),
+            walking: motion(&walking),
+            following,
         }
     }
 
@@ -184,8 +200,8 @@ impl CalmnessMonitor {
         })
     }
 
-    /// The speed of the workpiece in each tick \[m/s\].
-    fn workpiece_speeds(&self) -> Vec<f64> {
+    /// The velocity of the workpiece in each tick \[m/s\].
+    fn workpiece_velocities(&self) -> Vec<Vector3<f64>> {
         let side = whole((0.5 * AVERAGED / self.period).round());
         let last = self.ticks.len().saturating_sub(1);
         let mut sums = vec![Vector3::zeros()];
@@ -201,16 +217,16 @@ impl CalmnessMonitor {
                 };
                 let (from, to) = (tick.saturating_sub(1), (tick + 1).min(last));
                 if from == to {
-                    return 0.0;
+                    return Vector3::zeros();
                 }
-                (average(to) - average(from)).norm() / ((to - from) as f64 * self.period)
+                (average(to) - average(from)) / ((to - from) as f64 * self.period)
             })
             .collect()
     }
 
-    /// The speeds of the person's trunk over the floor and of their heading, tick by tick \[m/s, rad/s\]; `None` if
-    /// unknown.
-    fn person(&self, person: impl Fn(f64) -> Option<Joints>) -> Option<Vec<[f64; 2]>> {
+    /// The path of the person's trunk, and the speeds of it over the floor and of their heading, tick by tick \[m/s,
+    /// rad/s\]; `None` if unknown.
+    fn person(&self, person: impl Fn(f64) -> Option<Joints>) -> Option<(Path, Vec<[f64; 2]>)> {
         let duration = self.ticks.len() as f64 * self.period;
         let steps = whole((duration / STEP).ceil()) + 2;
         let seen: Option<Vec<Joints>> = (0..steps).map(|step| person(step as f64 * STEP)).collect();
@@ -234,7 +250,11 @@ impl CalmnessMonitor {
             let (from, to) = (rates[before], rates[before + 1]);
             [0, 1].map(|part| from[part] + (to[part] - from[part]) * share)
         };
-        Some((0..self.ticks.len()).map(at).collect())
+        let motion = (0..self.ticks.len()).map(at).collect();
+        let heading =
+            across.iter().map(|across| Rotation2::rotation_between(&Vector2::y(), across));
+        let heading = heading.collect();
+        Some((Path { step: STEP, trunk, smooth: place, heading }, motion))
     }
 }
 

@@ -8,7 +8,7 @@ use serde::{Serialize, Serializer};
 
 use super::summary::Summary;
 use crate::error::Error;
-use crate::judges::Calmness;
+use crate::judges::{Calmness, Following};
 
 /// Results with and without ergonomics.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,6 +26,9 @@ pub struct Comparison {
 struct Line {
     score_mean_on: f64,
     score_mean_off: Option<f64>,
+    /// Part of these because the person's frame is held.
+    score_of_hold_on: f64,
+    score_of_hold_off: Option<f64>,
     reba_max_on: u8,
     reba_max_off: Option<u8>,
     /// REBA of the recorded posture, which is the same in both runs.
@@ -114,6 +117,8 @@ impl Serialize for Comparison {
         let line = Line {
             score_mean_on: self.on.score_mean,
             score_mean_off: self.off.as_ref().map(|off| off.score_mean),
+            score_of_hold_on: self.on.score_of_hold,
+            score_of_hold_off: self.off.as_ref().map(|off| off.score_of_hold),
             reba_max_on: self.on.reba_max,
             reba_max_off: self.off.as_ref().map(|off| off.reba_max),
             reba_measured_mean: self.on.reba_measured.map(|measured| measured.mean),
@@ -146,8 +151,9 @@ impl Serialize for Comparison {
 /// A row of the table: its label, its digits, and the source of the number.
 type Row = (&'static str, usize, fn(&Summary) -> f64);
 
-const ROWS: [Row; 30] = [
+const ROWS: [Row; 34] = [
     ("e_s mean (0 good, 4.25 bad)", 2, |run| run.score_mean),
+    ("  of it because the frame is held", 3, |run| run.score_of_hold),
     ("e_s maximum", 2, |run| run.score_max),
     ("REBA predicted, mean (1 good, 15 bad)", 1, |run| run.reba_mean),
     ("REBA predicted, maximum", 0, |run| f64::from(run.reba_max)),
@@ -177,6 +183,9 @@ const ROWS: [Row; 30] = [
     ("  base at its acceleration limit [%]", 1, |run| {
         run.calmness.walking.map_or(f64::NAN, |motion| 1e2 * motion.base_at_limit)
     }),
+    ("  begins to follow after them, mean [s]", 2, |run| following(run, |of| of.onset)),
+    ("  the same, worst [s]", 2, |run| following(run, |of| of.onset_worst)),
+    ("  lag behind its place [mm]", 0, |run| 1e3 * following(run, |of| of.lag)),
     ("worst position margin [%]", 1, |run| 100.0 * run.margins.position),
     ("worst velocity margin [%]", 1, |run| 100.0 * run.margins.velocity),
     ("worst acceleration margin [%]", 1, |run| 100.0 * run.margins.acceleration),
@@ -194,6 +203,11 @@ const ROWS: [Row; 30] = [
     ("tick, 99th percentile [µs]", 1, |run| run.tick_us[1]),
     ("tick, maximum [µs]", 1, |run| run.tick_us[2]),
 ];
+
+/// A measure of following; NaN if it is not known.
+fn following(run: &Summary, of: fn(&Following) -> Option<f64>) -> f64 {
+    run.calmness.following.as_ref().and_then(of).unwrap_or(f64::NAN)
+}
 
 impl fmt::Display for Comparison {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

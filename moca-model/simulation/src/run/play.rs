@@ -224,6 +224,9 @@ impl<'a> Run<'a> {
             let frame = PersonFrame::new(floor, person.heading).ok()?;
             self.scorer.score(&frame, &actual)
         });
+        // The tool relative to the person, if the frame that is held were at the person.
+        let held = self.plant.controller().space().person_frame()?;
+        let unheld = self.scorer.score(&held, &actual);
         if let Some(hand) = hand {
             row.score = hand.score;
             row.reba = hand.reba;
@@ -260,6 +263,7 @@ impl<'a> Run<'a> {
         if let (true, Some(hand)) = (engaged, hand) {
             tally.together += 1;
             tally.score += hand.score;
+            tally.score_of_hold += unheld.map_or(0.0, |unheld| hand.score - unheld.score);
             tally.score_max = tally.score_max.max(hand.score);
             tally.reba += f64::from(hand.reba);
             tally.reba_max = tally.reba_max.max(hand.reba);

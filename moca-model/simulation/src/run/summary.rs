@@ -15,6 +15,9 @@ pub struct Summary {
     pub together: f64,
     /// Mean of e_s while working together \[-\].
     pub score_mean: f64,
+    /// Part of this mean that is due to the frame that the robot holds: e_s, less e_s with the tool moved as if that
+    /// frame were where the person is seen \[-\].
+    pub score_of_hold: f64,
     /// Greatest e_s while working together \[-\].
     pub score_max: f64,
     /// Mean of the integer REBA while working together \[-\].

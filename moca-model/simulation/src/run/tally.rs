@@ -10,6 +10,8 @@ pub(super) struct Tally {
     pub(super) ticks: u64,
     pub(super) together: u64,
     pub(super) score: f64,
+    /// Part of the score that is due to the held frame.
+    pub(super) score_of_hold: f64,
     pub(super) score_max: f64,
     pub(super) reba: f64,
     pub(super) reba_max: u8,
@@ -69,6 +71,7 @@ impl Tally {
             duration,
             together: time(tally.together),
             score_mean: share(tally.score, tally.together),
+            score_of_hold: share(tally.score_of_hold, tally.together),
             score_max: tally.score_max,
             reba_mean: share(tally.reba, tally.together),
             reba_max: tally.reba_max,

@@ -4,6 +4,7 @@ use ergo_map::ErgonomicsQuadratic;
 use hrsw_safety::{FORGET_AFTER, LEAST_CONFIDENCE};
 use moca_model::whole_body::Model;
 use moca_model::{Controller, ControllerSettings, Goal, GraspedObject, MOCA_HOME};
+use moca_replay::report::Together;
 use nalgebra::{Matrix3, Vector2, Vector3};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
@@ -17,7 +18,7 @@ use super::monitor::{Monitor, Tick};
 use super::task::Task;
 use super::witnessed::Witnessed;
 use crate::error::Error;
-use crate::judges::body;
+use crate::judges::{StillnessMonitor, body};
 use crate::plant::{Plant, PlantSettings};
 
 /// Purpose of a generator.
@@ -60,6 +61,8 @@ fn generator(seed: u64, stream: Stream) -> ChaCha8Rng {
 pub(super) struct Episode {
     plant: Plant,
     pub(super) monitor: Monitor,
+    pub(super) stillness: StillnessMonitor,
+    together: Together,
     person: Witnessed,
     perception: Perception,
     passers_by: Vec<Witnessed>,
@@ -131,6 +134,8 @@ impl Episode {
         plant.grasp(&object)?;
         Ok(Self {
             monitor,
+            stillness: StillnessMonitor::new(period),
+            together: Together::default(),
             person,
             perception: Perception::new(PersonId::new(0), camera, 0.0, Tool::Drill, eyes),
             passers_by,
@@ -219,6 +224,7 @@ impl Episode {
         if !time.is_nan() {
             self.last = time;
         }
+        self.watch_stillness(disturbance.is_none());
         let contact = self.plant.controller().safety().contact_speed() > 0.0;
         let passers_by = self.passers_by.iter().map(|person| person.moment(false));
         let people = passers_by.chain([self.person.moment(contact)]);
@@ -232,6 +238,18 @@ impl Episode {
             disturbance,
         })?;
         Ok(tick_us)
+    }
+
+    /// Tells the monitor of stillness of this tick, which counts only without a disturbance.
+    fn watch_stillness(&mut self, undisturbed: bool) {
+        let together = self.together.update(self.plant.controller());
+        let base = match self.plant.command().joint_velocity.as_slice() {
+            [x, y, ..] => Vector2::new(*x, *y),
+            _ => Vector2::zeros(),
+        };
+        let (person, hand) = (self.person.person.person().joints(), self.plant.hand());
+        let workpiece = hand.translation.vector;
+        self.stillness.watch(&person, workpiece, base, together && undisturbed);
     }
 
     /// Begins and ends disturbances; some time after one somebody acknowledges what it has left.

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::disturbance::Endings;
 use super::monitor::Counts;
+use crate::judges::Stillness;
 
 /// Result of an episode.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -17,6 +18,8 @@ pub struct EpisodeResult {
     pub ended: Endings,
     /// Ticks in which the robot moves.
     pub moving: u64,
+    /// Stillness while the person stands.
+    pub standing: Stillness,
     /// The first tick with something wrong, in words.
     pub finding: Option<String>,
 }

@@ -113,8 +113,10 @@ impl Soak {
                     flow = each(done);
                 }
             }
+            let standing = episode.stillness.stillness();
             let Monitor { counts, ended, .. } = episode.monitor;
-            results.insert(number, EpisodeResult { ticks: run, counts, ended, moving, finding });
+            let result = EpisodeResult { ticks: run, counts, ended, moving, standing, finding };
+            results.insert(number, result);
         }
         Ok((results, times))
     }

@@ -9,6 +9,7 @@ use super::disturbance::Endings;
 use super::episode_result::EpisodeResult;
 use super::monitor::Counts;
 use super::tick_times::TickTimes;
+use crate::judges::Stillness;
 
 /// Result of a soak.
 #[derive(Clone, Debug)]
@@ -25,6 +26,8 @@ pub struct Summary {
     pub findings: Vec<String>,
     /// Ticks in which the robot moves.
     pub moving: u64,
+    /// Stillness while the person stands.
+    pub standing: Stillness,
     /// Duration of the controller's step: median, and 99.9th percentile \[µs\].
     pub tick_us: [f64; 2],
 }
@@ -47,6 +50,9 @@ struct Line {
     person_caused: u64,
     contact: u64,
     moving: u64,
+    standing_ticks: u64,
+    standing_workpiece_mm_s: Option<f64>,
+    standing_base_at_rest: Option<f64>,
     episodes: u64,
     wrong_states: u64,
     disturbances: Endings,
@@ -62,6 +68,7 @@ impl Summary {
             ended: Endings::default(),
             findings: Vec::new(),
             moving: 0,
+            standing: Stillness::default(),
             tick_us: [500, 999].map(|thousandths| times.quantile(thousandths)),
         };
         for (number, episode) in episodes {
@@ -70,6 +77,7 @@ impl Summary {
             summary.counts += episode.counts;
             summary.ended += &episode.ended;
             summary.moving += episode.moving;
+            summary.standing += episode.standing;
             let finding = |what: &String| format!("episode {}, {what}", number + 1);
             summary.findings.extend(episode.finding.as_ref().map(finding));
         }
@@ -97,6 +105,9 @@ impl Serialize for Summary {
             person_caused: counts.person_caused,
             contact: counts.contact,
             moving: self.moving,
+            standing_ticks: self.standing.ticks,
+            standing_workpiece_mm_s: self.standing.workpiece_rms(),
+            standing_base_at_rest: self.standing.base_at_rest(),
             episodes: self.episodes,
             wrong_states: counts.wrong_states,
             disturbances: self.ended.clone(),
@@ -126,6 +137,12 @@ impl fmt::Display for Summary {
             ("coming nearer to arms in collaboration", counts.contact),
         ] {
             writeln!(f, "{what:46} {count:>10}")?;
+        }
+        let still = &self.standing;
+        writeln!(f, "{:46} {:>10}", "working together, and the person stands", still.ticks)?;
+        if let (Some(speed), Some(rest)) = (still.workpiece_rms(), still.base_at_rest()) {
+            writeln!(f, "{:46} {speed:>10.1}", "  workpiece then, root mean square [mm/s]")?;
+            writeln!(f, "{:46} {:>10.1}", "  base at rest then [%]", 1e2 * rest)?;
         }
         let [median, worst] = self.tick_us;
         writeln!(f, "{:46} {median:>10.1}", "tick, median [µs]")?;

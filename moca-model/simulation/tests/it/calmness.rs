@@ -54,6 +54,23 @@ fn a_swinging_workpiece_is_measured() {
 }
 
 #[test]
+fn a_late_workpiece_lags_behind_its_place() {
+    // The person's mean speed over 0.2 s exceeds 0.2 m/s 33 ms after their first step.
+    for late in [0.0, 0.4] {
+        let calm = judge(|time| 0.5 + 0.3 * (time - 10.0 - late).max(0.0), |_| 0.0);
+        let following = calm.following.unwrap();
+        assert_eq!(following.settings_out, 1);
+        let onset = (late - 0.033_f64).max(0.0);
+        assert!((following.onset.unwrap() - onset).abs() < 0.015, "{following:?}");
+        assert_eq!(following.onset, following.onset_worst);
+        assert!((following.lag.unwrap() - 0.3 * late).abs() < 2e-3, "{following:?}");
+    }
+    // A workpiece that stays behind is behind for the whole walk.
+    let following = judge(|_| 0.5, |_| 0.0).following.unwrap();
+    assert!((following.onset.unwrap() - 4.0).abs() < 0.2, "{following:?}");
+}
+
+#[test]
 fn bang_bang_motion_of_base_is_counted() {
     // The velocity is a triangle between ± 15 mm/s at the limit of 0.6 m/s², 10 times a second. It is never zero in a
     // tick.

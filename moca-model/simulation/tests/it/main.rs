@@ -16,6 +16,7 @@ mod limits;
 mod run;
 mod silence;
 mod soak;
+mod stillness;
 mod support;
 mod walker;
 mod wanderer;

@@ -89,6 +89,7 @@ fn last_line_is_json_with_documented_names() {
         "separation_violations",
         "discontinuities",
         "wrong_states",
+        "standing_ticks",
         "tick_us_p50",
         "tick_us_p999",
     ] {
