@@ -64,7 +64,7 @@ const TURNING_DRIFT: f64 = 1e-5;
 /// let wrong = TrackerSettings { position_sigma: f64::NAN, ..settings };
 /// assert!(wrong.validate().unwrap_err().to_string().contains("position_sigma"));
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct TrackerSettings {
     /// Keypoints with less confidence count as missing. Default 0.3.
     pub least_confidence: f64,

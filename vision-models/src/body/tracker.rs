@@ -145,7 +145,7 @@ impl BodyTracker {
     fn recognise(&mut self, seen: Option<PersonId>) {
         if seen.is_some() && self.id.is_some_and(|id| seen != Some(id)) {
             let Self { last_time, jumps, .. } = *self;
-            *self = Self { last_time, jumps, ..Self::unseen(self.settings) };
+            *self = Self { last_time, jumps, ..Self::unseen(self.settings.clone()) };
         }
         self.id = seen.or(self.id);
     }
