@@ -247,6 +247,12 @@ impl Solver {
         self.solution.x.fill(0.0);
     }
 
+    /// Returns true if the next search starts at zero, with only equalities active.
+    fn is_from_nothing(&self) -> bool {
+        self.set.predicted.iter().all(|state| !state.is_active())
+            && self.solution.x.iter().all(|&x| x == 0.0)
+    }
+
     fn remember(&mut self, status: Status) {
         if status == Status::Solved {
             self.warm_start = WarmStartState::Optimum;
@@ -259,13 +265,11 @@ impl Solver {
     /// Searches all levels from the prediction, and ensures that the result satisfies the data.
     /// Searches again from zero if the rank tolerance decided the active set.
     fn search(&mut self, levels: usize) -> Result<Status, Error> {
-        let from_nothing = self.set.predicted.iter().all(|state| !state.is_active())
-            && self.solution.x.iter().all(|&x| x == 0.0);
         let status = self.search_levels(levels)?;
         if status != Status::Solved {
             return Ok(status);
         }
-        if !from_nothing && self.set.is_rank_in_doubt() {
+        if !self.is_from_nothing() && self.set.is_rank_in_doubt() {
             self.incumbent.copy_from(&self.set);
             self.start_from_nothing();
             if self.search_levels(levels) != Ok(Status::Solved) {

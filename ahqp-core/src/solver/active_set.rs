@@ -50,6 +50,9 @@ pub(crate) struct ActiveSet {
     violated: List<(usize, Activity)>,
     reached: Vec<f64>,
 
+    /// True if a search starts from a prediction, and gives up where that takes long.
+    pub(crate) is_predicted: bool,
+
     /// Search: active rows that a level has fixed for all levels below.
     fixed: Vec<bool>,
     /// Number of groups of the factorisation that x attains: it is where they decide.
@@ -67,8 +70,6 @@ pub(crate) struct ActiveSet {
     candidates: List<Candidate>,
     /// Rows that stay active in the current search: they are needed, or only rounding drops them.
     tabu: List<usize>,
-    /// Path of x when each row was last dropped in a long search.
-    path_at_drop: Vec<f64>,
     /// Rows of a finished objective that were made inactive, with their former activity.
     released: List<(usize, Activity)>,
     /// Largest ‖x‖ of this solve.
@@ -92,6 +93,7 @@ impl ActiveSet {
             signs: Signs::new(count),
             violated: List::with_capacity(count),
             reached: vec![0.0; count],
+            is_predicted: false,
             fixed: vec![false; count],
             attained: 0,
             has_gradient: false,
@@ -101,7 +103,6 @@ impl ActiveSet {
             slope: vec![0.0; count],
             candidates: List::with_capacity(count),
             tabu: List::with_capacity(count),
-            path_at_drop: vec![f64::NEG_INFINITY; count],
             released: List::with_capacity(count),
             max_norm: 0.0,
             data,

@@ -14,21 +14,36 @@ use crate::problem::source::Names;
 enum LevelEnd {
     Solved,
     OutOfBudget,
+    GaveUp,
 }
 
 impl Solver {
-    /// Runs the cascade. Each level is made feasible, minimised and fixed.
+    /// Runs the cascade, from nothing if one from a prediction takes long.
     pub(super) fn search_levels(&mut self, levels: usize) -> Result<Status, Error> {
+        self.set.is_predicted = !self.is_from_nothing();
+        if let Some(status) = self.run_levels(levels)? {
+            return Ok(status);
+        }
+        self.start_from_nothing();
+        self.set.is_predicted = false;
+        Ok(self.run_levels(levels)?.unwrap_or_else(|| self.set.remaining.status(None)))
+    }
+
+    /// Each level is made feasible, minimised and fixed. None if a search gives up.
+    fn run_levels(&mut self, levels: usize) -> Result<Option<Status>, Error> {
         self.set.begin_search(&self.solution.x);
-        for level in 0..levels {
-            if self.solve_level(level)? == LevelEnd::OutOfBudget {
-                return Ok(self.set.remaining.status(Some(LevelId::new(level))));
+        for level in 0..=levels {
+            let (end, id) = match level {
+                _ if level == levels => (self.choose_least_norm(levels), None),
+                _ => (self.solve_level(level)?, Some(LevelId::new(level))),
+            };
+            match end {
+                LevelEnd::Solved => {}
+                LevelEnd::OutOfBudget => return Ok(Some(self.set.remaining.status(id))),
+                LevelEnd::GaveUp => return Ok(None),
             }
         }
-        match self.choose_least_norm(levels) {
-            LevelEnd::Solved => Ok(Status::Solved),
-            LevelEnd::OutOfBudget => Ok(self.set.remaining.status(None)),
-        }
+        Ok(Some(Status::Solved))
     }
 
     fn solve_level(&mut self, level: usize) -> Result<LevelEnd, Error> {
@@ -36,8 +51,9 @@ impl Solver {
         let (constraints, objective) = (rows.constraints.clone(), rows.used_objective());
         let is_minimised = !objective.is_empty() || rows.has_linear;
         self.set.open_held(level);
-        if self.make_feasible(level, constraints.clone())? == LevelEnd::OutOfBudget {
-            return Ok(LevelEnd::OutOfBudget);
+        let feasible = self.make_feasible(level, constraints.clone())?;
+        if feasible != LevelEnd::Solved {
+            return Ok(feasible);
         }
         self.set.place_hard(level, constraints);
         if self.set.is_decided() {
@@ -50,6 +66,7 @@ impl Solver {
             match self.set.search(goal) {
                 End::Unbounded => return Err(unbounded(level)),
                 End::OutOfBudget => return Ok(LevelEnd::OutOfBudget),
+                End::GaveUp => return Ok(LevelEnd::GaveUp),
                 End::Optimal => {}
             }
         }
@@ -71,6 +88,7 @@ impl Solver {
             self.set.place_soft(level, rows.clone());
             match self.set.search(&Goal::Rows(rows.clone())) {
                 End::OutOfBudget => return Ok(LevelEnd::OutOfBudget),
+                End::GaveUp => return Ok(LevelEnd::GaveUp),
                 End::Unbounded => return Err(unbounded(level)),
                 End::Optimal => {}
             }
@@ -110,9 +128,11 @@ impl Solver {
     fn choose_least_norm(&mut self, levels: usize) -> LevelEnd {
         if !self.set.is_decided() {
             self.set.open_held(levels);
-            if self.set.search(&Goal::Norm) == End::OutOfBudget {
-                return LevelEnd::OutOfBudget;
-            }
+            return match self.set.search(&Goal::Norm) {
+                End::OutOfBudget => LevelEnd::OutOfBudget,
+                End::GaveUp => LevelEnd::GaveUp,
+                End::Optimal | End::Unbounded => LevelEnd::Solved,
+            };
         }
         LevelEnd::Solved
     }

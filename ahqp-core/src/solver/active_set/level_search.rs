@@ -4,8 +4,8 @@
 //! blocking row, which becomes active. If no row blocks, the row with the largest force of the
 //! wrong sign becomes inactive (Nocedal & Wright, Numerical Optimization, algorithm 16.3). The
 //! violations of soft rows are variables that are never formed. The objective never rises. In a long
-//! search, rows are chosen by least index, which cannot cycle (Bland). A row that then blocks before
-//! x has moved beyond rounding since its drop was dropped by rounding, and stays active.
+//! search, rows are chosen by least index, which cannot cycle (Bland). Where many rows meet, a search
+//! from a prediction may take long. It gives up, since one from nothing comes to them one by one.
 
 use super::goal::Goal;
 use super::ratio_test::Choice;
@@ -22,6 +22,8 @@ pub(crate) enum End {
     Optimal,
     Unbounded,
     OutOfBudget,
+    /// A search from a prediction takes long.
+    GaveUp,
 }
 
 /// A row that has just become inactive.
@@ -54,18 +56,16 @@ impl ActiveSet {
         self.tabu.clear();
         let mut dropped: Option<Dropped> = None;
         let begun = self.iterations;
-        // Path of x in a long search.
-        let mut path = 0.0;
         loop {
             if self.remaining.is_spent(self.iterations) {
                 return End::OutOfBudget;
             }
             self.iterations += 1;
-            // The least index cannot cycle, but is slow.
             let is_long = self.iterations - begun > LONG * self.data.n;
-            if self.iterations - begun == LONG * self.data.n {
-                self.path_at_drop.fill(f64::NEG_INFINITY);
+            if is_long && self.is_predicted {
+                return End::GaveUp;
             }
+            // The least index cannot cycle, but is slow.
             let choice = if is_long { Choice::First } else { Choice::Steepest };
             let step = self.set_direction(goal);
             let has_minimum = step.has_minimum;
@@ -79,17 +79,10 @@ impl ActiveSet {
             let full = if has_minimum { 1.0 } else { f64::INFINITY };
             let (length, blocking) = self.ratio_test(goal, full, choice);
             self.advance(goal, length, step.moving);
-            if is_long {
-                path += length * norm(&self.direction);
-            }
             if blocking.is_none() && has_minimum {
                 self.attain();
             }
             if let Some((id, bound)) = blocking {
-                let moved = path - self.path_at_drop[id];
-                if is_long && moved <= SETTLED * (1.0 + norm(&self.x)) {
-                    self.tabu.push(id);
-                }
                 self.activate(goal, id, bound);
                 continue;
             }
@@ -97,9 +90,8 @@ impl ActiveSet {
                 return End::Unbounded;
             }
             dropped = self.find_wrong_row(goal, choice).map(|id| self.drop_row(goal, id));
-            match dropped {
-                Some(row) => self.path_at_drop[row.id] = path,
-                None => return End::Optimal,
+            if dropped.is_none() {
+                return End::Optimal;
             }
         }
     }
