@@ -123,7 +123,8 @@ WALKING = motion("walking", "workpiece_p99", 1e3)
 
 def over_quiet(run):
     """The speed of the workpiece over that without noise; None for a run that keeps no distances, unlike that one."""
-    return WALKING(run) / WALKING(run["quiet"]) if run["separation"] else None
+    speed, quiet = WALKING(run), WALKING(run["quiet"])
+    return speed / quiet if run["separation"] and speed is not None and quiet else None
 
 
 # Label, digits, unit, which of the recordings is the worst, the number of a summary, the floor of its mean, and another

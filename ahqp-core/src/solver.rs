@@ -224,6 +224,7 @@ impl Solver {
             self.start_from_nothing();
             return false;
         }
+        self.set.is_predicted = start == WarmStartState::Optimum;
         if start == WarmStartState::Optimum {
             self.prediction.predict(&mut self.set.activity);
         }
@@ -243,6 +244,7 @@ impl Solver {
 
     /// Makes the next search start at zero, with only equalities active.
     fn start_from_nothing(&mut self) {
+        self.set.is_predicted = false;
         self.set.predicted.fill(Activity::Inactive);
         self.solution.x.fill(0.0);
     }

@@ -108,7 +108,9 @@ impl SharedSpace {
     pub fn observe(&mut self, percept: &Percept) -> Result<(), Error> {
         let before = self.tracker.id();
         self.tracker.update(percept)?;
-        if before.is_some() && self.tracker.id() != before {
+        if let (Some(before), Some(now)) = (before, self.tracker.id())
+            && before != now
+        {
             self.person = None;
             self.intention.forget();
         }

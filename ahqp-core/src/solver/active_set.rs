@@ -50,7 +50,7 @@ pub(crate) struct ActiveSet {
     violated: List<(usize, Activity)>,
     reached: Vec<f64>,
 
-    /// True if a search starts from a prediction, and gives up where that takes long.
+    /// True if a search starts from a predicted optimum, and gives up where that takes long.
     pub(crate) is_predicted: bool,
 
     /// Search: active rows that a level has fixed for all levels below.
@@ -68,7 +68,7 @@ pub(crate) struct ActiveSet {
     direction: Vec<f64>,
     slope: Vec<f64>,
     candidates: List<Candidate>,
-    /// Rows that stay active in the current search: they are needed, or only rounding drops them.
+    /// Rows that stay active in the current search, since objectives above need them.
     tabu: List<usize>,
     /// Rows of a finished objective that were made inactive, with their former activity.
     released: List<(usize, Activity)>,

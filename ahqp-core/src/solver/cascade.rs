@@ -20,12 +20,10 @@ enum LevelEnd {
 impl Solver {
     /// Runs the cascade, from nothing if one from a prediction takes long.
     pub(super) fn search_levels(&mut self, levels: usize) -> Result<Status, Error> {
-        self.set.is_predicted = !self.is_from_nothing();
         if let Some(status) = self.run_levels(levels)? {
             return Ok(status);
         }
         self.start_from_nothing();
-        self.set.is_predicted = false;
         Ok(self.run_levels(levels)?.unwrap_or_else(|| self.set.remaining.status(None)))
     }
 

@@ -28,7 +28,7 @@ impl MecanumBase {
     /// Checks the ranges.
     ///
     /// # Errors
-    /// [`Error::Setting`] names the first that is out of its range.
+    /// [`Error::Value`] names the first that is out of its range.
     pub fn validate(&self) -> Result<(), Error> {
         check_positive([("base.speed", self.speed), ("base.axis_speed", self.axis_speed)])?;
         let lever = [("base.lever", self.lever)];

@@ -32,7 +32,7 @@ use crate::percept::Percept;
 /// another and are too far away for noise, the track restarts there. If measurements are missing,
 /// the track is predicted at constant velocity for at most half a second. [`Freshness`] states how
 /// well the person's place is known. The lengths of segments measured after a restart show whether it is another person.
-/// A body with another id than before is another person: the tracker begins anew.
+/// A body with another id than the one before is another person: the tracker begins anew.
 ///
 /// [`update`](Self::update) takes each percept as it comes. [`predict`](Self::predict) returns the
 /// person's pose at any time and allocates nothing. Joints that are missing, have low confidence or
@@ -141,16 +141,18 @@ impl BodyTracker {
         Ok(())
     }
 
-    /// Forgets the person before if the one that is seen has another id.
+    /// Forgets the person before if the body seen before this one has another id.
     fn recognise(&mut self, seen: Option<PersonId>) {
-        if seen.is_some() && self.id.is_some_and(|id| seen != Some(id)) {
+        if let (Some(before), Some(now)) = (self.id, seen)
+            && before != now
+        {
             let Self { last_time, jumps, .. } = *self;
             *self = Self { last_time, jumps, ..Self::unseen(self.settings.clone()) };
         }
-        self.id = seen.or(self.id);
+        self.id = seen;
     }
 
-    /// Returns the id of the person seen last, if bodies have one.
+    /// Returns the id of the body seen last, if it has one.
     pub fn id(&self) -> Option<PersonId> {
         self.id
     }

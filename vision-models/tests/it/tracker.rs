@@ -284,6 +284,19 @@ fn another_id_is_another_person() {
     assert!(place.is_some_and(|y| (y - 0.1).abs() < 1e-9), "{place:?}");
 }
 
+/// One person alone has no id. They get a new one when somebody else comes.
+#[test]
+fn who_gets_an_id_stays_the_same_person() {
+    let mut tracker = tracker();
+    for frame in 0..60_u32 {
+        let id = [Some(PersonId::new(1)), None, Some(PersonId::new(2))][frame as usize / 20];
+        let body = standing_at(vector![2.0, 0.0], 0.0).with_id(id);
+        let time = FRAME * f64::from(frame);
+        tracker.update(&percept(time, body)).unwrap();
+        assert_eq!(tracker.predict(time).is_some(), frame >= 3, "frame {frame}");
+    }
+}
+
 /// A frame that is refused changes nothing, whoever it shows.
 #[test]
 fn a_refused_frame_of_another_changes_nothing() {

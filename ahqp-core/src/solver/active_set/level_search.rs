@@ -62,7 +62,8 @@ impl ActiveSet {
             }
             self.iterations += 1;
             let is_long = self.iterations - begun > LONG * self.data.n;
-            if is_long && self.is_predicted {
+            let longest = LONG * self.data.n;
+            if is_long && self.is_predicted && self.remaining.left(self.iterations) > longest {
                 return End::GaveUp;
             }
             // The least index cannot cycle, but is slow.

@@ -1,7 +1,7 @@
 //! One robot, one controller, a person and passers-by, for some seconds.
 
 use ergo_map::ErgonomicsQuadratic;
-use hrsw_safety::{FORGET_AFTER, LEAST_CONFIDENCE};
+use hrsw_safety::{FORGET_AFTER, LEAST_CONFIDENCE, SafetyState};
 use moca_model::whole_body::Model;
 use moca_model::{Controller, ControllerSettings, Goal, GraspedObject, MOCA_HOME};
 use moca_replay::report::Together;
@@ -240,9 +240,10 @@ impl Episode {
         Ok(tick_us)
     }
 
-    /// Tells the monitor of stillness of this tick, which counts only without a disturbance.
+    /// Tells the monitor of stillness of this tick, which counts only without a disturbance and a stop.
     fn watch_stillness(&mut self, undisturbed: bool) {
-        let together = self.together.update(self.plant.controller());
+        let together = self.together.update(self.plant.controller())
+            && self.plant.command().safety == SafetyState::Normal;
         let base = match self.plant.command().joint_velocity.as_slice() {
             [x, y, ..] => Vector2::new(*x, *y),
             _ => Vector2::zeros(),

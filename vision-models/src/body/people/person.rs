@@ -121,7 +121,9 @@ impl PersonTrack {
     /// Assigns a body of the frame to this person.
     pub(super) fn claim(&mut self, body: &Body, time: f64) -> Result<(), Error> {
         let interval = time - self.last;
-        let percept = Percept { time, body: Some(body.clone()), action: None, surface: None };
+        // This person is followed by place. Another tracker may have given the body another id.
+        let followed = body.clone().with_id(None);
+        let percept = Percept { time, body: Some(followed), action: None, surface: None };
         self.tracker.update(&percept)?;
         let seen = self.tracker.look(body, interval);
         let floor = seen.best_floor(self.tracker.facing(time));
