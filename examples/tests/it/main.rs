@@ -33,8 +33,6 @@ mod perceive_networks;
 mod programs;
 mod reba;
 mod record;
-mod recording;
-mod recording_extras;
 mod robot_packets;
 mod robot_side;
 #[cfg(feature = "ros2")]
