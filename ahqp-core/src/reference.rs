@@ -61,8 +61,8 @@ const DETERMINED: f64 = 1e-8;
 /// ```
 ///
 /// # Errors
-/// Those of [`Solver::validate`](crate::Solver::validate). [`Error::Reference`] with the level and the reason if constraints
-/// cannot hold, or with Clarabel's status if Clarabel fails.
+/// Those of [`Solver::validate`](crate::Solver::validate). [`Error::Reference`] with the level and
+/// the reason if constraints cannot hold, or with Clarabel's status if Clarabel fails.
 pub fn solve_reference(hierarchy: &Hierarchy) -> Result<DVector<f64>, Error> {
     ProblemData::validate(hierarchy)?;
     let n = hierarchy.variables();

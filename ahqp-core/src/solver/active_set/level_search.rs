@@ -61,8 +61,8 @@ impl ActiveSet {
                 return End::OutOfBudget;
             }
             self.iterations += 1;
-            let is_long = self.iterations - begun > LONG * self.data.n;
             let longest = LONG * self.data.n;
+            let is_long = self.iterations - begun > longest;
             if is_long && self.is_predicted && self.remaining.left(self.iterations) > longest {
                 return End::GaveUp;
             }
