@@ -1,7 +1,7 @@
 //! The controller, which takes percepts at camera rate and returns commands once a millisecond.
 
 mod base_drive;
-mod commanded_motion;
+pub(crate) mod commanded_motion;
 mod goal_share;
 mod grasping;
 mod looking;
@@ -92,7 +92,7 @@ impl Controller {
         let accelerations: Vec<f64> = limits.map(|limits| limits.acceleration).collect();
         let limits = RobotLimits { accelerations: &accelerations, speed: MOCA_AXIS_SPEED };
         let safety = Safety::new(layout, settings.safety.clone(), &limits, settings.period)?;
-        let clock = LoopClock::new(settings.period, settings.clock())?;
+        let clock = LoopClock::new(settings.period)?;
         let stack = CollaborationStack::new(&robot, &settings, &safety)?;
         let motion = CommandedMotion::new(&mut robot, &settings, configuration)?;
         let tool = *robot.world_from_tool();
@@ -145,7 +145,7 @@ impl Controller {
         }
         tick.fault.into_iter().for_each(|fault| self.report(fault));
         let period = self.settings.period;
-        let times = self.motion.begin(tick.elapsed, &self.settings);
+        let times = self.motion.begin(tick.elapsed, period);
         // The robot moved at the last velocities until this tick came.
         self.integrate(tick.elapsed - period);
         let in_time = !matches!(tick.fault, Some(Fault::Clock(_) | Fault::EarlyTick));
@@ -258,11 +258,8 @@ impl Controller {
                 activation: self.command.activation,
             },
             velocity,
-            intervals: &motion.intervals,
-            returns: &motion.returns,
-            gentle: &motion.gentle,
+            motion,
             safety: &self.safety,
-            braking: &motion.braking,
         };
         let solution = self.stack.solve(&mut self.robot, &input)?;
         let status = solution.status();

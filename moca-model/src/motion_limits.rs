@@ -1,11 +1,11 @@
 //! Limits of joints and desired pose for the next tick.
 
-use ahqp_core::{AcceleratedState, AugmentedState, JerkLimits, Limits, Rows, VelocityInterval};
-use whole_body::Model;
+use ahqp_core::{AcceleratedState, AugmentedState, JerkLimits, Rows, VelocityInterval};
+use hrsw_safety::LoopClock;
 use whole_body::limits::nearest_to_rest;
 
 use crate::error::Error;
-use crate::settings::{ControllerSettings, DesiredMotion, MecanumBase};
+use crate::settings::MecanumBase;
 
 /// Signs of v_x, v_y and ω in the eight rows of the wheel limit.
 const WHEEL_SIGNS: [[f64; 3]; 8] = [
@@ -64,97 +64,6 @@ impl MecanumBase {
     }
 }
 
-/// Positions of coordinates, the last commanded velocities, and their rates.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Motion<'a> {
-    pub(crate) position: &'a [f64],
-    pub(crate) velocity: &'a [f64],
-    pub(crate) acceleration: &'a [f64],
-}
-
-impl Motion<'_> {
-    /// The motion of the first `count` coordinates, and that of the others.
-    pub(crate) fn split_at(&self, count: usize) -> (Self, Self) {
-        let [position, velocity, acceleration] =
-            [self.position, self.velocity, self.acceleration].map(|all| all.split_at(count));
-        let of = |position, velocity, acceleration| Self { position, velocity, acceleration };
-        (of(position.0, velocity.0, acceleration.0), of(position.1, velocity.1, acceleration.1))
-    }
-
-    fn states(&self) -> impl Iterator<Item = AcceleratedState> {
-        let motion = self.position.iter().zip(self.velocity).zip(self.acceleration);
-        motion.map(|((&position, &velocity), &acceleration)| AcceleratedState {
-            position,
-            velocity,
-            acceleration,
-        })
-    }
-}
-
-/// The limits of all joints as [`JerkLimits`].
-///
-/// # Errors
-/// [`Error::Hierarchy`] for limits that are not positive or empty.
-pub(crate) fn joint_limits(model: &Model) -> Result<Vec<JerkLimits>, Error> {
-    let limits = model.limits().iter();
-    let limits = limits
-        .map(|l| Ok(Limits::new(l.lower, l.upper, l.velocity, l.acceleration)?.with_jerk(l.jerk)?));
-    limits.collect()
-}
-
-/// The limits of the desired pose, along and about each axis.
-///
-/// # Errors
-/// [`Error::Hierarchy`] for limits that are not positive.
-pub(crate) fn desired_limits(desired: &DesiredMotion) -> Result<[JerkLimits; 6], Error> {
-    let free = (f64::NEG_INFINITY, f64::INFINITY);
-    // A cube within the sphere of all changes.
-    let [linear, angular] = desired.axis_accelerations();
-    let limits = |velocity: f64, acceleration: f64| -> Result<JerkLimits, Error> {
-        Ok(Limits::new(free.0, free.1, velocity, acceleration)?.with_jerk(f64::INFINITY)?)
-    };
-    let linear = limits(desired.velocity, linear)?;
-    let angular = limits(desired.angular_velocity, angular)?;
-    Ok([linear, linear, linear, angular, angular, angular])
-}
-
-/// The limits for coming to rest, without position limits.
-///
-/// # Errors
-/// Never, since the limits come from `limits`.
-pub(crate) fn braking_limits(limits: &[JerkLimits]) -> Result<Vec<JerkLimits>, Error> {
-    let limits = limits.iter().map(|limits| {
-        let (velocity, acceleration) = (limits.limits().velocity(), limits.limits().acceleration());
-        let free = Limits::new(f64::NEG_INFINITY, f64::INFINITY, velocity, acceleration)?;
-        Ok(free.with_jerk(limits.jerk())?.slowed(0.0))
-    });
-    limits.collect()
-}
-
-/// Lets joints outside their position limits wait. If the limits force such a joint back, its interval is widened to
-/// admit braking, and the forced interval goes to `returns`. Other joints have infinite intervals there.
-pub(crate) fn admit_braking(
-    [limits, braking]: [&[JerkLimits]; 2],
-    motion: Motion<'_>,
-    step: f64,
-    intervals: &mut [VelocityInterval],
-    returns: &mut [VelocityInterval],
-) {
-    let joints = limits.iter().zip(braking).zip(motion.states());
-    for ((interval, forced), ((limits, braking), state)) in
-        intervals.iter_mut().zip(returns).zip(joints)
-    {
-        *forced = VelocityInterval { lower: f64::NEG_INFINITY, upper: f64::INFINITY };
-        let limits = limits.limits();
-        if state.position < limits.lower() || state.position > limits.upper() {
-            let braked = nearest_to_rest(&braking.velocity_interval(state, step));
-            *forced = *interval;
-            interval.lower = interval.lower.min(braked);
-            interval.upper = interval.upper.max(braked);
-        }
-    }
-}
-
 /// Time for which a single command may last without moving a joint beyond its position limits \[s\]. It is three times
 /// the 20 ms after which a robot brakes by itself, and covers pauses of a desktop's scheduler.
 const LONGEST_STALL: f64 = 0.06;
@@ -174,9 +83,9 @@ impl TickTimes {
     /// Computes the times of a tick. The tick before came `before` \[s\] after its predecessor. Velocities change for
     /// the period, or for the elapsed time if that is shorter. After two late ticks they change for the shorter of both
     /// times. So a slow loop brakes as fast as a fast one, and a single late tick causes no jump.
-    pub(crate) fn new(elapsed: f64, before: f64, settings: &ControllerSettings) -> Self {
-        let (period, shorter) = (settings.period, elapsed.min(before));
-        let is_late = shorter > (1.0 + settings.clock().tolerance) * period;
+    pub(crate) fn new(elapsed: f64, before: f64, period: f64) -> Self {
+        let shorter = elapsed.min(before);
+        let is_late = shorter > (1.0 + LoopClock::TOLERANCE) * period;
         let step = if is_late { shorter } else { elapsed.min(period) };
         Self { elapsed, step }
     }
@@ -192,28 +101,25 @@ impl TickTimes {
         let reached = slow.max(before - jerk).min(before + jerk);
         [reached.max(slow.min(fast)).min(slow.max(fast)), fast]
     }
-}
 
-/// Computes the velocities that each coordinate may take, whenever the next tick comes.
-///
-/// Position limits leave room for one stall of [`LONGEST_STALL`]. Irregular ticks may need more: velocities then change
-/// for all the elapsed time, as far as ticks that are [`SLOWEST`] apart need it.
-pub(crate) fn write_intervals(
-    limits: &[JerkLimits],
-    motion: Motion<'_>,
-    scale: f64,
-    times: TickTimes,
-    intervals: &mut [VelocityInterval],
-) {
-    let TickTimes { elapsed, step } = times;
-    for ((interval, limits), state) in intervals.iter_mut().zip(limits).zip(motion.states()) {
-        *interval = limits.slowed(scale).holding(LONGEST_STALL).velocity_interval(state, step);
-        if elapsed > step {
-            let needed = limits.holding(SLOWEST).velocity_interval(state, elapsed);
-            let within = |end: f64| end.max(needed.lower).min(needed.upper);
-            interval.lower = within(interval.lower);
-            interval.upper = within(interval.upper);
+    /// The velocities that a coordinate may take at a share of its speed, whenever the next tick comes.
+    ///
+    /// Position limits leave room for one stall of [`LONGEST_STALL`]. Irregular ticks may need more: velocities then
+    /// change for all the elapsed time, as far as ticks that are [`SLOWEST`] apart need it.
+    pub(crate) fn interval(
+        self,
+        limits: &JerkLimits,
+        state: AcceleratedState,
+        share: f64,
+    ) -> VelocityInterval {
+        let stalled = limits.slowed(share).holding(LONGEST_STALL);
+        let VelocityInterval { lower, upper } = stalled.velocity_interval(state, self.step);
+        if self.elapsed <= self.step {
+            return VelocityInterval { lower, upper };
         }
+        let needed = limits.holding(SLOWEST).velocity_interval(state, self.elapsed);
+        let within = |end: f64| end.max(needed.lower).min(needed.upper);
+        VelocityInterval { lower: within(lower), upper: within(upper) }
     }
 }
 
@@ -246,26 +152,6 @@ pub(crate) fn bound_held_acceleration(
     }
 }
 
-/// Brakes each coordinate for `step` seconds, whatever its position, from that of its accelerations that leads nearer to
-/// rest.
-pub(crate) fn brake<'a>(
-    braking: &[JerkLimits],
-    accelerations: impl IntoIterator<Item = &'a [f64; 2]>,
-    step: f64,
-    velocity: &mut [f64],
-) {
-    if step <= 0.0 {
-        return;
-    }
-    for ((velocity, limits), accelerations) in velocity.iter_mut().zip(braking).zip(accelerations) {
-        let [first, second] = accelerations.map(|acceleration| {
-            let state = AcceleratedState { position: 0.0, velocity: *velocity, acceleration };
-            nearest_to_rest(&limits.velocity_interval(state, step))
-        });
-        *velocity = if second.abs() < first.abs() { second } else { first };
-    }
-}
-
 /// Moves each velocity to the nearest one of its interval.
 pub(crate) fn clamp(velocity: &mut [f64], intervals: &[VelocityInterval]) {
     for (velocity, interval) in velocity.iter_mut().zip(intervals) {
@@ -275,7 +161,10 @@ pub(crate) fn clamp(velocity: &mut [f64], intervals: &[VelocityInterval]) {
 
 #[cfg(test)]
 mod tests {
+    use ahqp_core::Limits;
+
     use super::*;
+    use crate::settings::ControllerSettings;
     use proptest::prelude::*;
 
     proptest! {
@@ -305,26 +194,20 @@ mod tests {
             ends in prop::collection::vec(any::<bool>(), 5), share in prop::collection::vec(0.0..1.0_f64, 500),
         ) {
             // Joint 5 of a Panda. It goes to one end of its interval for some ticks, then to the other.
-            let limits = [Limits::new(-2.8, 2.8, 2.61, 15.0).unwrap().with_jerk(7500.0).unwrap()];
-            let settings = ControllerSettings::default();
+            let limits = Limits::new(-2.8, 2.8, 2.61, 15.0).unwrap().with_jerk(7500.0).unwrap();
+            let period = ControllerSettings::default().period;
             let (mut position, mut velocity, mut acceleration) = (0.0, 0.0, 0.0);
-            let mut before = settings.period;
+            let mut before = period;
             let ends = ends.into_iter().flat_map(|up| [up; 100]);
             for ((elapsed, share), up) in late.iter().zip(share).zip(ends) {
                 position += velocity * elapsed;
-                let times = TickTimes::new(*elapsed, before, &settings);
+                let times = TickTimes::new(*elapsed, before, period);
                 before = *elapsed;
-                let motion = Motion {
-                    position: &[position],
-                    velocity: &[velocity],
-                    acceleration: &[acceleration],
-                };
-                let mut own = [VelocityInterval { lower: 0.0, upper: 0.0 }];
-                write_intervals(&limits, motion, 1.0, times, &mut own);
-                let VelocityInterval { lower, upper } = own[0];
+                let state = AcceleratedState { position, velocity, acceleration };
+                let VelocityInterval { lower, upper } = times.interval(&limits, state, 1.0);
                 let share = if up { 1.0 - 0.3 * share * share } else { 0.3 * share * share };
                 let next = lower + share * (upper - lower);
-                [acceleration, _] = times.accelerations(&limits[0], next - velocity, acceleration);
+                [acceleration, _] = times.accelerations(&limits, next - velocity, acceleration);
                 velocity = next;
                 prop_assert!(velocity.abs() <= 2.61 * (1.0 + 1e-9), "{velocity} rad/s");
                 prop_assert!(position.abs() <= 2.8 + 1e-9, "{position} rad");

@@ -7,8 +7,9 @@ mod stack;
 use ahqp_core::{Budget, Stacking};
 use ergo_map::{Person, Region, Side};
 use hrsw::Bounds;
-use hrsw_safety::{ClockSettings, SafetySettings};
+use hrsw_safety::SafetySettings;
 use nalgebra::{UnitQuaternion, Vector3, Vector6};
+use whole_body::robot::JointLimits;
 
 use crate::error::{Error, check_not_negative, check_positive, check_settings};
 use crate::following_error::FollowingErrorSettings;
@@ -122,6 +123,19 @@ impl Default for DesiredMotion {
 }
 
 impl DesiredMotion {
+    /// The limits along and about each axis.
+    pub(crate) fn limits(&self) -> [JointLimits; 6] {
+        let [linear, angular] = self.axis_accelerations();
+        let limits = |velocity: f64, acceleration: f64| JointLimits {
+            velocity,
+            acceleration,
+            ..JointLimits::UNLIMITED
+        };
+        let linear = limits(self.velocity, linear);
+        let angular = limits(self.angular_velocity, angular);
+        [linear, linear, linear, angular, angular, angular]
+    }
+
     /// The accelerations along and about each axis that keep their norms within the limits.
     pub(crate) fn axis_accelerations(&self) -> [f64; 2] {
         [self.acceleration, self.angular_acceleration].map(|limit| limit / 3.0_f64.sqrt())
@@ -240,17 +254,10 @@ impl ControllerSettings {
         }
     }
 
-    /// Returns the tolerances for the times of ticks and camera frames. A slow loop may miss a tick as well.
-    pub(crate) fn clock(&self) -> ClockSettings {
-        let clock = ClockSettings::default();
-        ClockSettings { gap: clock.gap.max(2.0 * self.period), ..clock }
-    }
-
     /// Checks the ranges that no other part checks at construction.
     ///
     /// # Errors
-    /// [`Error::Value`] names the first that is out of its range, [`Error::Safety`] one of the
-    /// clock's.
+    /// [`Error::Value`] names the first that is out of its range.
     pub fn validate(&self) -> Result<(), Error> {
         let desired = &self.desired;
         check_positive([
@@ -281,7 +288,6 @@ impl ControllerSettings {
         self.hand.validate()?;
         let camera = self.on_board_camera.unwrap_or_default().map(|at| ("on_board_camera", at));
         check_settings(camera, "finite", f64::is_finite)?;
-        self.clock().validate(self.period)?;
         self.following_error.validate()?;
         let [linear, angular] = desired.axis_accelerations();
         let brake = (desired.velocity / linear).max(desired.angular_velocity / angular);

@@ -10,6 +10,7 @@ use nalgebra::{Isometry3, Translation3};
 use whole_body::stack::{TaskId, TaskLevel, TaskStack};
 use whole_body::tasks::{AugmentedFrameTask, RowBlock, VariableLayout, VelocityTask};
 
+use crate::controller::commanded_motion::CommandedMotion;
 use crate::error::Error;
 use crate::robot::kinematics::Kinematics;
 use crate::robot::moca::MOCA_BASE_JOINTS;
@@ -64,16 +65,10 @@ pub(crate) struct StackInput<'a> {
     pub(crate) goal: GoalTerms<'a>,
     /// The last commanded q̇, n \[m/s or rad/s\].
     pub(crate) velocity: &'a [f64],
-    /// Velocity intervals of the joints, then those of ẋ_d.
-    pub(crate) intervals: &'a [VelocityInterval],
-    /// Velocities that return joints into their position limits; infinite intervals for joints within them.
-    pub(crate) returns: &'a [VelocityInterval],
-    /// Velocities of the base while safety does not need more; empty for a robot without a base.
-    pub(crate) gentle: &'a [VelocityInterval],
+    /// The velocities that limits allow.
+    pub(crate) motion: &'a CommandedMotion,
     /// Separation from people and from the robot itself, as measured in this tick.
     pub(crate) safety: &'a Safety,
-    /// The joint velocities nearest to rest that the intervals allow, n \[m/s or rad/s\].
-    pub(crate) braking: &'a [f64],
 }
 
 impl CollaborationStack {
@@ -204,7 +199,11 @@ impl CollaborationStack {
         robot: &mut Kinematics,
         input: &StackInput<'_>,
     ) -> Result<&Solution, Error> {
-        self.set_bounds(input.intervals);
+        let intervals = input.motion.joints.now.iter().chain(&input.motion.desired.now);
+        let (lower, upper) = self.stack.bounds_mut();
+        for ((lower, upper), interval) in lower.iter_mut().zip(upper).zip(intervals) {
+            (*lower, *upper) = (interval.lower, interval.upper);
+        }
         self.set_safety(robot, input)?;
         let Self { stack, tasks, soft, .. } = self;
         let kinematics = stack.task_mut(tasks.kinematics)?;
@@ -213,10 +212,7 @@ impl CollaborationStack {
         soft.write_rows(input.workspace, input.desired, stack.block_mut(tasks.workspace)?)?;
         stack.task_mut(tasks.goal)?.set(&input.goal, &input.desired.translation.vector)?;
         if let Some(gentle) = tasks.gentle {
-            let gentle = stack.task_mut(gentle)?;
-            for (row, interval) in input.gentle.iter().enumerate() {
-                gentle.set_range(row, interval.lower, interval.upper)?;
-            }
+            set_ranges(stack.task_mut(gentle)?, &input.motion.gentle)?;
         }
         if let Some(smoothness) = tasks.smoothness {
             let smoothness = stack.task_mut(smoothness)?;
@@ -228,17 +224,10 @@ impl CollaborationStack {
         Ok(stack.solve(self.budget)?)
     }
 
-    fn set_bounds(&mut self, intervals: &[VelocityInterval]) {
-        let (lower, upper) = self.stack.bounds_mut();
-        for ((lower, upper), interval) in lower.iter_mut().zip(upper).zip(intervals) {
-            *lower = interval.lower;
-            *upper = interval.upper;
-        }
-    }
-
     fn set_safety(&mut self, robot: &mut Kinematics, input: &StackInput<'_>) -> Result<(), Error> {
         let Self { stack, tasks, base, .. } = self;
-        let motion = JointMotion { braking: Some(input.braking), ..robot.motion(input.velocity) };
+        let motion =
+            JointMotion { braking: Some(&input.motion.braking), ..robot.motion(input.velocity) };
         if let Some(speed_cap) = tasks.speed_cap {
             input.safety.write_cap(&motion, stack.block_mut(speed_cap)?)?;
         }
@@ -250,16 +239,20 @@ impl CollaborationStack {
         }
         if let (Some(base), Some(wheels)) = (base, tasks.wheels) {
             let yaw = robot.posed()?.configuration().get(2).copied().unwrap_or_default();
-            base.write(yaw, input.intervals, stack.block_mut(wheels)?)?;
+            base.write(yaw, &input.motion.joints.now, stack.block_mut(wheels)?)?;
         }
         if let Some(returns) = tasks.returns {
-            let returns = stack.task_mut(returns)?;
-            for (row, interval) in input.returns.iter().enumerate() {
-                returns.set_range(row, interval.lower, interval.upper)?;
-            }
+            set_ranges(stack.task_mut(returns)?, &input.motion.returns)?;
         }
         Ok(())
     }
+}
+
+fn set_ranges(task: &mut VelocityTask, intervals: &[VelocityInterval]) -> Result<(), Error> {
+    let rows = intervals.iter().enumerate();
+    Ok(rows
+        .into_iter()
+        .try_for_each(|(row, interval)| task.set_range(row, interval.lower, interval.upper))?)
 }
 
 /// Creates a task with one row for each of these variables, at zero.

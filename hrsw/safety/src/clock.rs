@@ -1,59 +1,12 @@
 //! Clock of a control loop: times of ticks and stamps of camera frames.
 
 use crate::age::Age;
-use crate::error::{Error, not_negative, positive};
+use crate::error::{Error, positive};
 use crate::fault::{ClockFault, Fault, FrameFault};
-
-/// Tolerances by which a [`LoopClock`] judges the times of ticks and of frames.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
-#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
-pub struct ClockSettings {
-    /// Share of the period by which a tick may be early or late \[-\]. Earlier is an early tick,
-    /// later a late one. Default 0.5.
-    pub tolerance: f64,
-    /// Largest delay of a tick beyond one period after the tick before \[s\]. A longer delay means
-    /// that the clock was set or the loop stood still. Default 0.1.
-    pub gap: f64,
-    /// Largest time by which a frame's stamp may be ahead of the ticks \[s\], for clocks that agree
-    /// only approximately. Below a day. Default 0.005.
-    pub ahead: f64,
-}
 
 /// A stamp and a tick that differ by more have different origins \[s\]. No frame is a day old.
 /// Seconds since 1970 and seconds since the start of a machine differ by decades.
 const EPOCH: f64 = 86_400.0;
-
-impl Default for ClockSettings {
-    fn default() -> Self {
-        Self { tolerance: 0.5, gap: 0.1, ahead: 0.005 }
-    }
-}
-
-impl ClockSettings {
-    /// Checks the ranges for a control `period` \[s\].
-    ///
-    /// # Errors
-    /// [`Error::Value`] names the first setting that is out of its range.
-    pub fn validate(&self, period: f64) -> Result<(), Error> {
-        positive("the control period", period)?;
-        if !(self.tolerance > 0.0 && self.tolerance < 1.0) {
-            let (name, value) = ("clock.tolerance", self.tolerance);
-            return Err(Error::Value { what: name, got: value, wanted: "above 0 and below 1" });
-        }
-        if self.gap.is_nan() || self.gap < (1.0 + self.tolerance) * period {
-            let (name, value) = ("clock.gap", self.gap);
-            let expected = "at least the longest time between ticks that the tolerance admits";
-            return Err(Error::Value { what: name, got: value, wanted: expected });
-        }
-        not_negative("clock.ahead", self.ahead)?;
-        if self.ahead >= EPOCH {
-            let (what, wanted) = ("clock.ahead", "below a day, 86,400 s");
-            return Err(Error::Value { what, got: self.ahead, wanted });
-        }
-        Ok(())
-    }
-}
 
 /// Two ticks closer than this share of the period have the same time.
 const STANDING: f64 = 1e-3;
@@ -79,6 +32,10 @@ pub struct Tick {
     pub forgets: bool,
 }
 
+/// Largest delay of a tick beyond one period after the tick before \[s\]. A longer delay means that the
+/// clock was set or the loop stood still. A slow loop may miss a tick as well.
+const GAP: f64 = 0.1;
+
 /// Checks the times of ticks and frames. All times are in seconds on one clock of any origin, which
 /// must not stand still or be set.
 ///
@@ -91,9 +48,9 @@ pub struct Tick {
 /// newer than the one before. A frame that is not is refused and changes nothing.
 ///
 /// ```
-/// use hrsw_safety::{ClockSettings, FrameFault, LoopClock};
+/// use hrsw_safety::{FrameFault, LoopClock};
 ///
-/// let mut clock = LoopClock::new(1e-3, ClockSettings::default())?;
+/// let mut clock = LoopClock::new(1e-3)?;
 /// assert_eq!(clock.tick(20.0).fault, None);
 /// assert_eq!(clock.frame(19.95), Ok(()));
 /// assert_eq!(clock.frame(3620.0), Err(FrameFault::Future));
@@ -106,7 +63,6 @@ pub struct Tick {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoopClock {
-    settings: ClockSettings,
     period: f64,
     now: Option<f64>,
     /// Current time, if it was set before the tick \[s\].
@@ -120,21 +76,31 @@ pub struct LoopClock {
 }
 
 impl LoopClock {
+    /// Share of the period by which a tick may be early or late \[-\]. Earlier is an early tick, later
+    /// a late one.
+    pub const TOLERANCE: f64 = 0.5;
+    /// Largest time by which a frame's stamp may be ahead of the ticks \[s\], for clocks that agree
+    /// only approximately.
+    pub const AHEAD: f64 = 0.005;
+
     /// Creates a clock before its first tick, for a control `period` \[s\].
     ///
     /// # Errors
-    /// [`Error::Value`] if a setting is out of range.
-    pub fn new(period: f64, settings: ClockSettings) -> Result<Self, Error> {
-        settings.validate(period)?;
+    /// [`Error::Value`] unless the period is positive and finite.
+    pub fn new(period: f64) -> Result<Self, Error> {
         Ok(Self {
-            settings,
-            period,
+            period: positive("the control period", period)?,
             now: None,
             present: None,
             behind: 0.0,
             late_share: 0.0,
             newest: None,
         })
+    }
+
+    /// Returns the largest delay of a tick beyond one period after the tick before \[s\].
+    pub fn longest_gap(&self) -> f64 {
+        GAP.max(2.0 * self.period)
     }
 
     /// Sets the time `now` \[s\] before the tick. Frames taken until the tick are judged by it
@@ -161,12 +127,12 @@ impl LoopClock {
 
     /// Returns the time since the last tick, as it is to be used, and its fault.
     fn judge(&mut self, elapsed: f64) -> (f64, Option<Fault>) {
-        let Self { settings, period, .. } = *self;
+        let period = self.period;
         let fault = if elapsed < 0.0 {
             Some(ClockFault::SetBack)
         } else if elapsed <= STANDING * period {
             Some(ClockFault::StandsStill)
-        } else if elapsed - period > settings.gap + ROUNDING * period {
+        } else if elapsed - period > self.longest_gap() + ROUNDING * period {
             Some(ClockFault::SetAhead)
         } else {
             None
@@ -175,7 +141,7 @@ impl LoopClock {
             self.behind = 0.0;
             return (period, Some(fault.into()));
         }
-        let is_late = elapsed > (1.0 + settings.tolerance + ROUNDING) * period;
+        let is_late = elapsed > (1.0 + Self::TOLERANCE + ROUNDING) * period;
         self.late_share += NEWEST * (f64::from(u8::from(is_late)) - self.late_share);
         let before_due = period - self.behind.max(0.0) - elapsed;
         // Time since the first due time without a tick. A late tick takes the place of the last due
@@ -186,7 +152,7 @@ impl LoopClock {
         // due times.
         self.behind = if missed < 0.0 { 0.0 } else { after - missed * period };
         let exact = (elapsed - period).abs() <= ROUNDING * period;
-        let fault = if before_due > (settings.tolerance + ROUNDING) * period {
+        let fault = if before_due > (Self::TOLERANCE + ROUNDING) * period {
             Some(Fault::EarlyTick)
         } else {
             (self.late_share > MOST).then_some(Fault::LateTick)
@@ -222,8 +188,7 @@ impl LoopClock {
     /// Returns the fault of a stamp relative to a tick at `now`. A frame may be taken until the
     /// next tick.
     fn misplaced(&self, stamp: f64, now: f64) -> Option<FrameFault> {
-        let ClockSettings { tolerance, ahead, .. } = self.settings;
-        let latest = now + (1.0 + tolerance) * self.period + ahead;
+        let latest = now + (1.0 + Self::TOLERANCE) * self.period + Self::AHEAD;
         if (stamp - now).abs() > EPOCH {
             Some(FrameFault::ForeignEpoch)
         } else if stamp > latest {

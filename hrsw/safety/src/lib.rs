@@ -91,7 +91,7 @@ mod supervisor;
 pub use age::Age;
 pub use approach::{ApproachRows, JointMotion, Nearest, PersonBody, RobotBody};
 pub use body_region::{BodyRegion, ContactKind, ContactLimits, RegionLimits};
-pub use clock::{ClockSettings, LoopClock, Tick};
+pub use clock::{LoopClock, Tick};
 pub use contact::{Contact, ContactLimit};
 pub use distance::{Proximity, proximity};
 pub use error::Error;

@@ -1,18 +1,15 @@
 //! The commanded velocities of the joints and of the desired pose: their limits, and braking.
 
-use ahqp_core::{JerkLimits, VelocityInterval};
+use ahqp_core::VelocityInterval;
 use nalgebra::Vector6;
-use whole_body::limits::nearest_to_rest;
+use whole_body::limits::{JointIntervals, nearest_to_rest};
 use whole_body::torque::Following;
 
 use super::base_drive::BaseDrive;
 use crate::command::{Command, Outcome};
-use crate::error::Error;
+use crate::error::{Error, check_positive};
 use crate::following_error::FollowingErrorLimit;
-use crate::motion_limits::{
-    HELD, HELD_IN_STOP, Motion, TickTimes, admit_braking, bound_held_acceleration, brake,
-    braking_limits, clamp, desired_limits, joint_limits, write_intervals,
-};
+use crate::motion_limits::{HELD, HELD_IN_STOP, TickTimes, bound_held_acceleration, clamp};
 use crate::robot::kinematics::Kinematics;
 use crate::robot::moca::MOCA_BASE_JOINTS;
 use crate::settings::{ControllerSettings, Levels};
@@ -25,13 +22,11 @@ const ODOMETRY: f64 = 0.15;
 
 /// The state of the commanded motion, and the velocities that limits allow in a tick.
 #[derive(Debug, Clone)]
-pub(super) struct CommandedMotion {
+pub(crate) struct CommandedMotion {
     pub(super) following_error: FollowingErrorLimit,
-    joint_limits: Vec<JerkLimits>,
-    desired_limits: [JerkLimits; 6],
-    /// Limits for coming to rest, of the joints and of ẋ_d.
-    joint_braking: Vec<JerkLimits>,
-    desired_braking: Vec<JerkLimits>,
+    /// Velocity intervals of the joints, and those of ẋ_d.
+    pub(crate) joints: JointIntervals,
+    pub(crate) desired: JointIntervals,
     /// Number of joints of the base.
     base: usize,
     pub(super) base_drive: Option<BaseDrive>,
@@ -48,14 +43,12 @@ pub(super) struct CommandedMotion {
     acceleration: Vec<f64>,
     /// Rates of change of q̇* from which a joint may brake ([`TickTimes::accelerations`]).
     brakes_from: Vec<[f64; 2]>,
-    /// Velocity intervals of the joints, then of ẋ_d.
-    pub(super) intervals: Vec<VelocityInterval>,
     /// Velocity intervals of the joints that must return within their limits.
-    pub(super) returns: Vec<VelocityInterval>,
+    pub(crate) returns: Vec<VelocityInterval>,
     /// Velocity intervals of the base while safety does not need more.
-    pub(super) gentle: Vec<VelocityInterval>,
+    pub(crate) gentle: Vec<VelocityInterval>,
     /// Joint velocities as near to rest as the intervals allow.
-    pub(super) braking: Vec<f64>,
+    pub(crate) braking: Vec<f64>,
     /// Joint velocities of an emergency stop, which may accelerate more.
     pub(super) stopping: Vec<f64>,
     /// Joint velocities of the hardest stop: those of `stopping` without the bound on held accelerations.
@@ -89,8 +82,12 @@ impl CommandedMotion {
         };
         robot.update(configuration)?;
         let base = settings.base.map_or(0, |_| MOCA_BASE_JOINTS);
-        let joint_limits = joint_limits(robot.model())?;
-        let desired_limits = desired_limits(&settings.desired)?;
+        check_positive(robot.model().limits().iter().flat_map(|limits| {
+            [
+                ("a joint's velocity limit", limits.velocity),
+                ("a joint's acceleration limit", limits.acceleration),
+            ]
+        }))?;
         let free = VelocityInterval { lower: f64::NEG_INFINITY, upper: f64::INFINITY };
         let rest = vec![0.0; n];
         Ok(Self {
@@ -99,10 +96,8 @@ impl CommandedMotion {
                 robot.model(),
                 settings.period,
             )?,
-            joint_braking: braking_limits(&joint_limits)?,
-            desired_braking: braking_limits(&desired_limits)?,
-            joint_limits,
-            desired_limits,
+            joints: JointIntervals::new(robot.model())?,
+            desired: JointIntervals::of_limits(&settings.desired.limits())?,
             base_drive,
             reference: configuration.to_vec(),
             follows_position: vec![false; n],
@@ -111,7 +106,6 @@ impl CommandedMotion {
             last_velocity: rest.clone(),
             acceleration: rest.clone(),
             brakes_from: vec![[0.0; 2]; n],
-            intervals: vec![VelocityInterval { lower: 0.0, upper: 0.0 }; n + 6],
             returns: vec![VelocityInterval { lower: 0.0, upper: 0.0 }; n],
             gentle: vec![free; base],
             base: base.min(n),
@@ -125,9 +119,9 @@ impl CommandedMotion {
     }
 
     /// Begins a tick that comes `elapsed` \[s\] after the last one.
-    pub(super) fn begin(&mut self, elapsed: f64, settings: &ControllerSettings) -> TickTimes {
+    pub(super) fn begin(&mut self, elapsed: f64, period: f64) -> TickTimes {
         let before = std::mem::replace(&mut self.elapsed_before, elapsed);
-        TickTimes::new(elapsed, before, settings)
+        TickTimes::new(elapsed, before, period)
     }
 
     /// Keeps the velocity before the tick changes it.
@@ -140,8 +134,9 @@ impl CommandedMotion {
         let change = command.joint_velocity.iter().zip(&self.last_velocity);
         let accelerations = self.acceleration.iter_mut().zip(&mut self.brakes_from);
         for (((acceleration, from), (velocity, last)), limits) in
-            accelerations.zip(change).zip(&self.joint_limits)
+            accelerations.zip(change).zip(self.joints.limits())
         {
+            let Some(limits) = limits else { continue };
             *from = times.accelerations(limits, velocity - last, *acceleration);
             [*acceleration, _] = *from;
         }
@@ -216,26 +211,17 @@ impl CommandedMotion {
     /// Computes the velocities that joints and desired pose may take, with the share of their speeds that safety allows
     /// the joints.
     pub(super) fn write_intervals(&mut self, command: &Command, times: TickTimes, share: f64) {
-        let (joints, desired) = self.intervals.split_at_mut(self.reference.len());
-        let motion = Motion {
-            position: &self.reference,
-            velocity: &command.joint_velocity,
-            acceleration: &self.acceleration,
-        };
+        let (q, v, a) = (&self.reference[..], &command.joint_velocity[..], &self.acceleration[..]);
         let scale = self.speed.min(share);
-        let (limits, (of_base, of_arm)) =
-            (self.joint_limits.split_at(self.base), joints.split_at_mut(self.base));
-        let (base, arm) = motion.split_at(self.base);
-        write_intervals(limits.0, base, scale, times, of_base);
-        write_intervals(limits.1, arm, scale, times, of_arm);
+        self.joints.update_by(q, v, a, |limits, state| times.interval(limits, state, scale));
         if let Some(drive) = &self.base_drive {
-            drive.write(&command.joint_velocity, times.step, joints, &mut self.gentle);
+            drive.write(v, times.step, &mut self.joints.now, &mut self.gentle);
         }
-        let limits = [&self.joint_limits[..], &self.joint_braking];
-        admit_braking(limits, motion, times.step, joints, &mut self.returns);
+        self.joints.admit_braking(q, v, a, times.step, &mut self.returns);
         // Comes to rest without passing it: near it, the acceleration fades at the limit of jerk.
-        self.stopping.copy_from_slice(&command.joint_velocity);
-        brake(&self.joint_braking, &self.brakes_from, times.step, &mut self.stopping);
+        self.stopping.copy_from_slice(v);
+        self.joints.brake(self.brakes_from.iter().copied(), times.step, &mut self.stopping);
+        let joints = &mut self.joints.now;
         // A stop goes on as it began in a late tick.
         for (interval, stop) in joints.iter_mut().zip(&self.stopping) {
             if stop.abs() < nearest_to_rest(interval).abs() {
@@ -244,10 +230,11 @@ impl CommandedMotion {
             }
         }
         let measured = self.measured_velocity.get(self.base..);
-        let measured = measured.filter(|own| !own.is_empty()).unwrap_or(arm.velocity);
+        let (of_base, of_arm) = v.split_at(self.base);
+        let measured = measured.filter(|own| !own.is_empty()).unwrap_or(of_arm);
         let bound = |joints: &mut [VelocityInterval], held| {
-            let (_, of_arm) = joints.split_at_mut(self.base);
-            bound_held_acceleration([arm.velocity, measured], held, times.step, of_arm);
+            let (_, joints) = joints.split_at_mut(self.base);
+            bound_held_acceleration([of_arm, measured], held, times.step, joints);
         };
         self.least.copy_from_slice(&self.stopping);
         clamp(&mut self.least, joints);
@@ -255,16 +242,17 @@ impl CommandedMotion {
         clamp(&mut self.stopping, joints);
         bound(joints, HELD);
         self.receding.copy_from_slice(joints);
-        for (interval, velocity) in self.receding.iter_mut().zip(base.velocity) {
+        for (interval, velocity) in self.receding.iter_mut().zip(of_base) {
             interval.lower = interval.lower.max(-velocity.abs());
             interval.upper = interval.upper.min(velocity.abs());
         }
         self.braking.copy_from_slice(&self.stopping);
         clamp(&mut self.braking, joints);
         let twist = command.desired_twist.as_slice();
-        let motion = Motion { position: &[0.0; 6], velocity: twist, acceleration: &[0.0; 6] };
+        let speed = self.speed;
         // Safety does not slow down the desired pose, which moves along with a robot that stops.
-        write_intervals(&self.desired_limits, motion, self.speed, times, desired);
+        self.desired
+            .update_by(&[], twist, &[0.0; 6], |limits, state| times.interval(limits, state, speed));
     }
 
     /// Sets every joint and the desired pose as near to rest as their limits allow.
@@ -278,10 +266,9 @@ impl CommandedMotion {
         if share == 0.0 {
             return;
         }
-        let (_, desired) = self.intervals.split_at(self.braking.len());
         let velocities = command.joint_velocity.iter_mut().zip(&self.stopping);
         velocities.for_each(|(velocity, stopping)| *velocity += share * (stopping - *velocity));
-        for (velocity, interval) in command.desired_twist.iter_mut().zip(desired) {
+        for (velocity, interval) in command.desired_twist.iter_mut().zip(&self.desired.now) {
             *velocity += share * (nearest_to_rest(interval) - *velocity);
         }
         command.slack *= 1.0 - share;
@@ -289,8 +276,9 @@ impl CommandedMotion {
 
     /// Brakes at the limits of acceleration and jerk, whatever the tasks ask, for `step` seconds.
     pub(super) fn halt(&self, command: &mut Command, step: f64) {
-        brake(&self.joint_braking, &self.brakes_from, step, &mut command.joint_velocity);
-        brake(&self.desired_braking, &[[0.0; 2]; 6], step, command.desired_twist.as_mut_slice());
+        let from = self.brakes_from.iter().copied();
+        self.joints.brake(from, step, &mut command.joint_velocity);
+        self.desired.brake([[0.0; 2]; 6], step, command.desired_twist.as_mut_slice());
         command.slack = Vector6::zeros();
         command.outcome = Outcome::Braking;
     }
@@ -355,7 +343,7 @@ mod tests {
             joints.zip(&shares).for_each(|((own, limits), share)| *own = share * limits.velocity);
             let mut changes = Vec::new();
             for elapsed in [late, settings.period] {
-                let times = motion.begin(elapsed, &settings);
+                let times = motion.begin(elapsed, settings.period);
                 motion.remember_velocity(&command);
                 let before = command.joint_velocity.clone();
                 motion.write_intervals(&command, times, 1.0);

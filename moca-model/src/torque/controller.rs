@@ -269,7 +269,7 @@ impl TorqueController {
     /// The time since the last tick \[s\]; a period if the clock's time is invalid.
     fn time_since(&self, last: Option<f64>, now: f64) -> f64 {
         let elapsed = last.map_or(self.period(), |last| now - last);
-        let longest = self.controller.settings().clock().gap;
+        let longest = self.controller.clock().longest_gap();
         if elapsed > 0.0 && elapsed <= longest { elapsed } else { self.period() }
     }
 

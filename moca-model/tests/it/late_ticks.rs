@@ -3,7 +3,7 @@
 use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 
-use hrsw_safety::{ClockSettings, Fault, LoopClock, SafetyState};
+use hrsw_safety::{Fault, LoopClock, SafetyState};
 use moca_model::whole_body::control_loop::{
     Clock, ControlLaw, ControlLoop, DeadlineStatistics, JointCommand, JointMeasurement,
     LoopSettings, MonotonicClock, Received, RobotSide,
@@ -67,7 +67,7 @@ struct Watch {
 
 impl Watch {
     fn new() -> Self {
-        let clock = LoopClock::new(PERIOD, ClockSettings::default()).unwrap();
+        let clock = LoopClock::new(PERIOD).unwrap();
         Self { clock, times: Vec::new(), faults: Vec::new(), stalls: |_| 0.0 }
     }
 }

@@ -9,6 +9,6 @@ pub(crate) mod wheels;
 
 pub use ahqp_core::VelocityInterval;
 pub use frame_velocity::FrameVelocityLimit;
-pub use joint_intervals::nearest_to_rest;
+pub use joint_intervals::{JointIntervals, nearest_to_rest};
 pub use limit_kind::{End, LimitKind};
 pub use wheels::WheelLimit;

@@ -4,8 +4,8 @@ use std::hint::black_box;
 
 use ahqp_core::AugmentedState;
 use hrsw_safety::{
-    ApproachRows, BodyRegion, Capsule, ClockSettings, Contact, ContactLimits, Fault, JointMotion,
-    LoopClock, Observation, PersonBody, RobotBody, SeparationSettings, SpeedCap, Supervisor,
+    ApproachRows, BodyRegion, Capsule, Contact, ContactLimits, Fault, JointMotion, LoopClock,
+    Observation, PersonBody, RobotBody, SeparationSettings, SpeedCap, Supervisor,
     SupervisorSettings,
 };
 use nalgebra::{DMatrix, Matrix6xX, Vector3};
@@ -46,7 +46,7 @@ fn a_tick_allocates_nothing() {
     let (mut separation_rows, mut own_rows) = (separation.rows(), own.rows());
     let mut cap_rows = SpeedCap::rows(state);
     let mut supervisor = Supervisor::new(SupervisorSettings::default()).unwrap();
-    let mut clock = LoopClock::new(1e-3, ClockSettings::default()).unwrap();
+    let mut clock = LoopClock::new(1e-3).unwrap();
 
     let tick = |tick: usize| {
         let nearest = separation.write(&motion, &robot, &person, &mut separation_rows).unwrap();

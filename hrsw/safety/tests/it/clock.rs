@@ -1,12 +1,12 @@
 //! The clock of ticks and frames.
 
-use hrsw_safety::{Age, ClockFault, ClockSettings, Error, Fault, FrameFault, LoopClock};
+use hrsw_safety::{Age, ClockFault, Error, Fault, FrameFault, LoopClock};
 use proptest::prelude::*;
 
 const PERIOD: f64 = 1e-3;
 
 fn clock() -> LoopClock {
-    LoopClock::new(PERIOD, ClockSettings::default()).unwrap()
+    LoopClock::new(PERIOD).unwrap()
 }
 
 /// Generates times of clocks that are right, set, stopped or not finite.
@@ -27,13 +27,12 @@ proptest! {
     fn accepted_frames_are_newer_and_not_future(
         events in prop::collection::vec((any::<bool>(), time()), 1..60),
     ) {
-        let settings = ClockSettings::default();
         let mut clock = clock();
         for (is_tick, time) in events {
             let before = clock;
             if is_tick {
                 let tick = clock.tick(time);
-                prop_assert!(tick.elapsed > 0.0 && tick.elapsed <= settings.gap + 1.001 * PERIOD);
+                prop_assert!(tick.elapsed > 0.0 && tick.elapsed <= clock.longest_gap() + 1.001 * PERIOD);
                 prop_assert_eq!(tick.forgets, before.newest().is_some() && clock.newest().is_none());
                 prop_assert!(!tick.forgets || tick.fault.is_some());
                 prop_assert!(time.is_finite() || clock == before);
@@ -44,7 +43,7 @@ proptest! {
                 prop_assert_eq!(clock, before, "a refused frame leaves no trace");
             }
             if let (Some(now), Some(newest), true) = (clock.now(), clock.newest(), is_tick) {
-                prop_assert!(newest - now <= settings.ahead + 1.5 * PERIOD * (1.0 + 1e-9));
+                prop_assert!(newest - now <= LoopClock::AHEAD + 1.5 * PERIOD * (1.0 + 1e-9));
             }
             let age = clock.age();
             prop_assert!(age.seconds() >= 0.0);
@@ -212,18 +211,10 @@ fn a_clock_set_back_forgets_future_frames() {
 }
 
 #[test]
-fn bad_settings_are_named() {
-    let standard = ClockSettings::default();
-    for (settings, name) in [
-        (ClockSettings { tolerance: 0.0, ..standard }, "clock.tolerance"),
-        (ClockSettings { tolerance: f64::NAN, ..standard }, "clock.tolerance"),
-        (ClockSettings { gap: 1e-3, ..standard }, "clock.gap"),
-        (ClockSettings { ahead: f64::INFINITY, ..standard }, "clock.ahead"),
-        (ClockSettings { ahead: 86_400.0, ..standard }, "clock.ahead"),
-    ] {
-        let error = LoopClock::new(PERIOD, settings).unwrap_err();
+fn a_bad_period_is_named() {
+    for period in [0.0, -1e-3, f64::NAN, f64::INFINITY] {
+        let error = LoopClock::new(period).unwrap_err();
         assert!(matches!(error, Error::Value { .. }));
-        assert!(error.to_string().contains(name), "{error}");
+        assert!(error.to_string().contains("the control period"), "{error}");
     }
-    assert!(LoopClock::new(0.0, standard).is_err());
 }

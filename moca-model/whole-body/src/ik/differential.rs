@@ -353,7 +353,9 @@ impl Ik {
     /// [`Error::Value`] for a period that is not positive.
     pub fn brake(&mut self, period: f64) -> Result<&[f64], Error> {
         check_period(period)?;
-        self.intervals.brake(&self.velocity, &self.acceleration, period, &mut self.admitted);
+        self.admitted.copy_from_slice(&self.velocity);
+        let accelerations = self.acceleration.iter().map(|acceleration| [*acceleration; 2]);
+        self.intervals.brake(accelerations, period, &mut self.admitted);
         if let Some(yaw) = &mut self.heading {
             // The last step turned the base by this angle.
             *yaw += self.displacement.get(2).copied().unwrap_or_default();

@@ -18,10 +18,10 @@ const FREE_ACCELERATION: f64 = 1e14;
 
 /// The velocity intervals of all entries of q̇, which are never empty: see [`Limits`] and [`JerkLimits`].
 #[derive(Debug, Clone)]
-pub(crate) struct JointIntervals {
+pub struct JointIntervals {
     joints: Vec<Joint>,
-    /// Interval of each entry of q̇ for the next period.
-    pub(crate) now: Vec<VelocityInterval>,
+    /// Interval of each entry of q̇ for the next period. They are without limits at first.
+    pub now: Vec<VelocityInterval>,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -60,6 +60,13 @@ impl Joint {
         }
     }
 
+    /// The velocity after braking for a period from this motion.
+    fn braked(&self, velocity: f64, acceleration: f64, period: f64) -> f64 {
+        let state = AcceleratedState { position: 0.0, velocity, acceleration };
+        let interval = |braking: JerkLimits| braking.slowed(0.0).velocity_interval(state, period);
+        self.braking.map_or(0.0, |braking| nearest_to_rest(&interval(braking)))
+    }
+
     /// The distances to the lower and upper limit after this period at `velocity`; infinite without limits.
     fn room(&self, q: &[f64], velocity: f64, period: f64) -> [f64; 2] {
         let (Some(limits), Some(index)) = (self.limits, self.position) else {
@@ -72,24 +79,45 @@ impl Joint {
 }
 
 impl JointIntervals {
-    pub(crate) fn new(model: &Model) -> Result<Self, Error> {
-        let mut joints =
-            vec![Joint { limits: None, braking: None, position: None }; model.velocity_count()];
-        for joint in model.joints() {
-            let first = joint.velocity_index;
-            for entry in 0..joint.kind.velocities() {
-                let (own, limits) = (&mut joints[first + entry], &model.limits()[first + entry]);
-                own.limits = accelerated_limits(limits)?;
-                let (lower, upper) = (f64::NEG_INFINITY, f64::INFINITY);
-                own.braking = accelerated_limits(&JointLimits { lower, upper, ..*limits })?;
-                own.position = (joint.kind.velocities() == 1).then_some(joint.position_index);
-            }
+    /// Creates the intervals of a robot's joints.
+    ///
+    /// # Errors
+    /// [`Error::Hierarchy`] for limits that are not positive.
+    pub fn new(model: &Model) -> Result<Self, Error> {
+        let mut own = Self::of_limits(model.limits())?;
+        for joint in model.joints().iter().filter(|joint| joint.kind.velocities() == 1) {
+            own.joints[joint.velocity_index].position = Some(joint.position_index);
         }
-        Ok(Self { now: vec![FREE; joints.len()], joints })
+        Ok(own)
+    }
+
+    /// Creates the intervals of coordinates that have no positions.
+    ///
+    /// # Errors
+    /// [`Error::Hierarchy`] for limits that are not positive.
+    pub fn of_limits(limits: &[JointLimits]) -> Result<Self, Error> {
+        let (lower, upper) = (f64::NEG_INFINITY, f64::INFINITY);
+        let joints = limits.iter().map(|limits| {
+            let braking = accelerated_limits(&JointLimits { lower, upper, ..*limits })?;
+            Ok(Joint { limits: accelerated_limits(limits)?, braking, position: None })
+        });
+        Ok(Self { now: vec![FREE; limits.len()], joints: joints.collect::<Result<_, Error>>()? })
     }
 
     /// Computes the intervals for the configuration q and the last commanded velocity and acceleration.
     pub(crate) fn update(&mut self, q: &[f64], v: &[f64], a: &[f64], period: f64) {
+        self.update_by(q, v, a, |limits, state| limits.velocity_interval(state, period));
+    }
+
+    /// Computes the intervals for the configuration q and the last commanded velocity and acceleration, each by a rule
+    /// such as [`JerkLimits::velocity_interval`]. Entries without limits stay free.
+    pub fn update_by(
+        &mut self,
+        q: &[f64],
+        v: &[f64],
+        a: &[f64],
+        rule: impl Fn(&JerkLimits, AcceleratedState) -> VelocityInterval,
+    ) {
         let motion = v.iter().zip(a);
         for ((joint, (&velocity, &acceleration)), now) in
             self.joints.iter().zip(motion).zip(&mut self.now)
@@ -100,7 +128,31 @@ impl JointIntervals {
             };
             let position = joint.position.map_or(0.0, |index| q[index]);
             let state = AcceleratedState { position, velocity, acceleration };
-            *now = opened(limits.velocity_interval(state, period));
+            *now = opened(rule(&limits, state));
+        }
+    }
+
+    /// Lets joints outside their position limits wait. If the limits force such a joint back, its interval is widened to
+    /// admit braking for `period` \[s\], and the forced interval goes to `returns`. Other joints are free there.
+    pub fn admit_braking(
+        &mut self,
+        q: &[f64],
+        v: &[f64],
+        a: &[f64],
+        period: f64,
+        returns: &mut [VelocityInterval],
+    ) {
+        let motion = v.iter().zip(a);
+        for ((joint, (&velocity, &acceleration)), (now, forced)) in
+            self.joints.iter().zip(motion).zip(self.now.iter_mut().zip(returns))
+        {
+            *forced = FREE;
+            if joint.room(q, 0.0, period).iter().any(|room| *room < 0.0) {
+                let braked = joint.braked(velocity, acceleration, period);
+                *forced = *now;
+                *now =
+                    VelocityInterval { lower: now.lower.min(braked), upper: now.upper.max(braked) };
+            }
         }
     }
 
@@ -157,15 +209,23 @@ impl JointIntervals {
         }
     }
 
-    /// Writes velocities that brake within the limits of acceleration and jerk, whatever the positions.
-    pub(crate) fn brake(&self, v: &[f64], a: &[f64], period: f64, out: &mut [f64]) {
-        let motion = v.iter().zip(a);
-        for ((joint, (&velocity, &acceleration)), out) in self.joints.iter().zip(motion).zip(out) {
-            let state = AcceleratedState { position: 0.0, velocity, acceleration };
-            *out = joint.braking.map_or(0.0, |braking| {
-                nearest_to_rest(&braking.slowed(0.0).velocity_interval(state, period))
-            });
+    /// Brakes velocities for `period` \[s\] within the limits of acceleration and jerk, whatever the positions. Each
+    /// brakes from that of its accelerations that leads nearer to rest.
+    pub fn brake(
+        &self,
+        accelerations: impl IntoIterator<Item = [f64; 2]>,
+        period: f64,
+        v: &mut [f64],
+    ) {
+        for ((joint, accelerations), v) in self.joints.iter().zip(accelerations).zip(v) {
+            let [first, second] = accelerations.map(|from| joint.braked(*v, from, period));
+            *v = if second.abs() < first.abs() { second } else { first };
         }
+    }
+
+    /// The limits of each entry of q̇, with those that stand for a missing one; `None` if there are none.
+    pub fn limits(&self) -> impl Iterator<Item = Option<&JerkLimits>> {
+        self.joints.iter().map(|joint| joint.limits.as_ref())
     }
 
     /// The jerk limit of an entry of q̇; infinite if there is none.
