@@ -1,68 +1,7 @@
 //! Limits of joints and desired pose for the next tick.
 
-use ahqp_core::{AcceleratedState, AugmentedState, JerkLimits, Rows, VelocityInterval};
+use ahqp_core::{AcceleratedState, JerkLimits, VelocityInterval};
 use hrsw_safety::LoopClock;
-use whole_body::limits::nearest_to_rest;
-
-use crate::error::Error;
-use crate::settings::MecanumBase;
-
-/// Signs of v_x, v_y and ω in the eight rows of the wheel limit.
-const WHEEL_SIGNS: [[f64; 3]; 8] = [
-    [1.0, 1.0, 1.0],
-    [1.0, 1.0, -1.0],
-    [1.0, -1.0, 1.0],
-    [1.0, -1.0, -1.0],
-    [-1.0, 1.0, 1.0],
-    [-1.0, 1.0, -1.0],
-    [-1.0, -1.0, 1.0],
-    [-1.0, -1.0, -1.0],
-];
-
-/// Signs of v_x and v_y in the four rows of the axes' limit.
-const AXIS_SIGNS: [[f64; 3]; 4] =
-    [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0]];
-
-impl MecanumBase {
-    /// Creates rows for [`write`](Self::write).
-    pub fn rows(&self, state: AugmentedState) -> Rows {
-        Rows::zeros(WHEEL_SIGNS.len() + AXIS_SIGNS.len(), state.len())
-    }
-
-    /// Writes ±v_x ± v_y ± lever ω ≤ speed and ±v_x, ±v_y ≤ axis speed at the given yaw \[rad\]. The base velocities
-    /// are in world axes, as the first three joints.
-    ///
-    /// The rows always admit the velocity nearest to rest that the `intervals` of the three joints allow. So a base
-    /// that turns while driving at the limit cannot make the problem infeasible.
-    ///
-    /// # Errors
-    /// [`Error::Hierarchy`] for rows that [`rows`](Self::rows) did not make.
-    pub fn write(
-        &self,
-        yaw: f64,
-        intervals: &[VelocityInterval],
-        rows: &mut Rows,
-    ) -> Result<(), Error> {
-        let (sine, cosine) = yaw.sin_cos();
-        let wheels = WHEEL_SIGNS.into_iter().map(|signs| (signs, self.speed));
-        let axes = AXIS_SIGNS.into_iter().map(|signs| (signs, self.axis_speed));
-        for (index, ([x, y, turn], limit)) in wheels.chain(axes).enumerate() {
-            // v_body = R(yaw)ᵀ v_world.
-            let coefficients = [x * cosine - y * sine, x * sine + y * cosine, turn * self.lever];
-            let braked: f64 = coefficients
-                .iter()
-                .zip(intervals)
-                .map(|(coefficient, interval)| coefficient * nearest_to_rest(interval))
-                .sum();
-            for (entry, coefficient) in rows.row_mut(index)?.iter_mut().zip(coefficients) {
-                *entry = coefficient;
-            }
-            rows.lower_mut()[index] = f64::NEG_INFINITY;
-            rows.upper_mut()[index] = limit.max(braked);
-        }
-        Ok(())
-    }
-}
 
 /// Time for which a single command may last without moving a joint beyond its position limits \[s\]. It is three times
 /// the 20 ms after which a robot brakes by itself, and covers pauses of a desktop's scheduler.
@@ -211,46 +150,6 @@ mod tests {
                 velocity = next;
                 prop_assert!(velocity.abs() <= 2.61 * (1.0 + 1e-9), "{velocity} rad/s");
                 prop_assert!(position.abs() <= 2.8 + 1e-9, "{position} rad");
-            }
-        }
-
-        #[test]
-        fn rows_are_wheel_limits_in_base_frame(
-            yaw in -4.0..4.0_f64, v in prop::array::uniform3(-3.0..3.0_f64),
-        ) {
-            let state = AugmentedState { joints: 10, task: 6, slack: 6 };
-            let base = MecanumBase::default();
-            let mut rows = base.rows(state);
-            let rest = [VelocityInterval { lower: -1.0, upper: 1.0 }; 3];
-            base.write(yaw, &rest, &mut rows).unwrap();
-            let values: Vec<f64> = rows
-                .iter()
-                .map(|(row, _, _)| row.iter().zip(v).map(|(a, b)| a * b).sum())
-                .collect();
-            let largest = |values: &[f64]| values.iter().copied().fold(f64::MIN, f64::max);
-            let (sine, cosine) = yaw.sin_cos();
-            let (x, y) = (cosine * v[0] + sine * v[1], cosine * v[1] - sine * v[0]);
-            let wheels = x.abs() + y.abs() + base.lever * v[2].abs();
-            prop_assert!((largest(&values[..8]) - wheels).abs() < 1e-12);
-            prop_assert!((largest(&values[8..]) - x.abs().max(y.abs())).abs() < 1e-12);
-            prop_assert!(rows.upper()[..8].iter().all(|&upper| upper == base.speed));
-            prop_assert!(rows.upper()[8..].iter().all(|&upper| upper == base.axis_speed));
-        }
-
-        #[test]
-        fn the_braking_velocity_is_always_admitted(
-            yaw in -4.0..4.0_f64,
-            ends in prop::array::uniform3((-9.0..9.0_f64, 0.0..0.1_f64)),
-        ) {
-            let state = AugmentedState { joints: 10, task: 6, slack: 6 };
-            let intervals =
-                ends.map(|(lower, width)| VelocityInterval { lower, upper: lower + width });
-            let mut rows = MecanumBase::default().rows(state);
-            MecanumBase::default().write(yaw, &intervals, &mut rows).unwrap();
-            let braked = intervals.map(|interval| nearest_to_rest(&interval));
-            for (row, _, upper) in rows.iter() {
-                let value: f64 = row.iter().zip(braked).map(|(a, b)| a * b).sum();
-                prop_assert!(value <= upper + 1e-12);
             }
         }
     }

@@ -7,6 +7,7 @@ use ahqp_core::{AugmentedState, Budget, Hierarchy, Rows, Settings, Solution, Vel
 use hrsw::{SoftWorkspace, Softening, Workspace};
 use hrsw_safety::{JointMotion, Safety};
 use nalgebra::{Isometry3, Translation3};
+use whole_body::limits::{WheelLimit, nearest_to_rest};
 use whole_body::stack::{TaskId, TaskLevel, TaskStack};
 use whole_body::tasks::{AugmentedFrameTask, RowBlock, VariableLayout, VelocityTask};
 
@@ -14,7 +15,7 @@ use crate::controller::commanded_motion::CommandedMotion;
 use crate::error::Error;
 use crate::robot::kinematics::Kinematics;
 use crate::robot::moca::MOCA_BASE_JOINTS;
-use crate::settings::{ControllerSettings, Levels, MecanumBase};
+use crate::settings::{ControllerSettings, Levels};
 use crate::shared_space::POSITION_ROWS;
 use goal::GoalTask;
 pub(crate) use goal::GoalTerms;
@@ -34,7 +35,6 @@ pub struct CollaborationStack {
     stack: TaskStack,
     tasks: Tasks,
     soft: SoftWorkspace,
-    base: Option<MecanumBase>,
     period: f64,
     budget: Budget,
 }
@@ -44,7 +44,7 @@ pub struct CollaborationStack {
 struct Tasks {
     speed_cap: Option<TaskId<RowBlock>>,
     separation: Option<TaskId<RowBlock>>,
-    wheels: Option<TaskId<RowBlock>>,
+    wheels: Option<TaskId<WheelLimit>>,
     own_bodies: Option<TaskId<RowBlock>>,
     returns: Option<TaskId<VelocityTask>>,
     gentle: Option<TaskId<VelocityTask>>,
@@ -111,11 +111,10 @@ impl CollaborationStack {
         let bounds = RowBlock::new(soft.capacity());
         // Kinds of rows without any row have no task.
         let task = |rows: &Rows| (!rows.is_empty()).then(|| RowBlock::new(rows.len()));
-        let wheels = base.and_then(|base| task(&base.rows(state)));
         let tasks = Tasks {
             speed_cap: task(&safety.cap).map(|task| speed_cap.constrain("speed cap", task)),
             separation: task(&safety.separation).map(|task| separation.push("people", task)),
-            wheels: wheels.map(|task| separation.constrain("wheels", task)),
+            wheels: base.map(|base| separation.constrain("wheels", base.limit())),
             own_bodies: task(&safety.own).map(|task| own_bodies.push("own bodies", task)),
             returns: if extended {
                 Some(returns.push("return", entries(0..joints)?))
@@ -159,7 +158,6 @@ impl CollaborationStack {
             state,
             tasks,
             soft,
-            base: *base,
             period: *period,
             budget: settings.budget,
         })
@@ -225,7 +223,7 @@ impl CollaborationStack {
     }
 
     fn set_safety(&mut self, robot: &mut Kinematics, input: &StackInput<'_>) -> Result<(), Error> {
-        let Self { stack, tasks, base, .. } = self;
+        let Self { stack, tasks, .. } = self;
         let motion =
             JointMotion { braking: Some(&input.motion.braking), ..robot.motion(input.velocity) };
         if let Some(speed_cap) = tasks.speed_cap {
@@ -237,9 +235,14 @@ impl CollaborationStack {
         if let Some(own_bodies) = tasks.own_bodies {
             input.safety.write_own(&motion, stack.block_mut(own_bodies)?)?;
         }
-        if let (Some(base), Some(wheels)) = (base, tasks.wheels) {
-            let yaw = robot.posed()?.configuration().get(2).copied().unwrap_or_default();
-            base.write(yaw, &input.motion.joints.now, stack.block_mut(wheels)?)?;
+        if let Some(wheels) = tasks.wheels {
+            let slowest = input
+                .motion
+                .joints
+                .now
+                .first_chunk()
+                .map(|base: &[_; 3]| base.each_ref().map(nearest_to_rest));
+            stack.task_mut(wheels)?.admit(slowest.unwrap_or_default().into());
         }
         if let Some(returns) = tasks.returns {
             set_ranges(stack.task_mut(returns)?, &input.motion.returns)?;

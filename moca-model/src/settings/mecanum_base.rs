@@ -1,5 +1,7 @@
 //! Limits of a base on mecanum wheels.
 
+use whole_body::limits::WheelLimit;
+
 use crate::error::{Error, check_positive, check_settings};
 use crate::robot::moca::{MOCA_AXIS_SPEED, MOCA_WHEEL_LEVER, MOCA_WHEEL_SPEED};
 
@@ -25,6 +27,11 @@ impl Default for MecanumBase {
 }
 
 impl MecanumBase {
+    /// The limit of the base's velocity.
+    pub(crate) fn limit(&self) -> WheelLimit {
+        WheelLimit::mecanum(self.speed, self.lever).with_axis_speed(self.axis_speed)
+    }
+
     /// Checks the ranges.
     ///
     /// # Errors
@@ -33,5 +40,70 @@ impl MecanumBase {
         check_positive([("base.speed", self.speed), ("base.axis_speed", self.axis_speed)])?;
         let lever = [("base.lever", self.lever)];
         check_settings(lever, "from 0 to 1000 m", |value| (0.0..=1e3).contains(&value))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use ahqp_core::Rows;
+    use proptest::prelude::*;
+    use whole_body::Data;
+    use whole_body::stack::{TaskLevel, TaskStack};
+    use whole_body::tasks::VariableLayout;
+
+    use super::*;
+    use crate::robot::moca::{MOCA_HOME, moca};
+
+    /// The rows at a yaw, if they are to admit a velocity of the base.
+    fn rows(yaw: f64, admitted: [f64; 3]) -> Rows {
+        let model = moca().unwrap();
+        let mut limit = MecanumBase::default().limit();
+        limit.admit(admitted.into());
+        let mut level = TaskLevel::new("wheels");
+        level.constrain("wheels", limit);
+        let variables = VariableLayout::new(&model);
+        let mut stack =
+            TaskStack::new(&model, &variables, vec![level], ahqp_core::Settings::default())
+                .unwrap();
+        let mut q = MOCA_HOME;
+        q[2] = yaw;
+        let mut data = Data::new(&model);
+        stack.write(&mut data.pose(&model, &q).unwrap(), &[0.0; 10], 1e-3).unwrap();
+        stack.hierarchy().levels()[0].constraints().clone()
+    }
+
+    fn value(row: &[f64], velocity: [f64; 3]) -> f64 {
+        row.iter().zip(velocity).map(|(a, b)| a * b).sum()
+    }
+
+    proptest! {
+        #[test]
+        fn rows_are_wheel_limits_in_base_frame(
+            yaw in -4.0..4.0_f64, v in prop::array::uniform3(-3.0..3.0_f64),
+        ) {
+            let base = MecanumBase::default();
+            let rows = rows(yaw, [0.0; 3]);
+            let values: Vec<f64> = rows.iter().map(|(row, _, _)| value(row, v).abs()).collect();
+            let largest = |values: &[f64]| values.iter().copied().fold(f64::MIN, f64::max);
+            let (sine, cosine) = yaw.sin_cos();
+            let (x, y) = (cosine * v[0] + sine * v[1], cosine * v[1] - sine * v[0]);
+            let wheels = x.abs() + y.abs() + base.lever * v[2].abs();
+            prop_assert!((largest(&values[..4]) - wheels).abs() < 1e-12);
+            prop_assert!((largest(&values[4..]) - x.abs().max(y.abs())).abs() < 1e-12);
+            for (row, (_, lower, upper)) in rows.iter().enumerate() {
+                let speed = if row < 4 { base.speed } else { base.axis_speed };
+                prop_assert_eq!((lower, upper), (-speed, speed));
+            }
+        }
+
+        #[test]
+        fn the_braking_velocity_is_always_admitted(
+            yaw in -4.0..4.0_f64, braked in prop::array::uniform3(-9.0..9.0_f64),
+        ) {
+            for (row, lower, upper) in rows(yaw, braked).iter() {
+                let value = value(row, braked);
+                prop_assert!(lower - 1e-12 <= value && value <= upper + 1e-12);
+            }
+        }
     }
 }

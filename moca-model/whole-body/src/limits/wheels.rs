@@ -4,7 +4,6 @@ use nalgebra::Vector3;
 
 use super::joint_intervals::heading::turning_acceleration;
 use crate::error::Error;
-use crate::robot::description::Base;
 use crate::robot::model::Model;
 use crate::tasks::input::TaskInput;
 use crate::tasks::rows::TaskRows;
@@ -43,9 +42,11 @@ use crate::tasks::task::{Limit, Task};
 #[derive(Debug, Clone)]
 pub struct WheelLimit {
     wheels: Vec<Wheel>,
+    /// A velocity of the base that the limit is to admit, in world axes.
+    admitted: Option<Vector3<f64>>,
 }
 
-/// A wheel, or a direction in which a base cannot move.
+/// A wheel, or a direction in which a base is slower or cannot move.
 #[derive(Debug, Clone, Copy)]
 struct Wheel {
     coefficients: Vector3<f64>,
@@ -63,7 +64,7 @@ impl WheelLimit {
             coefficients: Vector3::new(1.0, y, turn * lever),
             speed,
         };
-        Self { wheels: signs.map(wheel).to_vec() }
+        Self::of(signs.map(wheel).to_vec())
     }
 
     /// Creates the limit of omni wheels whose rims reach `speed` \[m/s\].
@@ -76,7 +77,7 @@ impl WheelLimit {
             coefficients: Vector3::new(-angle.sin(), angle.cos(), radius),
             speed,
         };
-        Self { wheels: angles.iter().map(wheel).collect() }
+        Self::of(angles.iter().map(wheel).collect())
     }
 
     /// Creates the limit of two driven wheels on the base's y axis, `track` \[m\] apart, whose rims reach `speed`
@@ -86,7 +87,26 @@ impl WheelLimit {
         let sideways = Wheel { coefficients: Vector3::new(0.0, 1.0, 0.0), speed: 0.0 };
         let [left, right] =
             [-half, half].map(|lever| Wheel { coefficients: Vector3::new(1.0, 0.0, lever), speed });
-        Self { wheels: vec![left, right, sideways] }
+        Self::of(vec![left, right, sideways])
+    }
+
+    fn of(wheels: Vec<Wheel>) -> Self {
+        Self { wheels, admitted: None }
+    }
+
+    /// Also limits the speed along each of the base's own axes \[m/s\].
+    #[must_use]
+    pub fn with_axis_speed(mut self, speed: f64) -> Self {
+        let axes = [Vector3::x(), Vector3::y()];
+        self.wheels.extend(axes.map(|coefficients| Wheel { coefficients, speed }));
+        self
+    }
+
+    /// Widens the limit so that it admits this velocity of the base, (v_x, v_y, ω) in world axes. A base that turns while
+    /// it drives at the limit cannot turn its velocity at once. The bounds of a [`TaskStack`](crate::stack::TaskStack)
+    /// may then contradict the limit.
+    pub fn admit(&mut self, velocity: Vector3<f64>) {
+        self.admitted = Some(velocity);
     }
 }
 
@@ -148,6 +168,19 @@ impl WheelLimit {
         }
     }
 
+    /// Writes the range of a row, widened to include the admitted velocity.
+    fn set_range(
+        &self,
+        rows: &mut TaskRows<'_>,
+        row: usize,
+        coefficients: Vector3<f64>,
+        [lower, upper]: [f64; 2],
+    ) {
+        let admitted = self.admitted.map(|velocity| coefficients.dot(&velocity));
+        let [least, most] = [lower, upper].map(|bound| admitted.unwrap_or(bound));
+        rows.set_range(row, lower.min(least), upper.max(most));
+    }
+
     /// Writes rows within which all accelerations of the base can fade together.
     fn write_fading(&self, input: &TaskInput<'_, '_>, rows: &mut TaskRows<'_>) {
         let (model, v) = (input.posed().model(), input.velocity());
@@ -160,7 +193,7 @@ impl WheelLimit {
             // A value beyond the limit returns to it as fast as the joints allow.
             let value = value.max(-speed).min(speed);
             let towards = |bound: f64| value + (bound - value) * share;
-            rows.set_range(row, towards(-speed), towards(speed));
+            self.set_range(rows, row, coefficients, [towards(-speed), towards(speed)]);
         }
     }
 }
@@ -175,7 +208,7 @@ impl Task for WheelLimit {
     }
 
     fn validate(&self, model: &Model) -> Result<(), Error> {
-        if model.base() != Base::Planar {
+        if !model.moves_on_a_plane() {
             return Err(Error::unsuitable(
                 format!("robot `{}` has no planar base", model.name()),
                 "read it with a planar one",
@@ -227,8 +260,9 @@ impl Task for WheelLimit {
         for (row, wheel) in self.wheels.iter().enumerate() {
             let (x, y, z) = (wheel.coefficients.x, wheel.coefficients.y, wheel.coefficients.z);
             // v_base = R(yaw)ᵀ v_world.
-            rows.set_coefficients(row, &[x * cosine - y * sine, x * sine + y * cosine, z]);
-            rows.set_range(row, -wheel.speed, wheel.speed);
+            let coefficients = Vector3::new(x * cosine - y * sine, x * sine + y * cosine, z);
+            rows.set_coefficients(row, &coefficients);
+            self.set_range(rows, row, coefficients, [-wheel.speed, wheel.speed]);
         }
         if self.keeps_heading() {
             self.write_turning(input, [sine, cosine], rows);

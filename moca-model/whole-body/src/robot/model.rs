@@ -163,6 +163,13 @@ impl Model {
         times
     }
 
+    /// True for a planar base, and for a robot whose first joints slide, slide and turn as those of one.
+    pub(crate) fn moves_on_a_plane(&self) -> bool {
+        use JointKind::{Continuous, Prismatic};
+        let kinds = self.joints.iter().take(3).map(|joint| joint.kind);
+        self.base != Base::Floating && kinds.eq([Prismatic, Prismatic, Continuous])
+    }
+
     /// The longest fading time of a planar base's joints.
     pub(crate) fn base_fading_time(&self) -> f64 {
         self.limits.iter().take(3).map(JointLimits::fading_time).fold(0.0, f64::max)
