@@ -4,7 +4,7 @@
 
 use ahqp_core::{AugmentedState, Hierarchy, Level, Rows, Settings, Solver, integrate_pose};
 use hrsw::nalgebra::{DMatrix, DVector, Isometry3, Vector3, Vector6};
-use hrsw::{Bounds, FollowerSettings, FrameFollower, SoftWorkspace, Workspace};
+use hrsw::{Bounds, FollowerSettings, FrameFollower, SoftWorkspace, Softening, Workspace};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     const PERIOD: f64 = 1e-3; // s
@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // χ = [ẋ_d; s]: the twist of the desired pose and the slack. The joints of a robot would come
     // first.
     let state = AugmentedState { joints: 0, task: 6, slack: 6 };
-    let soft = SoftWorkspace::new(state, 0.2)?;
+    let soft = SoftWorkspace::new(state, 0.2, Softening::default())?;
     let mut hierarchy = Hierarchy::new(state.len())?;
     let inside = hierarchy.push(soft.level()?)?;
     let still = Rows::equalities(&DMatrix::identity(6, 12), &DVector::zeros(6))?;

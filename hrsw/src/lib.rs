@@ -6,7 +6,7 @@
 //! ```
 //! use ahqp_core::{AugmentedState, Hierarchy, Level, Rows, Settings, Solver, integrate_pose};
 //! use hrsw::nalgebra::{DMatrix, DVector, Isometry3, Vector3, Vector6};
-//! use hrsw::{Bounds, FollowerSettings, FrameFollower, SoftWorkspace, Workspace};
+//! use hrsw::{Bounds, FollowerSettings, FrameFollower, SoftWorkspace, Softening, Workspace};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! const PERIOD: f64 = 1e-3; // s
@@ -19,7 +19,7 @@
 //!
 //! // χ = [ẋ_d; s], the twist of the desired pose and the slack; the joints of a robot would come first.
 //! let state = AugmentedState { joints: 0, task: 6, slack: 6 };
-//! let soft = SoftWorkspace::new(state, 0.2)?;
+//! let soft = SoftWorkspace::new(state, 0.2, Softening::default())?;
 //! let mut hierarchy = Hierarchy::new(state.len())?;
 //! let inside = hierarchy.push(soft.level()?)?;
 //! let still = Rows::equalities(&DMatrix::identity(6, 12), &DVector::zeros(6))?;
@@ -60,7 +60,7 @@ mod workspace;
 pub use error::Error;
 pub use held_frame::{FloorMotion, HeldFrame};
 pub use motion::{FollowerSettings, FrameFollower};
-pub use moving::{Attachment, MovingSettings, MovingWorkspace};
+pub use moving::{Attachment, MovingWorkspace};
 pub use nalgebra;
 pub use path::Path;
 pub use rows::PoseRow;

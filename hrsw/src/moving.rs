@@ -28,23 +28,13 @@ pub enum Attachment {
     Path(Path),
 }
 
-/// Limits of a workspace's motion.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct MovingSettings {
-    /// Limits of the rates at which the frame moves.
-    pub frame: FollowerSettings,
-    /// Limits of the rates at which the reference of orientations turns. Only the angular ones
-    /// count.
-    pub reference: FollowerSettings,
-}
-
 /// A workspace whose frame follows its carrier smoothly.
 ///
 /// Attachment, lead, reference and shape may change at any time. The velocity of the frame changes
 /// no faster than its limits, and one shape changes continuously into the next.
 ///
 /// ```
-/// use hrsw::{Attachment, Bounds, MovingSettings, MovingWorkspace, Workspace};
+/// use hrsw::{Attachment, Bounds, FollowerSettings, MovingWorkspace, Workspace};
 /// use nalgebra::{Isometry3, Vector3, Vector6};
 ///
 /// let workspace = Workspace::new(
@@ -52,7 +42,7 @@ pub struct MovingSettings {
 ///     Bounds::new(Vector3::new(0.25, -0.4, 0.7), Vector3::new(0.75, 0.3, 1.5))?,
 ///     Bounds::symmetric(Vector3::repeat(0.3))?,
 /// )?;
-/// let mut moving = MovingWorkspace::new(workspace, MovingSettings::default())?;
+/// let mut moving = MovingWorkspace::new(workspace, FollowerSettings::default())?;
 /// moving.attach(Attachment::Person(Isometry3::identity()))?;
 /// for _tick in 0..5000 {
 ///     moving.set_person(Isometry3::translation(1.0, 0.0, 0.0), Vector6::zeros())?;
@@ -76,15 +66,16 @@ pub struct MovingWorkspace {
 }
 
 impl MovingWorkspace {
-    /// Creates a moving workspace from `workspace`, at rest in the world.
+    /// Creates a moving workspace from `workspace`, at rest in the world. Its frame moves within the
+    /// limits of the settings. The reference of orientations turns within the default ones.
     ///
     /// # Errors
     /// [`Error::Value`] if a setting is out of range.
-    pub fn new(workspace: Workspace, settings: MovingSettings) -> Result<Self, Error> {
+    pub fn new(workspace: Workspace, settings: FollowerSettings) -> Result<Self, Error> {
         let pose = *workspace.world_from_workspace();
         Ok(Self {
-            frame: FrameFollower::new(pose, settings.frame)?,
-            reference: Reorientation::new(*workspace.reference(), settings.reference)?,
+            frame: FrameFollower::new(pose, settings)?,
+            reference: Reorientation::new(*workspace.reference())?,
             person: None,
             attachment: Attachment::World(pose),
             lead: Vector3::zeros(),

@@ -20,11 +20,8 @@ pub(crate) struct Reorientation {
 }
 
 impl Reorientation {
-    pub(crate) fn new(
-        rotation: UnitQuaternion<f64>,
-        settings: FollowerSettings,
-    ) -> Result<Self, Error> {
-        let follower = FrameFollower::new(as_pose(rotation), settings)?;
+    pub(crate) fn new(rotation: UnitQuaternion<f64>) -> Result<Self, Error> {
+        let follower = FrameFollower::new(as_pose(rotation), FollowerSettings::default())?;
         let axis = Vector3::z_axis();
         Ok(Self { follower, start: rotation, axis, angle: 0.0, ahead: 0.0 })
     }

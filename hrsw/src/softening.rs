@@ -44,18 +44,18 @@ impl Default for Softening {
 ///
 /// ```
 /// use ahqp_core::AugmentedState;
-/// use hrsw::{Bounds, SoftWorkspace, Workspace};
+/// use hrsw::{Bounds, SoftWorkspace, Softening, Workspace};
 /// use nalgebra::{Isometry3, Vector3};
 ///
 /// let state = AugmentedState { joints: 10, task: 6, slack: 6 };
-/// let soft = SoftWorkspace::new(state, 0.2)?;
+/// let soft = SoftWorkspace::new(state, 0.2, Softening::default())?;
 /// let mut level = soft.level()?;
 /// let workspace = Workspace::new(
 ///     Isometry3::identity(),
 ///     Bounds::symmetric(Vector3::repeat(0.5))?,
 ///     Bounds::symmetric(Vector3::repeat(0.2))?,
 /// )?;
-/// soft.write(&workspace, &Isometry3::identity(), &mut level)?;
+/// soft.write_rows(&workspace, &Isometry3::identity(), level.constraints_mut())?;
 /// assert_eq!(level.constraints().len(), 12);
 /// # Ok::<(), hrsw::Error>(())
 /// ```
@@ -67,25 +67,13 @@ pub struct SoftWorkspace {
 }
 
 impl SoftWorkspace {
-    /// Creates a level for the layout of χ and the horizon τ \[s\], softened as in the paper, for
-    /// boxes.
+    /// Creates a level for the layout of χ and the horizon τ \[s\]. The default softening is the
+    /// paper's, for boxes.
     ///
     /// # Errors
-    /// [`Error::Size`] unless the task has 6 dimensions and 6 slacks. [`Error::Value`] if the
-    /// horizon is not positive.
-    pub fn new(state: AugmentedState, horizon: f64) -> Result<Self, Error> {
-        Self::with_softening(state, horizon, Softening::default())
-    }
-
-    /// Creates a level for the layout of χ and the horizon τ \[s\], with the given softening.
-    ///
-    /// # Errors
-    /// Those of [`new`](Self::new), and [`Error::Value`] if a weight is not positive.
-    pub fn with_softening(
-        state: AugmentedState,
-        horizon: f64,
-        softening: Softening,
-    ) -> Result<Self, Error> {
+    /// [`Error::Size`] unless the task has 6 dimensions and 6 slacks. [`Error::Value`] if the horizon
+    /// or a weight is not positive.
+    pub fn new(state: AugmentedState, horizon: f64, softening: Softening) -> Result<Self, Error> {
         check_size("the task of the augmented state", state.task, 6)?;
         check_size("the slack of the augmented state", state.slack, 6)?;
         for &weight in &softening.weights {
@@ -117,27 +105,13 @@ impl SoftWorkspace {
     }
 
     /// Writes the rows τ gradient · ẋ_d − |axes| · s ≤ −excess − τ drift for the desired pose
-    /// x_d(t−1) into a level made by [`level`](Self::level). Boxes have the rows of the paper's
-    /// Sec. III-C.
+    /// x_d(t−1) into [`capacity`](Self::capacity) constraints, those of [`level`](Self::level) or
+    /// others. Boxes have the rows of the paper's Sec. III-C.
     ///
     /// # Errors
     /// [`Error::Value`] if the desired pose is invalid. [`Error::TooMany`] if the workspace has
-    /// more rows than there is room for. [`Error::Size`] or [`Error::Hierarchy`] if the level is
-    /// another one.
-    pub fn write(
-        &self,
-        workspace: &Workspace,
-        desired: &Isometry3<f64>,
-        level: &mut Level,
-    ) -> Result<(), Error> {
-        self.write_rows(workspace, desired, level.constraints_mut())
-    }
-
-    /// Writes the rows into [`capacity`](Self::capacity) constraints without a level. Otherwise
-    /// works like [`write`](Self::write).
-    ///
-    /// # Errors
-    /// Those of [`write`](Self::write).
+    /// more rows than there is room for. [`Error::Size`] or [`Error::Hierarchy`] if the constraints
+    /// are other ones.
     pub fn write_rows(
         &self,
         workspace: &Workspace,

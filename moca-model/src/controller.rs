@@ -11,7 +11,7 @@ mod turning;
 
 use ahqp_core::{Status, integrate_pose};
 use ergo_map::ErgonomicsQuadratic;
-use hrsw_safety::{Fault, LoopClock, RobotLimits, Safety, SafetyState};
+use hrsw_safety::{Fault, LoopClock, Safety, SafetyState};
 use nalgebra::Isometry3;
 use vision_models::Freshness;
 use whole_body::Model;
@@ -90,8 +90,8 @@ impl Controller {
         let layout = CollaborationStack::layout(n);
         let limits = robot.model().limits().iter();
         let accelerations: Vec<f64> = limits.map(|limits| limits.acceleration).collect();
-        let limits = RobotLimits { accelerations: &accelerations, speed: MOCA_AXIS_SPEED };
-        let safety = Safety::new(layout, settings.safety.clone(), &limits, settings.period)?;
+        let (safety, period) = (settings.safety.clone(), settings.period);
+        let safety = Safety::new(layout, safety, &accelerations, MOCA_AXIS_SPEED, period)?;
         let clock = LoopClock::new(settings.period)?;
         let stack = CollaborationStack::new(&robot, &settings, &safety)?;
         let motion = CommandedMotion::new(&mut robot, &settings, configuration)?;
@@ -270,16 +270,17 @@ impl Controller {
         self.command.desired_twist.copy_from_slice(desired);
         self.command.slack.copy_from_slice(slack);
         let moves = self.robot.motion(&self.command.joint_velocity);
-        let (safety, separation) = (&mut self.safety, self.stack.separation());
-        let share =
-            separation.map_or(0.0, |rows| safety.braking_share(&moves, rows, &motion.stopping));
-        if let (Some(rows), true) = (separation, share == 1.0) {
+        let (distances, rows) = (self.safety.separation_mut(), self.stack.separation());
+        let share = rows.map_or(0.0, |rows| {
+            distances.braking_share(&moves, rows, moves.velocity, &motion.stopping)
+        });
+        if let (Some(rows), true) = (rows, share == 1.0) {
             let bounds = (&motion.least[..], &motion.receding[..]);
-            safety.recede(&moves, rows, bounds, &mut motion.stopping);
+            distances.recede(&moves, rows, bounds, &mut motion.stopping);
         }
         motion.keeps_separation = share == 0.0;
         self.goal_share.at_limit =
-            separation.is_some_and(|rows| safety.is_at_limit(rows, moves.velocity));
+            rows.is_some_and(|rows| distances.is_at_limit(rows, moves.velocity));
         motion.go_towards_rest(&mut self.command, share);
         Ok(status)
     }

@@ -2,8 +2,8 @@
 
 use ergo_map::PersonFrame;
 use hrsw::{
-    Attachment, Bounds, FloorMotion, FollowerSettings, FrameFollower, HeldFrame, MovingSettings,
-    MovingWorkspace, OrientationShape, PositionShape, Workspace,
+    Attachment, Bounds, FloorMotion, FollowerSettings, FrameFollower, HeldFrame, MovingWorkspace,
+    PositionShape, Workspace,
 };
 use hrsw_safety::FollowingDistance;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3, Vector6};
@@ -77,11 +77,10 @@ impl SharedSpace {
         let follower = FollowerSettings::default();
         let speed = follower.speed.max(FASTER * settings.desired.velocity);
         let follower = FollowerSettings { speed, ..follower };
-        let moving = MovingSettings { frame: follower, ..MovingSettings::default() };
         let safety = &settings.safety;
         let following = FollowingDistance::new(safety.separation, Self::CLEARANCE)?;
         // The tracker sees what counts for safety, and keypoints of less confidence.
-        let position_sigma = safety.person.position_sigma;
+        let position_sigma = safety.position_sigma;
         let tracker = TrackerSettings { position_sigma, ..TrackerSettings::default() };
         let level = Vector3::new(centre.x, centre.y, 0.0);
         Ok(Self {
@@ -91,7 +90,7 @@ impl SharedSpace {
             drift: Vector6::zeros(),
             frame: FrameFollower::new(Isometry3::identity(), follower)?,
             person: None,
-            moving: MovingWorkspace::new(workspace, moving)?,
+            moving: MovingWorkspace::new(workspace, follower)?,
             assigned: None,
             carrier: Carrier::Nothing,
             lead: space.lead,
@@ -158,18 +157,6 @@ impl SharedSpace {
             return Err(hrsw::Error::TooMany { what, got: needed, most }.into());
         }
         Ok(self.moving.reshape_position(shape, duration)?)
-    }
-
-    /// Changes the shape of orientations over `duration` \[s\].
-    ///
-    /// # Errors
-    /// [`Error::Workspace`] for a duration that is not positive, and for angles near half a turn.
-    pub fn reshape_orientation(
-        &mut self,
-        shape: &OrientationShape,
-        duration: f64,
-    ) -> Result<(), Error> {
-        Ok(self.moving.reshape_orientation(shape, duration)?)
     }
 
     /// Moves a held frame to the mean place of the person, while the robot moves anyway.
@@ -315,7 +302,7 @@ impl SharedSpace {
         &self.moving
     }
 
-    /// The motion of the workspace, to reorient it.
+    /// The motion of the workspace, to reorient it and to change the shape of its orientations.
     pub fn moving_mut(&mut self) -> &mut MovingWorkspace {
         &mut self.moving
     }

@@ -5,7 +5,7 @@ mod goal;
 
 use ahqp_core::{AugmentedState, Budget, Hierarchy, Rows, Settings, Solution, VelocityInterval};
 use hrsw::{SoftWorkspace, Softening, Workspace};
-use hrsw_safety::{JointMotion, Safety};
+use hrsw_safety::{JointMotion, Safety, SpeedCap};
 use nalgebra::{Isometry3, Translation3};
 use whole_body::limits::{WheelLimit, nearest_to_rest};
 use whole_body::stack::{TaskId, TaskLevel, TaskStack};
@@ -42,7 +42,7 @@ pub struct CollaborationStack {
 /// The tasks, by priority.
 #[derive(Debug, Clone, Copy)]
 struct Tasks {
-    speed_cap: Option<TaskId<RowBlock>>,
+    speed_cap: TaskId<RowBlock>,
     separation: Option<TaskId<RowBlock>>,
     wheels: Option<TaskId<WheelLimit>>,
     own_bodies: Option<TaskId<RowBlock>>,
@@ -94,9 +94,8 @@ impl CollaborationStack {
         let mut variables = VariableLayout::new(model);
         let desired = variables.add("desired twist", state.task);
         let slack = variables.add("slack", state.slack);
-        let soft = SoftWorkspace::with_softening(state, *horizon, softening)?;
+        let soft = SoftWorkspace::new(state, *horizon, softening)?;
         let on_base = base.map_or(0, |_| MOCA_BASE_JOINTS.min(joints));
-        let safety = safety.rows();
 
         let mut speed_cap = TaskLevel::new("speed cap");
         let mut separation = TaskLevel::new("separation");
@@ -110,12 +109,13 @@ impl CollaborationStack {
         let augmented = AugmentedFrameTask::new(robot.tool(), &desired).with_gains(*gain);
         let bounds = RowBlock::new(soft.capacity());
         // Kinds of rows without any row have no task.
-        let task = |rows: &Rows| (!rows.is_empty()).then(|| RowBlock::new(rows.len()));
+        let task = |rows: Rows| (!rows.is_empty()).then(|| RowBlock::new(rows.len()));
         let tasks = Tasks {
-            speed_cap: task(&safety.cap).map(|task| speed_cap.constrain("speed cap", task)),
-            separation: task(&safety.separation).map(|task| separation.push("people", task)),
+            speed_cap: speed_cap.constrain("speed cap", RowBlock::new(SpeedCap::ROWS)),
+            separation: task(safety.separation().rows())
+                .map(|task| separation.push("people", task)),
             wheels: base.map(|base| separation.constrain("wheels", base.limit())),
-            own_bodies: task(&safety.own).map(|task| own_bodies.push("own bodies", task)),
+            own_bodies: task(safety.own().rows()).map(|task| own_bodies.push("own bodies", task)),
             returns: if extended {
                 Some(returns.push("return", entries(0..joints)?))
             } else {
@@ -209,8 +209,8 @@ impl CollaborationStack {
         kinematics.set_point(Translation3::from(*robot.tool_from_hand()).into())?;
         soft.write_rows(input.workspace, input.desired, stack.block_mut(tasks.workspace)?)?;
         stack.task_mut(tasks.goal)?.set(&input.goal, &input.desired.translation.vector)?;
-        if let Some(gentle) = tasks.gentle {
-            set_ranges(stack.task_mut(gentle)?, &input.motion.gentle)?;
+        if let (Some(gentle), Some(drive)) = (tasks.gentle, &input.motion.base_drive) {
+            set_ranges(stack.task_mut(gentle)?, &drive.gentle.now)?;
         }
         if let Some(smoothness) = tasks.smoothness {
             let smoothness = stack.task_mut(smoothness)?;
@@ -224,16 +224,14 @@ impl CollaborationStack {
 
     fn set_safety(&mut self, robot: &mut Kinematics, input: &StackInput<'_>) -> Result<(), Error> {
         let Self { stack, tasks, .. } = self;
-        let motion =
-            JointMotion { braking: Some(&input.motion.braking), ..robot.motion(input.velocity) };
-        if let Some(speed_cap) = tasks.speed_cap {
-            input.safety.write_cap(&motion, stack.block_mut(speed_cap)?)?;
-        }
+        let motion = robot.motion(input.velocity);
+        let braking = JointMotion { braking: Some(&input.motion.braking), ..motion };
+        input.safety.write_cap(&braking, stack.block_mut(tasks.speed_cap)?)?;
         if let Some(separation) = tasks.separation {
-            input.safety.write_separation(&motion, stack.block_mut(separation)?)?;
+            input.safety.separation().write_rows(&motion, stack.block_mut(separation)?)?;
         }
         if let Some(own_bodies) = tasks.own_bodies {
-            input.safety.write_own(&motion, stack.block_mut(own_bodies)?)?;
+            input.safety.own().write_rows(&motion, stack.block_mut(own_bodies)?)?;
         }
         if let Some(wheels) = tasks.wheels {
             let slowest = input

@@ -69,7 +69,7 @@ const RANGES: &[Range] = &[
     ("supervisor.reduced_age", 1e-3, FOR_EVER),
     ("supervisor.stop_age", 1e-3, FOR_EVER),
     ("supervisor.contact_force", 1e-3, 1e6),
-    ("person.position_sigma", 1e-6, 10.0),
+    ("position_sigma", 1e-6, 10.0),
     ("camera.pose", -1e3, 1e3),
     ("torque.rotor_inertia", 0.0, 1e3),
     ("torque.delay", 0.0, 0.0045),

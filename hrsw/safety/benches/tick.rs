@@ -3,7 +3,7 @@
 
 use ahqp_core::{AugmentedState, Level, Limits, MotionState, Rows};
 use divan::{Bencher, black_box};
-use hrsw::{Bounds, Capsule, SoftWorkspace, Workspace};
+use hrsw::{Bounds, Capsule, SoftWorkspace, Softening, Workspace};
 use hrsw_safety::{
     ApproachRows, JointMotion, MeasuredVelocity, PersonBody, RobotBody, SeparationSettings,
     proximity,
@@ -75,7 +75,7 @@ struct Tick {
 
 impl Tick {
     fn new() -> Self {
-        let soft = SoftWorkspace::new(STATE, 0.2).unwrap();
+        let soft = SoftWorkspace::new(STATE, 0.2, Softening::default()).unwrap();
         let separation = ApproachRows::new(STATE, SeparationSettings::default(), PAIRS).unwrap();
         let (robot, person) = bodies();
         Self {
@@ -107,7 +107,7 @@ impl Tick {
 
     fn workspace(&mut self) {
         let desired = Isometry3::translation(0.9, 0.1, 1.1);
-        self.soft.write(&self.workspace, &desired, &mut self.level).unwrap();
+        self.soft.write_rows(&self.workspace, &desired, self.level.constraints_mut()).unwrap();
     }
 
     fn limits(&self) {

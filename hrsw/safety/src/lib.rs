@@ -11,20 +11,19 @@
 //! use ahqp_core::AugmentedState;
 //! use hrsw_safety::nalgebra::{Matrix6xX, Point3, Vector3};
 //! use hrsw_safety::{
-//!     Age, Capsule, JointMotion, LinkCapsule, RobotBody, RobotLimits, Safety, SafetyInput,
-//!     SafetySettings, SafetyState,
+//!     Age, Capsule, JointMotion, LinkCapsule, RobotBody, Safety, SafetyInput, SafetySettings, SafetyState,
 //! };
 //! use vision_models::{Body, Body25, Confidence, Keypoint, Percept};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let state = AugmentedState { joints: 2, task: 6, slack: 6 };
-//! let limits = RobotLimits { accelerations: &[2.0, 2.0], speed: 1.0 }; // m/s², m/s
 //! let carriage = Capsule::sphere(Vector3::new(0.0, 0.0, 0.2), 0.2)?;
 //! let lift = Capsule::new(Vector3::new(0.0, 0.0, 0.4), Vector3::new(0.0, 0.0, 1.0), 0.1)?;
 //! let bodies = [("lift", lift), ("carriage", carriage)]
 //!     .map(|(link, capsule)| LinkCapsule { link: link.to_owned(), capsule });
 //! let settings = SafetySettings { bodies: bodies.to_vec(), ..SafetySettings::default() };
-//! let mut safety = Safety::new(state, settings, &limits, 1e-3)?;
+//! let (accelerations, speed, period) = ([2.0, 2.0], 1.0, 1e-3); // m/s², m/s, s
+//! let mut safety = Safety::new(state, settings, &accelerations, speed, period)?;
 //!
 //! // A camera frame: the trunk of somebody 2 m ahead.
 //! let confidence = Confidence::new(0.9)?;
@@ -52,9 +51,9 @@
 //! safety.decide(&bodies, &input);
 //! assert!(safety.nearest().is_none_or(|pair| pair.room() > 0.0));
 //! assert_eq!(safety.supervisor().state(), SafetyState::Normal);
-//! let mut rows = safety.rows(); // made once, for the levels of a stack of tasks
-//! safety.write_separation(&motion, &mut rows.separation)?;
-//! assert_eq!(rows.separation.len(), 40); // the most pairs that have a row
+//! let mut rows = safety.separation().rows(); // made once, for a level of a stack of tasks
+//! safety.separation().write_rows(&motion, &mut rows)?;
+//! assert_eq!(rows.len(), 40); // the most pairs that have a row
 //!
 //! // Without frames the robot stops.
 //! let late = SafetyInput { now: 1.0, age: Age::new(1.0)?, ..input };
@@ -103,10 +102,10 @@ pub use measured_velocity::MeasuredVelocity;
 pub use nalgebra;
 pub use people::MOST as MOST_OTHERS;
 pub use person_bodies::{FORGET_AFTER, LEAST_CONFIDENCE};
-pub use safety::{RobotLimits, Safety, SafetyInput, SafetyRows};
+pub use safety::{Safety, SafetyInput};
 pub use safety_state::SafetyState;
 pub use separation::{BaseBraking, SeparationSettings};
-pub use settings::{PersonBodySettings, SafetySettings};
+pub use settings::SafetySettings;
 pub use speed_cap::SpeedCap;
 pub use supervisor::{Cause, Observation, Supervisor, SupervisorSettings};
 

@@ -9,7 +9,6 @@ use crate::body_region::ContactLimits;
 use crate::error::Error;
 use crate::person_bodies::PersonBodies;
 use crate::separation::SeparationSettings;
-use crate::settings::PersonBodySettings;
 
 /// Largest number of people who are remembered beside the one who works with the robot.
 pub const MOST: usize = 4;
@@ -27,11 +26,11 @@ pub(super) struct SeenPeople {
 }
 
 impl SeenPeople {
-    /// Creates an empty list with these settings and limits.
-    pub(super) fn new(settings: PersonBodySettings, limits: &ContactLimits) -> Self {
+    /// Creates an empty list with this standard deviation and these limits.
+    pub(super) fn new(position_sigma: f64, limits: &ContactLimits) -> Self {
         Self {
             // Clones would not keep the capacity, and would allocate in the control loop.
-            people: std::array::from_fn(|_| PersonBodies::new(settings, limits)),
+            people: std::array::from_fn(|_| PersonBodies::new(position_sigma, limits)),
             worker: None,
             plausible: f64::NEG_INFINITY,
         }

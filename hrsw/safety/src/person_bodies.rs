@@ -10,7 +10,6 @@ use crate::body_region::ContactLimits;
 use crate::contact::{Contact, ContactLimit};
 use crate::joint_velocity::{JUMP_SPEED, JointVelocities, LIMB_GATE};
 use crate::separation::SeparationSettings;
-use crate::settings::PersonBodySettings;
 
 /// Smallest confidence of a keypoint that counts as seen for safety \[-\]: below half, a detector
 /// rather guesses.
@@ -86,7 +85,7 @@ impl Seen {
 #[derive(Debug, Clone)]
 pub(super) struct PersonBodies {
     id: Option<PersonId>,
-    settings: PersonBodySettings,
+    position_sigma: f64,
     joints: [Option<Seen>; Body25::COUNT],
     velocities: JointVelocities,
     /// A person seen at a place that nobody can have reached since the frame before. One frame
@@ -105,10 +104,10 @@ impl PersonBodies {
     /// and doubted.
     pub(super) const ROOM: usize = 3 * PARTS.len();
 
-    pub(super) fn new(settings: PersonBodySettings, limits: &ContactLimits) -> Self {
+    pub(super) fn new(position_sigma: f64, limits: &ContactLimits) -> Self {
         Self {
             id: None,
-            settings,
+            position_sigma,
             contacts: PARTS.map(|part| limits.of(part.region)),
             joints: [None; Body25::COUNT],
             velocities: JointVelocities::new(),
@@ -186,7 +185,7 @@ impl PersonBodies {
             let seen = joints[joint as usize]?;
             (seen.time == time).then_some(seen.place)
         };
-        self.velocities.observe(time, body, believed, self.settings.position_sigma);
+        self.velocities.observe(time, body, believed, self.position_sigma);
         None
     }
 

@@ -1,6 +1,6 @@
 //! Separation of the robot from people and from itself: rows for the stack, and a supervisor.
 
-use ahqp_core::{AugmentedState, Rows, VelocityInterval};
+use ahqp_core::{AugmentedState, Rows};
 use nalgebra::Vector3;
 use vision_models::{Body, Percept};
 
@@ -29,27 +29,6 @@ const OWN_MARGIN: f64 = 0.03;
 /// Deceleration of the arm before a self-collision \[m/s²\].
 const OWN_DECELERATION: f64 = 2.0;
 
-/// Blocks of rows of the safety levels, which bound nothing. They are written in place.
-#[derive(Debug, Clone)]
-pub struct SafetyRows {
-    /// Hard constraints on the tool's speed near people. They always admit braking.
-    pub cap: Rows,
-    /// First objective: the protective distances.
-    pub separation: Rows,
-    /// Second objective: the distances between the robot's own bodies.
-    pub own: Rows,
-}
-
-/// Limits of the robot.
-#[derive(Debug, Clone, Copy)]
-pub struct RobotLimits<'a> {
-    /// Largest accelerations of the joints, n \[m/s² or rad/s²\].
-    pub accelerations: &'a [f64],
-    /// Speed at which the robot can leave a person with its joints at full speed \[m/s\]: that of
-    /// its base, if it has one.
-    pub speed: f64,
-}
-
 /// Inputs of a tick.
 #[derive(Debug, Clone, Copy)]
 pub struct SafetyInput {
@@ -71,12 +50,11 @@ pub struct SafetyInput {
 ///
 /// In every tick, [`measure`](Self::measure) computes the distances. [`decide`](Self::decide)
 /// updates the supervisor, which limits the robot's speed. From that limit follow the velocities
-/// that the joints may take. [`write_cap`](Self::write_cap), [`write_separation`](Self::write_separation)
-/// and [`write_own`](Self::write_own) write the rows of a stack in place. The hard rows admit the
-/// slowest of these velocities.
+/// that the joints may take. [`write_cap`](Self::write_cap), [`separation`](Self::separation) and
+/// [`own`](Self::own) write the rows of a stack in place. The hard rows admit the slowest of these
+/// velocities.
 #[derive(Debug, Clone)]
 pub struct Safety {
-    state: AugmentedState,
     settings: SafetySettings,
     people: SeenPeople,
     /// The capsules of all people in this tick.
@@ -101,8 +79,9 @@ pub struct Safety {
 }
 
 impl Safety {
-    /// Creates the monitoring for the layout of χ, a robot with these limits, and a control period
-    /// \[s\].
+    /// Creates the monitoring for the layout of χ and a control period \[s\]. The robot has these
+    /// largest `accelerations` of its joints, n \[m/s² or rad/s²\]. At full speed of its joints it
+    /// leaves a person at `speed` \[m/s\], that of its base if it has one.
     ///
     /// # Errors
     /// [`Error::Value`] if a setting or limit is out of range. [`Error::Size`] if the number of
@@ -111,13 +90,13 @@ impl Safety {
     pub fn new(
         state: AugmentedState,
         settings: SafetySettings,
-        limits: &RobotLimits<'_>,
+        accelerations: &[f64],
+        speed: f64,
         period: f64,
     ) -> Result<Self, Error> {
         settings.validate()?;
-        let accelerations = limits.accelerations;
         check_size("the accelerations of the joints", accelerations.len(), state.joints)?;
-        let full_speed = positive("the full speed of the robot", limits.speed)?;
+        let full_speed = positive("the full speed of the robot", speed)?;
         let pairs = if settings.keeps_distances() { PAIRS } else { 0 };
         let separation =
             ApproachRows::new(state, settings.separation, pairs)?.watching(Supervisor::HYSTERESIS);
@@ -135,7 +114,7 @@ impl Safety {
         let mut own_pairs = Vec::with_capacity(3 * settings.own_pairs.len());
         own_pairs.extend_from_slice(&settings.own_pairs);
         Ok(Self {
-            people: SeenPeople::new(settings.person, &settings.contact),
+            people: SeenPeople::new(settings.position_sigma, &settings.contact),
             bodies: Vec::with_capacity(SeenPeople::room()),
             acceleration_limits: accelerations.to_vec(),
             full_speed,
@@ -145,7 +124,6 @@ impl Safety {
             leaving_speed: 0.0,
             nearest: None,
             supervisor: Supervisor::new(settings.supervisor)?,
-            state,
             separation,
             own,
             own_pairs,
@@ -294,12 +272,6 @@ impl Safety {
         self.supervisor.update(&Observation { nearest: self.nearest, age }, elapsed);
     }
 
-    /// Returns blocks of rows to write each tick.
-    pub fn rows(&self) -> SafetyRows {
-        let cap = SpeedCap::rows(self.state);
-        SafetyRows { cap, separation: self.separation.rows(), own: self.own.rows() }
-    }
-
     /// Writes the hard rows on the tool's speed. They admit [`JointMotion::braking`], the velocities
     /// nearest to rest that the joints may take. Allocates nothing.
     ///
@@ -311,51 +283,19 @@ impl Safety {
         SpeedCap::write(motion, &self.person_velocity, cap, rows)
     }
 
-    /// Writes the rows of the protective distances. Allocates nothing.
-    ///
-    /// # Errors
-    /// Those of [`ApproachRows::write_rows`].
-    pub fn write_separation(&self, motion: &JointMotion<'_>, rows: &mut Rows) -> Result<(), Error> {
-        self.separation.write_rows(&JointMotion { braking: None, ..*motion }, rows)
+    /// Returns the rows of the protective distances, as measured in this tick.
+    pub fn separation(&self) -> &ApproachRows {
+        &self.separation
     }
 
-    /// Writes the rows of the distances between the robot's own bodies. Allocates nothing.
-    ///
-    /// # Errors
-    /// Those of [`ApproachRows::write_rows`].
-    pub fn write_own(&self, motion: &JointMotion<'_>, rows: &mut Rows) -> Result<(), Error> {
-        self.own.write_rows(&JointMotion { braking: None, ..*motion }, rows)
+    /// Returns the rows of the protective distances, to change the velocities of a stop.
+    pub fn separation_mut(&mut self) -> &mut ApproachRows {
+        &mut self.separation
     }
 
-    /// Returns the share of the way from the velocities of `motion` to `braking`, each n, that the
-    /// distances demand \[-\]. `separation` has the rows of this tick. See
-    /// [`ApproachRows::braking_share`].
-    pub fn braking_share(
-        &self,
-        motion: &JointMotion<'_>,
-        separation: &Rows,
-        braking: &[f64],
-    ) -> f64 {
-        self.separation.braking_share(motion, separation, motion.velocity, braking)
-    }
-
-    /// Changes the velocities of a `stop`, n, so that it approaches people no faster than the stop
-    /// `least`. `separation` has the rows of this tick. See [`ApproachRows::recede`].
-    pub fn recede(
-        &mut self,
-        motion: &JointMotion<'_>,
-        separation: &Rows,
-        bounds: (&[f64], &[VelocityInterval]),
-        stop: &mut [f64],
-    ) {
-        self.separation.recede(motion, separation, bounds, stop);
-    }
-
-    /// Returns true if the robot approaches people at nearly its largest speed with these joint
-    /// velocities, n \[m/s or rad/s\]. `separation` has the rows of this tick. See
-    /// [`ApproachRows::is_at_limit`].
-    pub fn is_at_limit(&self, separation: &Rows, velocity: &[f64]) -> bool {
-        self.separation.is_at_limit(separation, velocity)
+    /// Returns the rows of the distances between the robot's own bodies, as measured in this tick.
+    pub fn own(&self) -> &ApproachRows {
+        &self.own
     }
 
     /// Returns the share of their speeds that the joints may use, at most 1.

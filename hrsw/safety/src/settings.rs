@@ -6,22 +6,6 @@ use crate::link_capsule::LinkCapsule;
 use crate::separation::SeparationSettings;
 use crate::supervisor::SupervisorSettings;
 
-/// Settings of the person's body, which is computed from camera frames.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
-#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
-pub struct PersonBodySettings {
-    /// Standard deviation of the place of a joint for each axis, if no covariance is known \[m\].
-    /// Default 0.02.
-    pub position_sigma: f64,
-}
-
-impl Default for PersonBodySettings {
-    fn default() -> Self {
-        Self { position_sigma: 0.02 }
-    }
-}
-
 /// Separation from people and from the robot itself. **This is not safety-rated.**
 ///
 /// ```
@@ -49,8 +33,9 @@ pub struct SafetySettings {
     pub contact_speed: f64,
     /// Rules by which the robot stops and recovers. Default: those of [`SupervisorSettings`].
     pub supervisor: SupervisorSettings,
-    /// Settings of the person's body.
-    pub person: PersonBodySettings,
+    /// Standard deviation of the place of a person's joint for each axis, if no covariance is known
+    /// \[m\]. Default 0.02.
+    pub position_sigma: f64,
     /// Capsules of the robot, best from the gripper to the base: the nearest are then found first.
     /// A robot without capsules keeps no distance from people. Default: those of the robot, none if
     /// the robot is not known.
@@ -67,7 +52,7 @@ impl Default for SafetySettings {
             contact: ContactLimits::default(),
             contact_speed: 0.25,
             supervisor: SupervisorSettings::default(),
-            person: PersonBodySettings::default(),
+            position_sigma: 0.02,
             bodies: Vec::new(),
             own_pairs: Vec::new(),
         }
@@ -111,7 +96,7 @@ impl SafetySettings {
     pub fn validate(&self) -> Result<(), Error> {
         self.separation.validate()?;
         self.supervisor.validate()?;
-        positive("safety.person.position_sigma", self.person.position_sigma)?;
+        positive("safety.position_sigma", self.position_sigma)?;
         not_negative("safety.contact_speed", self.contact_speed)?;
         Ok(())
     }

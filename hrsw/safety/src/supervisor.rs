@@ -142,7 +142,7 @@ pub struct Supervisor {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Pressure {
     Gone,
-    Felt,
+    Present,
 }
 
 impl Supervisor {
@@ -246,7 +246,7 @@ impl Supervisor {
         // Both comparisons are false for NaN.
         let (within, relieved) = (force <= limit, force <= 0.5 * limit);
         if !within {
-            self.pressure = Pressure::Felt;
+            self.pressure = Pressure::Present;
         } else if relieved {
             self.pressure = Pressure::Gone;
         }
@@ -260,7 +260,7 @@ impl Supervisor {
     /// Returns true if the robot must give way to a force. This lasts from a force that was too
     /// large until the force has fallen to half of the limit.
     pub fn gives_way(&self) -> bool {
-        self.pressure == Pressure::Felt
+        self.pressure == Pressure::Present
     }
 
     /// Takes the observation of a tick, `period` \[s\] after the one before.

@@ -4,7 +4,7 @@ use std::hint::black_box;
 
 use ahqp_core::AugmentedState;
 use hrsw::{
-    Attachment, Bounds, Capsule, Cone, MovingSettings, MovingWorkspace, OrientedBox, Polytope,
+    Attachment, Bounds, Capsule, Cone, FollowerSettings, MovingWorkspace, OrientedBox, Polytope,
     PositionShape, SoftWorkspace, Softening, Workspace,
 };
 use nalgebra::{Isometry3, UnitQuaternion, Vector3, Vector6};
@@ -24,10 +24,10 @@ fn a_tick_allocates_nothing() {
     ];
     let cone = Cone::new(Vector3::z(), -Vector3::x(), 0.4).unwrap();
     let workspace = Workspace::new(Isometry3::identity(), bounds, turn).unwrap();
-    let mut moving = MovingWorkspace::new(workspace, MovingSettings::default()).unwrap();
+    let mut moving = MovingWorkspace::new(workspace, FollowerSettings::default()).unwrap();
     moving.attach(Attachment::Person(Isometry3::identity())).unwrap();
     let softening = Softening { position_rows: 12, ..Softening::default() };
-    let soft = SoftWorkspace::with_softening(state, 0.2, softening).unwrap();
+    let soft = SoftWorkspace::new(state, 0.2, softening).unwrap();
     let mut level = soft.level().unwrap();
     let desired = Isometry3::translation(0.6, 0.4, 1.0);
 
@@ -43,7 +43,7 @@ fn a_tick_allocates_nothing() {
             moving.reshape_orientation(&orientation, 0.2).unwrap();
         }
         moving.advance(1e-3).unwrap();
-        soft.write(moving.workspace(), &desired, &mut level).unwrap();
+        soft.write_rows(moving.workspace(), &desired, level.constraints_mut()).unwrap();
         black_box(moving.workspace().violation(&desired));
     };
     assert_eq!(allocation_counter::measure(|| (0..4000).for_each(tick)).count_total, 0);

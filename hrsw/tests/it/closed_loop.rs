@@ -4,7 +4,7 @@ use ahqp_core::{
     AugmentedState, Hierarchy, Level, LevelId, Limits, MotionState, Rows, Settings, Solver,
 };
 use hrsw::{
-    Attachment, Bounds, Capsule, Cone, MovingSettings, MovingWorkspace, OrientationShape,
+    Attachment, Bounds, Capsule, Cone, FollowerSettings, MovingWorkspace, OrientationShape,
     PositionShape, SoftWorkspace, Softening, Workspace,
 };
 use nalgebra::{DMatrix, DVector, Isometry3, Vector3, Vector6};
@@ -29,7 +29,7 @@ struct Desired {
 impl Desired {
     fn new() -> Self {
         let room = Softening { position_rows: 13, ..Softening::default() };
-        let soft = SoftWorkspace::with_softening(DESIRED, 0.3, room).unwrap();
+        let soft = SoftWorkspace::new(DESIRED, 0.3, room).unwrap();
         let mut hierarchy = Hierarchy::new(DESIRED.len()).unwrap();
         let inside = hierarchy.push(soft.level().unwrap()).unwrap();
         let rest = DMatrix::from_fn(6, DESIRED.len(), |i, j| if j == i + 1 { 1.0 } else { 0.0 });
@@ -55,7 +55,7 @@ impl Desired {
             (lower[index], upper[index]) = (interval.lower, interval.upper);
         }
         self.soft
-            .write(workspace, &self.pose, self.hierarchy.level_mut(self.inside).unwrap())
+            .write_rows(workspace, &self.pose, self.hierarchy.constraints_mut(self.inside).unwrap())
             .unwrap();
         let solution = self.solver.solve(&self.hierarchy).unwrap();
         let twist =
@@ -70,7 +70,7 @@ fn moving() -> MovingWorkspace {
     let position = Bounds::new(Vector3::new(0.2, -0.5, 0.7), Vector3::new(0.8, 0.3, 1.5)).unwrap();
     let turn = Bounds::symmetric(Vector3::repeat(0.3)).unwrap();
     let workspace = Workspace::new(Isometry3::identity(), position, turn).unwrap();
-    let mut moving = MovingWorkspace::new(workspace, MovingSettings::default()).unwrap();
+    let mut moving = MovingWorkspace::new(workspace, FollowerSettings::default()).unwrap();
     moving.attach(Attachment::Person(Isometry3::identity())).unwrap();
     moving
 }

@@ -2,7 +2,7 @@
 
 use crate::support::*;
 use hrsw::{
-    Attachment, Bounds, MovingSettings, MovingWorkspace, OrientationShape, Path, PositionShape,
+    Attachment, Bounds, FollowerSettings, MovingWorkspace, OrientationShape, Path, PositionShape,
     Workspace,
 };
 use nalgebra::{Isometry3, UnitQuaternion, Vector3, Vector6};
@@ -62,7 +62,7 @@ fn box_workspace() -> Workspace {
 }
 
 fn moving() -> MovingWorkspace {
-    MovingWorkspace::new(box_workspace(), MovingSettings::default()).unwrap()
+    MovingWorkspace::new(box_workspace(), FollowerSettings::default()).unwrap()
 }
 
 fn run(moving: &mut MovingWorkspace, ticks: usize) {
@@ -83,7 +83,7 @@ proptest! {
     fn velocities_and_bounds_are_always_continuous(
         events in prop::collection::vec((event(), 1..120_usize), 1..16), at in pose(1.0, 0.5),
     ) {
-        let settings = MovingSettings::default();
+        let settings = FollowerSettings::default();
         let mut moving = moving();
         for (event, ticks) in events {
             happens(event, &mut moving);
@@ -94,10 +94,10 @@ proptest! {
                 let change = after.twist() - before.twist();
                 let linear = change.fixed_rows::<3>(0).norm();
                 let angular = change.fixed_rows::<3>(3).norm();
-                prop_assert!(linear <= settings.frame.acceleration * PERIOD + 1e-12);
-                prop_assert!(angular <= settings.frame.angular_acceleration * PERIOD + 1e-12);
+                prop_assert!(linear <= settings.acceleration * PERIOD + 1e-12);
+                prop_assert!(angular <= settings.angular_acceleration * PERIOD + 1e-12);
                 let turn = (after.reference_rate() - before.reference_rate()).norm();
-                prop_assert!(turn <= settings.reference.angular_acceleration * PERIOD + 1e-12);
+                prop_assert!(turn <= settings.angular_acceleration * PERIOD + 1e-12);
                 // Speeds of frame (at an arm of at most 6 m), reference and bounds, with a margin.
                 let relative = (excess(after, &at) - excess(&before, &at)).abs();
                 let far = before.coordinates(&at).fixed_rows::<3>(3).norm() > 2.5;
@@ -234,7 +234,7 @@ proptest! {
     fn a_half_turn_keeps_its_rate_and_sense(
         axis in direction(), sense in any::<bool>(), wobble in vector(1e-6),
     ) {
-        let settings = MovingSettings::default();
+        let settings = FollowerSettings::default();
         let mut moving = moving();
         let goal = UnitQuaternion::from_scaled_axis(axis * std::f64::consts::PI + wobble);
         let about = nalgebra::Unit::new_normalize(if sense { axis } else { -axis });
@@ -242,7 +242,7 @@ proptest! {
         for _ in 0..8000 {
             moving.advance(PERIOD).unwrap();
             let rate = moving.workspace().reference_rate();
-            prop_assert!(rate.norm() <= settings.reference.angular_speed + 1e-12);
+            prop_assert!(rate.norm() <= settings.angular_speed + 1e-12);
             prop_assert!(rate.dot(&about) >= -1e-6, "turns back");
         }
         prop_assert!(moving.workspace().reference().angle_to(&goal) < 1e-6);
@@ -303,7 +303,7 @@ proptest! {
         let mut moving = moving();
         let at = Isometry3::identity();
         let soft = hrsw::SoftWorkspace::new(
-            ahqp_core::AugmentedState { joints: 10, task: 6, slack: 6 }, 0.2).unwrap();
+            ahqp_core::AugmentedState { joints: 10, task: 6, slack: 6 }, 0.2, hrsw::Softening::default()).unwrap();
         let mut level = soft.level().unwrap();
         moving.attach(Attachment::Person(at)).unwrap();
         for ((pose, twist), number) in poses.into_iter().zip(twists).zip(numbers) {
@@ -321,7 +321,7 @@ proptest! {
             prop_assert!(workspace.twist().iter().all(|x| x.is_finite()));
             prop_assert!((workspace.reference().coords.norm() - 1.0).abs() < 1e-9);
             prop_assert!(workspace.rows(&at).all(|row| row.excess.is_finite() && row.drift.is_finite()));
-            prop_assert!(soft.write(workspace, &at, &mut level).is_ok());
+            prop_assert!(soft.write_rows(workspace, &at, level.constraints_mut()).is_ok());
         }
     }
 }

@@ -2,7 +2,8 @@
 
 use ahqp_core::{AugmentedState, Hierarchy, Level, Rows, Settings, Solver};
 use hrsw::{
-    Bounds, Error, FollowerSettings, FrameFollower, OrientationShape, SoftWorkspace, Workspace,
+    Bounds, Error, FollowerSettings, FrameFollower, OrientationShape, SoftWorkspace, Softening,
+    Workspace,
 };
 use nalgebra::{DMatrix, DVector, Isometry3, UnitQuaternion, Vector3, Vector6};
 use proptest::prelude::*;
@@ -58,9 +59,9 @@ proptest! {
     ) {
         let state = AugmentedState { joints: 1, task: 6, slack: 6 };
         let desired = workspace.world_from_workspace() * relative;
-        let soft = SoftWorkspace::new(state, 0.2).unwrap();
+        let soft = SoftWorkspace::new(state, 0.2, Softening::default()).unwrap();
         let mut level = soft.level().unwrap();
-        soft.write(&workspace, &desired, &mut level).unwrap();
+        soft.write_rows(&workspace, &desired, level.constraints_mut()).unwrap();
         let (linear, turning) =
             (workspace.twist().fixed_rows::<3>(0), workspace.twist().fixed_rows::<3>(3));
         let arm = desired.translation.vector
@@ -151,10 +152,13 @@ fn bad_input_is_named() {
     let nowhere = Isometry3::translation(f64::INFINITY, 0.0, 0.0);
     assert!(matches!(Workspace::new(nowhere, unit, unit), Err(Error::Value { .. })));
     let state = AugmentedState { joints: 10, task: 6, slack: 0 };
-    let error = SoftWorkspace::new(state, 0.1).unwrap_err();
+    let error = SoftWorkspace::new(state, 0.1, Softening::default()).unwrap_err();
     assert!(error.to_string().contains("slack"), "{error}");
     let state = AugmentedState { joints: 10, task: 6, slack: 6 };
-    assert!(matches!(SoftWorkspace::new(state, 0.0), Err(Error::Value { .. })));
+    assert!(matches!(
+        SoftWorkspace::new(state, 0.0, Softening::default()),
+        Err(Error::Value { .. })
+    ));
     let settings = FollowerSettings { speed: -1.0, ..FollowerSettings::default() };
     let error = FrameFollower::new(at, settings).unwrap_err();
     assert!(error.to_string().contains("speed"), "{error}");

@@ -37,9 +37,9 @@ proptest! {
         workspace in workspace(), relative in pose(0.6, 0.8), speed in 0.2..2.0_f64,
     ) {
         let desired = workspace.world_from_workspace() * relative;
-        let soft = SoftWorkspace::with_softening(SLACK, HORIZON, softening()).unwrap();
+        let soft = SoftWorkspace::new(SLACK, HORIZON, softening()).unwrap();
         let mut level = soft.level().unwrap();
-        soft.write(&workspace, &desired, &mut level).unwrap();
+        soft.write_rows(&workspace, &desired, level.constraints_mut()).unwrap();
         let hierarchy = hierarchy(&soft, level, speed);
         let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
         let ours = solver.solve(&hierarchy).unwrap().optimum().unwrap().to_vec();
@@ -62,7 +62,7 @@ proptest! {
         let wide = |half: Vector3<f64>| Bounds::symmetric(half.abs().add_scalar(0.06)).unwrap();
         let workspace = Workspace::new(frame, wide(half), wide(turn)).unwrap();
         let softening = Softening { margin, ..softening() };
-        let soft = SoftWorkspace::with_softening(SLACK, HORIZON, softening).unwrap();
+        let soft = SoftWorkspace::new(SLACK, HORIZON, softening).unwrap();
         let mut desired = frame * relative;
         let outermost = |desired: &Isometry3<f64>| {
             let rooms = workspace.rows(desired).map(|row| row.excess / row.gradient.norm());
@@ -71,7 +71,7 @@ proptest! {
         let began = outermost(&desired);
         for _ in 0..120 {
             let mut level = soft.level().unwrap();
-            soft.write(&workspace, &desired, &mut level).unwrap();
+            soft.write_rows(&workspace, &desired, level.constraints_mut()).unwrap();
             let hierarchy = hierarchy(&soft, level, 5.0);
             let mut solver = Solver::new(&hierarchy, Settings::default()).unwrap();
             let x = solver.solve(&hierarchy).unwrap().optimum().unwrap().to_vec();
@@ -90,10 +90,10 @@ proptest! {
         let workspace = Workspace::new(Isometry3::identity(), small, small).unwrap();
         let weights = Vector6::new(wx, wy, 1.0, 1.0, 1.0, 1.0);
         let softening = Softening { weights, ..Softening::default() };
-        let soft = SoftWorkspace::with_softening(SLACK, HORIZON, softening).unwrap();
+        let soft = SoftWorkspace::new(SLACK, HORIZON, softening).unwrap();
         let mut level = soft.level().unwrap();
         let desired = Isometry3::translation(0.5, 0.5, 0.0);
-        soft.write(&workspace, &desired, &mut level).unwrap();
+        soft.write_rows(&workspace, &desired, level.constraints_mut()).unwrap();
         let mut hierarchy = Hierarchy::new(SLACK.len()).unwrap();
         let mut sum = DMatrix::zeros(1, SLACK.len());
         (sum[(0, 1)], sum[(0, 2)]) = (1.0, 1.0);
@@ -113,20 +113,23 @@ fn unsuitable_workspaces_and_settings_are_named() {
     let corners = [Vector3::zeros(), Vector3::x(), Vector3::y(), Vector3::z()];
     let here = Isometry3::identity();
     let mut workspace = Workspace::new(here, Polytope::hull(&corners).unwrap(), unit).unwrap();
-    let soft = SoftWorkspace::new(SLACK, HORIZON).unwrap();
+    let soft = SoftWorkspace::new(SLACK, HORIZON, Softening::default()).unwrap();
     let mut level = soft.level().unwrap();
-    soft.write(&workspace, &here, &mut level).unwrap();
+    soft.write_rows(&workspace, &here, level.constraints_mut()).unwrap();
     workspace.reshape_position(unit, 1.0).unwrap();
-    let crowded = soft.write(&workspace, &here, &mut level).unwrap_err();
+    let crowded = soft.write_rows(&workspace, &here, level.constraints_mut()).unwrap_err();
     assert!(matches!(crowded, Error::TooMany { got: 10, most: 6, .. }), "{crowded}");
     let boxed = Workspace::new(here, unit, unit).unwrap();
     let mut other = Level::constraints_only(Rows::zeros(3, SLACK.len()));
-    assert!(matches!(soft.write(&boxed, &here, &mut other), Err(Error::Size { .. })));
+    assert!(matches!(
+        soft.write_rows(&boxed, &here, other.constraints_mut()),
+        Err(Error::Size { .. })
+    ));
     let without_slack = AugmentedState { slack: 0, ..SLACK };
-    let error = SoftWorkspace::new(without_slack, HORIZON).unwrap_err();
+    let error = SoftWorkspace::new(without_slack, HORIZON, Softening::default()).unwrap_err();
     assert!(matches!(error, Error::Size { got: 0, wanted: 6, .. }), "{error}");
     let weights = Vector6::new(1.0, 1.0, 0.0, 1.0, 1.0, 1.0);
     let softening = Softening { weights, ..Softening::default() };
-    let error = SoftWorkspace::with_softening(SLACK, HORIZON, softening).unwrap_err();
+    let error = SoftWorkspace::new(SLACK, HORIZON, softening).unwrap_err();
     assert!(matches!(error, Error::Value { .. }));
 }

@@ -1,13 +1,14 @@
 //! Decision when the base moves, with gentle accelerations.
 
-use ahqp_core::{Limits, MotionState, VelocityInterval};
+use ahqp_core::{JerkLimits, VelocityInterval};
 use nalgebra::{Matrix6, Matrix6xX, Rotation2, Vector2};
-use whole_body::limits::nearest_to_rest;
+use whole_body::limits::{JointIntervals, nearest_to_rest};
 use whole_body::robot::JointLimits;
 
 use crate::command::{BaseMotion, DriveReason};
 use crate::error::Error;
 use crate::robot::kinematics::Kinematics;
+use crate::robot::moca::MOCA_BASE_JOINTS;
 
 /// Share of its acceleration limits that the base uses unless safety needs more. The rest is reserved for braking.
 const GENTLE: f64 = 0.75;
@@ -28,8 +29,9 @@ const SLOWEST: f64 = 0.05;
 
 /// Prefers the arm to the base. The base stands while the person stands and the arm alone can hold the tool's place.
 #[derive(Debug, Clone)]
-pub(super) struct BaseDrive {
-    limits: Vec<Limits>,
+pub(crate) struct BaseDrive {
+    /// Velocities of the base while safety does not need more.
+    pub(crate) gentle: JointIntervals,
     /// Manipulability of the arm alone at the posture.
     usual: f64,
     /// Place of the tool at the posture, in the axes of the base \[m\].
@@ -58,18 +60,13 @@ impl BaseDrive {
     /// # Errors
     /// Never, for limits of a robot.
     pub(super) fn new(base: usize, robot: &Kinematics, posture: &[f64]) -> Result<Self, Error> {
-        let gentle = |limits: &JointLimits| {
-            let (lower, upper) = (f64::NEG_INFINITY, f64::INFINITY);
-            Ok(Limits::new(lower, upper, limits.velocity, GENTLE * limits.acceleration)?)
-        };
+        let limits = robot.model().limits().iter().take(base).map(|limits| JointLimits {
+            velocity: limits.velocity,
+            acceleration: GENTLE * limits.acceleration,
+            ..JointLimits::UNLIMITED
+        });
         Ok(Self {
-            limits: robot
-                .model()
-                .limits()
-                .iter()
-                .take(base)
-                .map(gentle)
-                .collect::<Result<_, Error>>()?,
+            gentle: JointIntervals::of_limits(&limits.collect::<Vec<_>>())?,
             usual: manipulability_behind(robot.jacobian(), base),
             nominal: place(robot, posture),
             motion: BaseMotion::Drives(DriveReason::PersonMoves),
@@ -93,7 +90,8 @@ impl BaseDrive {
         let farthest = if stands { DRIVES_BEYOND } else { STOPS_WITHIN };
         let reaches = self.usual > SINGULAR
             && (place(robot, q) - self.nominal).norm() <= farthest
-            && manipulability_behind(robot.jacobian(), self.limits.len()) >= REACHES * self.usual;
+            && manipulability_behind(robot.jacobian(), self.gentle.now.len())
+                >= REACHES * self.usual;
         self.motion = if conditions.is_hindered {
             BaseMotion::Drives(DriveReason::Separation)
         } else if !conditions.rests {
@@ -111,7 +109,7 @@ impl BaseDrive {
         if !conditions.rests {
             self.speed = f64::INFINITY;
         } else if conditions.is_at_limit {
-            let axes = velocity.iter().take(self.limits.len());
+            let axes = velocity.iter().take(self.gentle.now.len());
             let present = axes.fold(0.0, |most, axis| f64::max(most, axis.abs()));
             let slower = self.speed.min(present) * (-SLOWS * conditions.elapsed).exp();
             self.speed = slower.max(SLOWEST);
@@ -120,19 +118,17 @@ impl BaseDrive {
         }
     }
 
-    /// Writes the base's velocities while safety does not need more to `gentle`. If the base stands and can rest, its
-    /// `intervals` are set to rest.
+    /// Computes the base's velocities while safety does not need more. If the base stands and can rest, its `intervals`
+    /// are set to rest.
     pub(super) fn write(
-        &self,
+        &mut self,
         velocity: &[f64],
         step: f64,
         intervals: &mut [VelocityInterval],
-        gentle: &mut [VelocityInterval],
     ) {
-        let axes = self.limits.iter().zip(velocity).zip(intervals).zip(gentle);
-        for (((limits, velocity), interval), gentle) in axes {
-            let state = MotionState { position: 0.0, velocity: *velocity };
-            *gentle = limits.velocity_interval(state, step);
+        let rule = |limits: &JerkLimits, state| limits.velocity_interval(state, step);
+        self.gentle.update_by(&[], velocity, &[0.0; MOCA_BASE_JOINTS], rule);
+        for (gentle, interval) in self.gentle.now.iter_mut().zip(intervals) {
             gentle.upper = gentle.upper.min(self.speed).max(gentle.lower);
             gentle.lower = gentle.lower.max(-self.speed).min(gentle.upper);
             if self.motion != BaseMotion::Stands {
@@ -171,7 +167,6 @@ fn manipulability_behind(jacobian: &Matrix6xX<f64>, first: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::robot::moca::MOCA_BASE_JOINTS;
     use crate::robot::moca::moca;
     use crate::settings::ControllerSettings;
     use proptest::prelude::*;
@@ -208,8 +203,8 @@ mod tests {
                 drive.decide(&robot, [posture, &velocity], &conditions);
                 drive.motion = BaseMotion::Drives(DriveReason::Reach);
                 let mut intervals = [VelocityInterval { lower: -1.0, upper: 1.0 }; 3];
-                let mut gentle = intervals;
-                drive.write(&velocity, step, &mut intervals, &mut gentle);
+                drive.write(&velocity, step, &mut intervals);
+                let gentle = &drive.gentle.now;
                 assert!(gentle.iter().all(|interval| interval.lower <= interval.upper));
                 velocity[0] = gentle[0].upper;
             }

@@ -29,7 +29,7 @@ pub(crate) struct CommandedMotion {
     pub(crate) desired: JointIntervals,
     /// Number of joints of the base.
     base: usize,
-    pub(super) base_drive: Option<BaseDrive>,
+    pub(crate) base_drive: Option<BaseDrive>,
     /// Configuration at which tasks are computed: commanded for joints that follow positions, measured for others.
     pub(super) reference: Vec<f64>,
     /// Whether each joint follows positions.
@@ -45,8 +45,6 @@ pub(crate) struct CommandedMotion {
     brakes_from: Vec<[f64; 2]>,
     /// Velocity intervals of the joints that must return within their limits.
     pub(crate) returns: Vec<VelocityInterval>,
-    /// Velocity intervals of the base while safety does not need more.
-    pub(crate) gentle: Vec<VelocityInterval>,
     /// Joint velocities as near to rest as the intervals allow.
     pub(crate) braking: Vec<f64>,
     /// Joint velocities of an emergency stop, which may accelerate more.
@@ -88,7 +86,6 @@ impl CommandedMotion {
                 ("a joint's acceleration limit", limits.acceleration),
             ]
         }))?;
-        let free = VelocityInterval { lower: f64::NEG_INFINITY, upper: f64::INFINITY };
         let rest = vec![0.0; n];
         Ok(Self {
             following_error: FollowingErrorLimit::new(
@@ -107,7 +104,6 @@ impl CommandedMotion {
             acceleration: rest.clone(),
             brakes_from: vec![[0.0; 2]; n],
             returns: vec![VelocityInterval { lower: 0.0, upper: 0.0 }; n],
-            gentle: vec![free; base],
             base: base.min(n),
             braking: rest.clone(),
             stopping: rest.clone(),
@@ -214,8 +210,8 @@ impl CommandedMotion {
         let (q, v, a) = (&self.reference[..], &command.joint_velocity[..], &self.acceleration[..]);
         let scale = self.speed.min(share);
         self.joints.update_by(q, v, a, |limits, state| times.interval(limits, state, scale));
-        if let Some(drive) = &self.base_drive {
-            drive.write(v, times.step, &mut self.joints.now, &mut self.gentle);
+        if let Some(drive) = &mut self.base_drive {
+            drive.write(v, times.step, &mut self.joints.now);
         }
         self.joints.admit_braking(q, v, a, times.step, &mut self.returns);
         // Comes to rest without passing it: near it, the acceleration fades at the limit of jerk.

@@ -1,8 +1,8 @@
 //! Assumed speed of a person whom the camera misses, and the effect of noise in the joints.
 
 use hrsw_safety::{
-    Age, Capsule, FrameFault, MeasuredVelocity, RobotLimits, Safety, SafetyInput, SafetySettings,
-    SafetyState, proximity,
+    Age, Capsule, FrameFault, MeasuredVelocity, Safety, SafetyInput, SafetySettings, SafetyState,
+    proximity,
 };
 use moca_model::{
     CollaborationStack, Kinematics, MOCA_AXIS_SPEED, MOCA_HOME, MOCA_TOOL, moca_safety,
@@ -105,8 +105,7 @@ fn at_home(settings: SafetySettings) -> (Kinematics, Safety) {
     let robot = Kinematics::new(MOCA.clone(), MOCA_TOOL, &settings.bodies, &MOCA_HOME).unwrap();
     let layout = CollaborationStack::layout(MOCA_HOME.len());
     let accelerations: Vec<f64> = MOCA.limits().iter().map(|limits| limits.acceleration).collect();
-    let limits = RobotLimits { accelerations: &accelerations, speed: MOCA_AXIS_SPEED };
-    let safety = Safety::new(layout, settings, &limits, PERIOD).unwrap();
+    let safety = Safety::new(layout, settings, &accelerations, MOCA_AXIS_SPEED, PERIOD).unwrap();
     (robot, safety)
 }
 

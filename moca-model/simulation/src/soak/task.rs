@@ -50,7 +50,7 @@ impl Task {
             }
             6 => {
                 let (shape, duration) = (self.orientation()?, self.draw.random_range(0.1..2.0));
-                space.reshape_orientation(&shape, duration)?;
+                space.moving_mut().reshape_orientation(&shape, duration)?;
             }
             _ => {
                 let goal = self.rotation(PI);

@@ -33,7 +33,7 @@ impl Usable {
 }
 
 /// Age up to which torques show the present external force \[s\].
-const FELT: f64 = 5e-3;
+const PRESENT_FORCE: f64 = 5e-3;
 
 /// Larger numbers are refused, as by [`Model::is_configuration`].
 const LARGEST: f64 = 1e12;
@@ -75,7 +75,7 @@ impl TorqueController {
         if usable.is_bad() || !self.measures_force {
             self.observer.reset();
             self.force = Vector3::zeros();
-        } else if self.law.age() <= FELT {
+        } else if self.law.age() <= PRESENT_FORCE {
             self.controller.set_external_force(self.force.norm());
         }
         self.look_for_payload();
