@@ -198,10 +198,7 @@ impl CollaborationStack {
         input: &StackInput<'_>,
     ) -> Result<&Solution, Error> {
         let intervals = input.motion.joints.now.iter().chain(&input.motion.desired.now);
-        let (lower, upper) = self.stack.bounds_mut();
-        for ((lower, upper), interval) in lower.iter_mut().zip(upper).zip(intervals) {
-            (*lower, *upper) = (interval.lower, interval.upper);
-        }
+        self.stack.bound(intervals);
         self.set_safety(robot, input)?;
         let Self { stack, tasks, soft, .. } = self;
         let kinematics = stack.task_mut(tasks.kinematics)?;

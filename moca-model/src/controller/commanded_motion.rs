@@ -80,12 +80,8 @@ impl CommandedMotion {
         };
         robot.update(configuration)?;
         let base = settings.base.map_or(0, |_| MOCA_BASE_JOINTS);
-        check_positive(robot.model().limits().iter().flat_map(|limits| {
-            [
-                ("a joint's velocity limit", limits.velocity),
-                ("a joint's acceleration limit", limits.acceleration),
-            ]
-        }))?;
+        let limits = robot.model().limits().iter().flat_map(|l| [l.velocity, l.acceleration]);
+        check_positive(limits.map(|limit| ("a joint's velocity or acceleration limit", limit)))?;
         let rest = vec![0.0; n];
         Ok(Self {
             following_error: FollowingErrorLimit::new(

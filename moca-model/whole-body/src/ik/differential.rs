@@ -245,7 +245,7 @@ impl Ik {
         if let Some(heading) = &heading {
             self.intervals.align_with(heading);
         }
-        write_bounds(self.stack.bounds_mut(), &self.intervals.now);
+        self.stack.bound(&self.intervals.now);
         self.singularity.begin();
         let (velocity, acceleration) = (&self.velocity, &self.acceleration);
         let (intervals, anticipation) = (&self.intervals, &mut self.anticipation);
@@ -334,13 +334,20 @@ impl Ik {
 
     fn read(&mut self, period: f64) {
         let x = self.stack.solution().map_or(&[][..], ahqp_core::Solution::best);
+        for ((next, x), interval) in self.admitted.iter_mut().zip(x).zip(&self.intervals.now) {
+            *next = x.max(interval.lower).min(interval.upper);
+        }
+        self.take(period);
+    }
+
+    /// Takes the admitted velocity as that of the next period.
+    fn take(&mut self, period: f64) {
         std::mem::swap(&mut self.acceleration, &mut self.last_acceleration);
         let entries = self.velocity.iter_mut().zip(&mut self.acceleration);
-        let entries = entries.zip(&mut self.displacement).zip(x).zip(&self.intervals.now);
-        for ((((velocity, acceleration), displacement), x), interval) in entries {
-            let next = x.max(interval.lower).min(interval.upper);
+        let entries = entries.zip(&mut self.displacement).zip(&self.admitted);
+        for (((velocity, acceleration), displacement), next) in entries {
             *acceleration = (next - *velocity) / period;
-            *velocity = next;
+            *velocity = *next;
             *displacement = next * period;
         }
         self.period = period;
@@ -361,15 +368,7 @@ impl Ik {
             *yaw += self.displacement.get(2).copied().unwrap_or_default();
             self.intervals.brake_along(*yaw, &self.velocity, period, &mut self.admitted);
         }
-        std::mem::swap(&mut self.acceleration, &mut self.last_acceleration);
-        let entries = self.velocity.iter_mut().zip(&mut self.acceleration);
-        let entries = entries.zip(&mut self.displacement).zip(&self.admitted);
-        for (((velocity, acceleration), displacement), next) in entries {
-            *acceleration = (next - *velocity) / period;
-            *velocity = *next;
-            *displacement = next * period;
-        }
-        self.period = period;
+        self.take(period);
         Ok(&self.velocity)
     }
 
@@ -437,12 +436,6 @@ impl Ik {
             (_, Objective::LeastSquares(rows)) => Some(rows),
             _ => None,
         }
-    }
-}
-
-fn write_bounds((lower, upper): (&mut [f64], &mut [f64]), intervals: &[VelocityInterval]) {
-    for ((lower, upper), interval) in lower.iter_mut().zip(upper).zip(intervals) {
-        (*lower, *upper) = (interval.lower, interval.upper);
     }
 }
 

@@ -3,7 +3,7 @@
 use std::any::Any;
 use std::sync::Arc;
 
-use ahqp_core::{Budget, Hierarchy, Level, Rows, Settings, Solution, Solver};
+use ahqp_core::{Budget, Hierarchy, Level, Rows, Settings, Solution, Solver, VelocityInterval};
 
 use super::level_tasks::LevelTasks;
 use super::task_level::{TaskId, TaskLevel};
@@ -90,6 +90,14 @@ impl TaskStack {
     /// The bounds of all variables, to rewrite in place: `(lower, upper)`.
     pub fn bounds_mut(&mut self) -> (&mut [f64], &mut [f64]) {
         self.hierarchy.bounds_mut()
+    }
+
+    /// Sets the bounds of the first variables, those of q̇ in order.
+    pub fn bound<'a>(&mut self, intervals: impl IntoIterator<Item = &'a VelocityInterval>) {
+        let (lower, upper) = self.hierarchy.bounds_mut();
+        for ((lower, upper), interval) in lower.iter_mut().zip(upper).zip(intervals) {
+            (*lower, *upper) = (interval.lower, interval.upper);
+        }
     }
 
     /// Lets the tasks write their data for the next `period` \[s\]. The robot is at a configuration and has moved at
