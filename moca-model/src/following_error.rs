@@ -4,50 +4,10 @@ use ahqp_core::rotation_log;
 use hrsw_safety::SafetyState;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use whole_body::Model;
-use whole_body::torque::{Following, Resynchronisation};
+use whole_body::torque::{Following, FollowingErrorSettings, Resynchronisation};
 
 use crate::command::Command;
-use crate::error::{Error, check_positive};
-
-/// The largest following errors: how far commanded and measured state may be apart.
-///
-/// A robot that follows late by a time T is behind by T times its speed; an arm under impedance
-/// control gives way by the torque over its stiffness. The following-error limit must leave room for both.
-///
-/// ```
-/// use moca_model::FollowingErrorSettings;
-///
-/// assert!(FollowingErrorSettings::default().validate().is_ok());
-/// assert!(FollowingErrorSettings { revolute: f64::NAN, ..FollowingErrorSettings::default() }.validate().is_err());
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
-#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
-pub struct FollowingErrorSettings {
-    /// |q* − q| of joints that slide \[m\]. Default 0.2.
-    pub prismatic: f64,
-    /// |q* − q| of joints that turn \[rad\]. Default 0.1.
-    pub revolute: f64,
-}
-
-impl Default for FollowingErrorSettings {
-    fn default() -> Self {
-        Self { prismatic: 0.2, revolute: 0.1 }
-    }
-}
-
-impl FollowingErrorSettings {
-    /// Checks the ranges.
-    ///
-    /// # Errors
-    /// [`Error::Value`] names the first that is out of its range.
-    pub fn validate(&self) -> Result<(), Error> {
-        check_positive([
-            ("following_error.prismatic", self.prismatic),
-            ("following_error.revolute", self.revolute),
-        ])
-    }
-}
+use crate::error::Error;
 
 /// Share of its following-error limit beyond which a joint counts as pressed against something, once the robot has come
 /// to rest after a following error \[-\].
@@ -92,11 +52,10 @@ impl FollowingErrorLimit {
         model: &Model,
         period: f64,
     ) -> Result<Self, Error> {
-        let FollowingErrorSettings { prismatic, revolute } = settings;
         let limits = model.limits().iter();
         let step = GIVE_WAY_SPEED * period;
         let steps = limits.map(|limits| limits.velocity * step).collect();
-        let joints = Resynchronisation::of_model(model, revolute, prismatic)?;
+        let joints = Resynchronisation::of_model(model, settings)?;
         Ok(Self { joints, steps, gives_way: false, was_reached: false, begin: None })
     }
 

@@ -85,7 +85,6 @@ pub use command::{BaseMotion, Command, DriveReason, Outcome};
 pub use controller::Controller;
 pub use dynamic_robot::{DynamicRobot, DynamicRobotSettings};
 pub use error::Error;
-pub use following_error::FollowingErrorSettings;
 pub use grasped_object::{GraspedObject, HandSettings, WorkFace};
 pub use gripping::GripTime;
 pub use intention::IntentionFilter;
@@ -110,7 +109,7 @@ pub use stack::CollaborationStack;
 pub use torque::{AnswerDelay, TorqueController, TorqueLoopSettings};
 pub use vision_models::Intention;
 pub use whole_body;
-pub use whole_body::torque::ImpedanceSettings;
+pub use whole_body::torque::{FollowingErrorSettings, ImpedanceSettings};
 
 /// The program of the crate's README.
 #[cfg(doctest)]

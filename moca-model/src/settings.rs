@@ -10,9 +10,9 @@ use hrsw::Bounds;
 use hrsw_safety::SafetySettings;
 use nalgebra::{UnitQuaternion, Vector3, Vector6};
 use whole_body::robot::JointLimits;
+use whole_body::torque::FollowingErrorSettings;
 
 use crate::error::{Error, check_not_negative, check_positive, check_settings};
-use crate::following_error::FollowingErrorSettings;
 use crate::grasped_object::HandSettings;
 use crate::robot::moca::{MOCA_BASE_JOINTS, MOCA_HOME, MOCA_TOOL};
 use crate::robot::moca_safety::moca_safety;

@@ -20,5 +20,5 @@ pub use law::{TorqueLaw, TorqueSettings};
 pub use measurement_watch::{MeasurementFault, MeasurementWatch};
 pub use momentum_observer::{MomentumObserver, ObservedFriction, ObserverSettings};
 pub use prediction::StatePrediction;
-pub use resynchronisation::{Following, Resynchronisation};
+pub use resynchronisation::{Following, FollowingErrorSettings, Resynchronisation};
 pub use support::{CompensatedBy, Compensation, SupportTorque, SupportedMotion};

@@ -3,12 +3,9 @@
 use super::impedance::JointState;
 use super::law::{TorqueLaw, TorqueSettings};
 use super::measurement_watch::MeasurementFault;
-use super::resynchronisation::{Following, Resynchronisation};
+use super::resynchronisation::{Following, FollowingErrorSettings, Resynchronisation};
 use crate::error::{Error, check_finite};
 use crate::robot::model::Model;
-
-/// Largest following error of a joint \[rad or m\].
-const FARTHEST: f64 = 0.1;
 
 /// Turns velocities into torques by a [`TorqueLaw`]. The desired state stays near the measured one even if the robot is
 /// held ([`Resynchronisation`]).
@@ -66,8 +63,8 @@ pub struct TorqueControl {
 }
 
 impl TorqueControl {
-    /// Creates a controller for a robot at rest at the `measured` configuration. Following errors are limited to 0.1
-    /// rad or m.
+    /// Creates a controller for a robot at rest at the `measured` configuration. Following errors have the limits of
+    /// [`FollowingErrorSettings`].
     ///
     /// # Errors
     /// Those of [`TorqueLaw::new`].
@@ -75,21 +72,22 @@ impl TorqueControl {
         let law = TorqueLaw::new(model, settings, measured)?;
         Ok(Self {
             law,
-            resynchronisation: Resynchronisation::of_model(model, FARTHEST, FARTHEST)?,
+            resynchronisation: Resynchronisation::of_model(
+                model,
+                FollowingErrorSettings::default(),
+            )?,
             following: Following::Follows,
             desired: measured.to_vec(),
             commanded: vec![0.0; model.velocity_count()],
         })
     }
 
-    /// Sets the largest following errors of joints that turn \[rad\] and slide \[m\]. Beyond them the desired state
-    /// restarts from the measured one.
+    /// Sets the largest following errors of joints. Beyond them the desired state restarts from the measured one.
     ///
     /// # Errors
     /// Those of [`Resynchronisation::of_model`].
-    pub fn limit_following_error(&mut self, revolute: f64, prismatic: f64) -> Result<(), Error> {
-        self.resynchronisation =
-            Resynchronisation::of_model(self.law.model(), revolute, prismatic)?;
+    pub fn limit_following_error(&mut self, limits: FollowingErrorSettings) -> Result<(), Error> {
+        self.resynchronisation = Resynchronisation::of_model(self.law.model(), limits)?;
         Ok(())
     }
 

@@ -16,6 +16,50 @@ pub enum Following {
     Resynchronising,
 }
 
+/// The largest following errors: how far commanded and measured state may be apart.
+///
+/// A robot that follows late by a time T is behind by T times its speed; an arm under impedance
+/// control gives way by the torque over its stiffness. The following-error limit must leave room for both.
+///
+/// ```
+/// use whole_body::torque::FollowingErrorSettings;
+///
+/// assert!(FollowingErrorSettings::default().validate().is_ok());
+/// assert!(FollowingErrorSettings { revolute: f64::NAN, ..FollowingErrorSettings::default() }.validate().is_err());
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize, schemars::JsonSchema))]
+#[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
+pub struct FollowingErrorSettings {
+    /// |q* − q| of joints that slide \[m\]. Default 0.2.
+    pub prismatic: f64,
+    /// |q* − q| of joints that turn \[rad\]. Default 0.1.
+    pub revolute: f64,
+}
+
+impl Default for FollowingErrorSettings {
+    fn default() -> Self {
+        Self { prismatic: 0.2, revolute: 0.1 }
+    }
+}
+
+impl FollowingErrorSettings {
+    /// Checks the ranges.
+    ///
+    /// # Errors
+    /// [`Error::Value`] names the first that is out of its range.
+    pub fn validate(&self) -> Result<(), Error> {
+        let lengths = [
+            ("following_error.prismatic", self.prismatic),
+            ("following_error.revolute", self.revolute),
+        ];
+        match lengths.into_iter().find(|(_, length)| !(*length > 0.0 && length.is_finite())) {
+            Some((what, length)) => Err(Error::value(what, length, "positive and finite")),
+            None => Ok(()),
+        }
+    }
+}
+
 /// Keeps a desired position q* near the measured position q.
 ///
 /// Within the following-error limit q* is the caller's. If a joint is farther from it than its following-error limit,
@@ -67,21 +111,17 @@ impl Resynchronisation {
         Ok(Self { lengths, state: State::Unknown })
     }
 
-    /// Creates a resynchronisation for all joints of a robot: those that turn have the largest following error
-    /// `revolute` \[rad\], those that slide `prismatic` \[m\]. A floating base has no limit, since it is estimated.
-    ///
-    /// A robot that follows with a delay T is behind by T times its speed. A robot under impedance control yields by the
-    /// torque over its stiffness. The limits must leave room for both.
+    /// Creates a resynchronisation for all joints of a robot. A floating base has no limit, since it is estimated.
     ///
     /// # Errors
     /// [`Error::Value`] for a length that is not positive.
-    pub fn of_model(model: &Model, revolute: f64, prismatic: f64) -> Result<Self, Error> {
+    pub fn of_model(model: &Model, settings: FollowingErrorSettings) -> Result<Self, Error> {
         let mut lengths = vec![f64::INFINITY; model.position_count()];
         for joint in model.joints() {
             let length = match joint.kind {
                 JointKind::Floating => continue,
-                JointKind::Prismatic => prismatic,
-                JointKind::Revolute | JointKind::Continuous => revolute,
+                JointKind::Prismatic => settings.prismatic,
+                JointKind::Revolute | JointKind::Continuous => settings.revolute,
             };
             if let Some(own) = lengths.get_mut(joint.position_index) {
                 *own = length;

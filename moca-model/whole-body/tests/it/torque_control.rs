@@ -7,7 +7,8 @@ use whole_body::simulation::{
 use whole_body::stack::TaskId;
 use whole_body::tasks::{OrientationTask, PositionTask, PostureTask};
 use whole_body::torque::{
-    Compensation, Following, ImpedanceSettings, JointState, TorqueControl, TorqueSettings,
+    Compensation, Following, FollowingErrorSettings, ImpedanceSettings, JointState, TorqueControl,
+    TorqueSettings,
 };
 use whole_body::{Data, Description, Error, Ik, Model};
 
@@ -138,7 +139,10 @@ fn torque_control_follows_a_circle() {
 #[test]
 fn arm_released_from_wall_does_not_jump() {
     let mut panda = Loop::new(TorqueSettings::new(Compensation::BARE));
-    panda.control.limit_following_error(0.05, 0.1).unwrap();
+    panda
+        .control
+        .limit_following_error(FollowingErrorSettings { revolute: 0.05, prismatic: 0.1 })
+        .unwrap();
     let start = panda.point(&HOME);
     let tool = panda.model.frame_id("panda_tcp").unwrap();
     let wall = Contact::wall(tool, -Vector3::x_axis(), -(start.x + 0.1));
@@ -204,7 +208,7 @@ fn what_torque_control_cannot_use() {
     assert!(TorqueControl::new(&model, default(), &[0.0; 6]).is_err());
     let mut control = new(default()).unwrap();
     for [revolute, prismatic] in [[0.0, 0.1], [f64::NAN, 0.1]] {
-        let refused = control.limit_following_error(revolute, prismatic);
+        let refused = control.limit_following_error(FollowingErrorSettings { revolute, prismatic });
         assert!(matches!(refused, Err(Error::Value { .. })));
     }
     let rest = JointState { position: &HOME, velocity: &[0.0; 7] };
