@@ -4,11 +4,11 @@
 
 use ahqp_core::{AugmentedState, Hierarchy, Level, Rows, Settings, Solver, integrate_pose};
 use hrsw::nalgebra::{DMatrix, DVector, Isometry3, Vector3, Vector6};
-use hrsw::{Bounds, FollowerSettings, FrameFollower, SoftWorkspace, Softening, Workspace};
+use hrsw::{Bounds, FrameFollower, SoftWorkspace, Softening, Workspace};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     const PERIOD: f64 = 1e-3; // s
-    let mut person = FrameFollower::new(Isometry3::identity(), FollowerSettings::default())?;
+    let mut person = FrameFollower::new(Isometry3::identity())?;
     let mut workspace = Workspace::new(
         *person.pose(),
         Bounds::new(Vector3::new(0.25, -0.4, 0.7), Vector3::new(0.75, 0.3, 1.5))?,

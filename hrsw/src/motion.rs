@@ -5,56 +5,17 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3, Vector6};
 
 use crate::error::{Error, check_all, check_pose, positive};
 
-/// Limits of a frame that follows a target.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FollowerSettings {
-    /// Largest speed \[m/s\]. Default 1.0.
-    pub speed: f64,
-    /// Largest acceleration \[m/s²\]. Default 3.0.
-    pub acceleration: f64,
-    /// Largest angular speed \[rad/s\]. Default 1.5.
-    pub angular_speed: f64,
-    /// Largest angular acceleration \[rad/s²\]. Default 3.0.
-    pub angular_acceleration: f64,
-    /// Rate at which a small distance decays \[1/s\]. Default 5.0.
-    pub gain: f64,
-}
-
-impl Default for FollowerSettings {
-    fn default() -> Self {
-        Self {
-            speed: 1.0,
-            acceleration: 3.0,
-            angular_speed: 1.5,
-            angular_acceleration: 3.0,
-            gain: 5.0,
-        }
-    }
-}
-
-impl FollowerSettings {
-    /// Checks the ranges.
-    ///
-    /// # Errors
-    /// [`Error::Value`] names the first setting that is not positive and finite.
-    pub fn validate(&self) -> Result<(), Error> {
-        positive("the follower's speed", self.speed)?;
-        positive("the follower's acceleration", self.acceleration)?;
-        positive("the follower's angular speed", self.angular_speed)?;
-        positive("the follower's angular acceleration", self.angular_acceleration)?;
-        positive("the follower's gain", self.gain)?;
-        Ok(())
-    }
-}
+/// Rate at which a small distance decays \[1/s\].
+const GAIN: f64 = 5.0;
 
 /// A frame that follows a moving target smoothly. Whatever the target does, velocity and
 /// acceleration of the frame stay limited. The frame comes to rest on a resting target.
 ///
 /// ```
-/// use hrsw::{FollowerSettings, FrameFollower};
+/// use hrsw::FrameFollower;
 /// use nalgebra::{Isometry3, Vector6};
 ///
-/// let mut frame = FrameFollower::new(Isometry3::identity(), FollowerSettings::default())?;
+/// let mut frame = FrameFollower::new(Isometry3::identity())?;
 /// frame.retarget(Isometry3::translation(2.0, 0.0, 0.0), Vector6::zeros())?;
 /// for _ in 0..5000 {
 ///     frame.advance(1e-3);
@@ -64,7 +25,8 @@ impl FollowerSettings {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrameFollower {
-    settings: FollowerSettings,
+    /// Largest speed \[m/s\].
+    speed: f64,
     pose: Isometry3<f64>,
     linear: Vector3<f64>,
     angular: Vector3<f64>,
@@ -76,15 +38,23 @@ pub struct FrameFollower {
 }
 
 impl FrameFollower {
+    /// Largest speed, unless [`with_speed`](Self::with_speed) sets another one \[m/s\].
+    pub const SPEED: f64 = 1.0;
+    /// Largest acceleration \[m/s²\].
+    pub const ACCELERATION: f64 = 3.0;
+    /// Largest angular speed \[rad/s\].
+    pub const ANGULAR_SPEED: f64 = 1.5;
+    /// Largest angular acceleration \[rad/s²\].
+    pub const ANGULAR_ACCELERATION: f64 = 3.0;
+
     /// Creates a frame at rest at `pose` \[m\].
     ///
     /// # Errors
-    /// [`Error::Value`] if the pose or a setting is invalid.
-    pub fn new(pose: Isometry3<f64>, settings: FollowerSettings) -> Result<Self, Error> {
+    /// [`Error::Value`] if the pose is invalid.
+    pub fn new(pose: Isometry3<f64>) -> Result<Self, Error> {
         check_pose(&pose)?;
-        settings.validate()?;
         Ok(Self {
-            settings,
+            speed: Self::SPEED,
             pose,
             linear: Vector3::zeros(),
             angular: Vector3::zeros(),
@@ -93,6 +63,14 @@ impl FrameFollower {
             target_angular: Vector3::zeros(),
             closing: f64::INFINITY,
         })
+    }
+
+    /// Sets the largest speed \[m/s\].
+    ///
+    /// # Errors
+    /// [`Error::Value`] if the speed is not positive and finite.
+    pub fn with_speed(self, speed: f64) -> Result<Self, Error> {
+        Ok(Self { speed: positive("the follower's speed", speed)?, ..self })
     }
 
     /// Returns the pose of the frame \[m\].
@@ -144,8 +122,8 @@ impl FrameFollower {
         let brake = |v: Vector3<f64>, limit: f64| v * (0.5 * v.norm() / limit);
         moved(
             &self.pose,
-            &brake(self.linear, self.settings.acceleration),
-            &brake(self.angular, self.settings.angular_acceleration),
+            &brake(self.linear, Self::ACCELERATION),
+            &brake(self.angular, Self::ANGULAR_ACCELERATION),
         )
     }
 
@@ -154,7 +132,7 @@ impl FrameFollower {
     /// # Errors
     /// [`Error::Value`] if the pose is invalid. The frame is then unchanged.
     pub fn reset(&mut self, pose: Isometry3<f64>) -> Result<(), Error> {
-        *self = Self::new(pose, self.settings)?;
+        *self = Self { speed: self.speed, ..Self::new(pose)? };
         Ok(())
     }
 
@@ -163,7 +141,6 @@ impl FrameFollower {
         if !is_period(period) {
             return;
         }
-        let settings = &self.settings;
         self.target =
             moved(&self.target, &(self.target_linear * period), &(self.target_angular * period));
         let gap = self.target.translation.vector - self.pose.translation.vector;
@@ -177,16 +154,16 @@ impl FrameFollower {
             // The speed allows stopping in time: by the gain near the target, by the brake far from
             // it.
             let brake = (acceleration * distance).sqrt();
-            gap * ((settings.gain * distance).min(brake).min(speed) / distance)
+            gap * ((GAIN * distance).min(brake).min(speed) / distance)
         };
-        let linear = self.target_linear
-            + approach(&gap, settings.speed.min(self.closing), settings.acceleration);
-        let angular = self.target_angular
-            + approach(&turn, settings.angular_speed, settings.angular_acceleration);
-        let linear = limited(&linear, settings.speed);
-        let angular = limited(&angular, settings.angular_speed);
-        self.linear += limited(&(linear - self.linear), settings.acceleration * period);
-        self.angular += limited(&(angular - self.angular), settings.angular_acceleration * period);
+        let linear =
+            self.target_linear + approach(&gap, self.speed.min(self.closing), Self::ACCELERATION);
+        let angular =
+            self.target_angular + approach(&turn, Self::ANGULAR_SPEED, Self::ANGULAR_ACCELERATION);
+        let linear = limited(&linear, self.speed);
+        let angular = limited(&angular, Self::ANGULAR_SPEED);
+        self.linear += limited(&(linear - self.linear), Self::ACCELERATION * period);
+        self.angular += limited(&(angular - self.angular), Self::ANGULAR_ACCELERATION * period);
         self.pose = moved(&self.pose, &(self.linear * period), &(self.angular * period));
     }
 }

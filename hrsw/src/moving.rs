@@ -3,7 +3,7 @@
 use nalgebra::{Isometry3, Point3, Translation3, Unit, UnitQuaternion, Vector3, Vector6};
 
 use crate::error::{Error, check_all, check_pose, positive};
-use crate::motion::{FollowerSettings, FrameFollower, moved};
+use crate::motion::{FrameFollower, moved};
 use crate::path::Path;
 use crate::reorientation::Reorientation;
 use crate::shape::{OrientationShape, PositionShape};
@@ -34,7 +34,7 @@ pub enum Attachment {
 /// no faster than its limits, and one shape changes continuously into the next.
 ///
 /// ```
-/// use hrsw::{Attachment, Bounds, FollowerSettings, MovingWorkspace, Workspace};
+/// use hrsw::{Attachment, Bounds, FrameFollower, MovingWorkspace, Workspace};
 /// use nalgebra::{Isometry3, Vector3, Vector6};
 ///
 /// let workspace = Workspace::new(
@@ -42,7 +42,7 @@ pub enum Attachment {
 ///     Bounds::new(Vector3::new(0.25, -0.4, 0.7), Vector3::new(0.75, 0.3, 1.5))?,
 ///     Bounds::symmetric(Vector3::repeat(0.3))?,
 /// )?;
-/// let mut moving = MovingWorkspace::new(workspace, FollowerSettings::default())?;
+/// let mut moving = MovingWorkspace::new(workspace, FrameFollower::SPEED)?;
 /// moving.attach(Attachment::Person(Isometry3::identity()))?;
 /// for _tick in 0..5000 {
 ///     moving.set_person(Isometry3::translation(1.0, 0.0, 0.0), Vector6::zeros())?;
@@ -66,15 +66,15 @@ pub struct MovingWorkspace {
 }
 
 impl MovingWorkspace {
-    /// Creates a moving workspace from `workspace`, at rest in the world. Its frame moves within the
-    /// limits of the settings. The reference of orientations turns within the default ones.
+    /// Creates a moving workspace from `workspace`, at rest in the world. `speed` is the largest one
+    /// of its frame \[m/s\].
     ///
     /// # Errors
-    /// [`Error::Value`] if a setting is out of range.
-    pub fn new(workspace: Workspace, settings: FollowerSettings) -> Result<Self, Error> {
+    /// [`Error::Value`] if the speed is not positive and finite.
+    pub fn new(workspace: Workspace, speed: f64) -> Result<Self, Error> {
         let pose = *workspace.world_from_workspace();
         Ok(Self {
-            frame: FrameFollower::new(pose, settings)?,
+            frame: FrameFollower::new(pose)?.with_speed(speed)?,
             reference: Reorientation::new(*workspace.reference())?,
             person: None,
             attachment: Attachment::World(pose),

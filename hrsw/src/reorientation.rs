@@ -3,7 +3,7 @@
 use nalgebra::{Isometry3, Unit, UnitQuaternion, Vector3, Vector6};
 
 use crate::error::{Error, check_rotation};
-use crate::motion::{FollowerSettings, FrameFollower};
+use crate::motion::FrameFollower;
 
 /// Angle by which the target of a turn leads \[rad\]. It is well below half a turn, at which the
 /// way back would be as short.
@@ -21,7 +21,7 @@ pub(crate) struct Reorientation {
 
 impl Reorientation {
     pub(crate) fn new(rotation: UnitQuaternion<f64>) -> Result<Self, Error> {
-        let follower = FrameFollower::new(as_pose(rotation), FollowerSettings::default())?;
+        let follower = FrameFollower::new(as_pose(rotation))?;
         let axis = Vector3::z_axis();
         Ok(Self { follower, start: rotation, axis, angle: 0.0, ahead: 0.0 })
     }

@@ -2,8 +2,8 @@
 
 use ergo_map::PersonFrame;
 use hrsw::{
-    Attachment, Bounds, FloorMotion, FollowerSettings, FrameFollower, HeldFrame, MovingWorkspace,
-    PositionShape, Workspace,
+    Attachment, Bounds, FloorMotion, FrameFollower, HeldFrame, MovingWorkspace, PositionShape,
+    Workspace,
 };
 use hrsw_safety::FollowingDistance;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3, Vector6};
@@ -74,9 +74,7 @@ impl SharedSpace {
         let origin = tool.translation.vector - rotation * centre;
         let frame = Isometry3::from_parts(Translation3::from(origin), rotation);
         let workspace = Workspace::new(frame, bounds, turn)?.with_reference(space.tool);
-        let follower = FollowerSettings::default();
-        let speed = follower.speed.max(FASTER * settings.desired.velocity);
-        let follower = FollowerSettings { speed, ..follower };
+        let speed = FrameFollower::SPEED.max(FASTER * settings.desired.velocity);
         let safety = &settings.safety;
         let following = FollowingDistance::new(safety.separation, Self::CLEARANCE)?;
         // The tracker sees what counts for safety, and keypoints of less confidence.
@@ -88,9 +86,9 @@ impl SharedSpace {
             intention: IntentionFilter::new(),
             hold: HeldFrame::following(),
             drift: Vector6::zeros(),
-            frame: FrameFollower::new(Isometry3::identity(), follower)?,
+            frame: FrameFollower::new(Isometry3::identity())?.with_speed(speed)?,
             person: None,
-            moving: MovingWorkspace::new(workspace, follower)?,
+            moving: MovingWorkspace::new(workspace, speed)?,
             assigned: None,
             carrier: Carrier::Nothing,
             lead: space.lead,

@@ -4,7 +4,7 @@ use std::hint::black_box;
 
 use ahqp_core::AugmentedState;
 use hrsw::{
-    Attachment, Bounds, Capsule, Cone, FollowerSettings, MovingWorkspace, OrientedBox, Polytope,
+    Attachment, Bounds, Capsule, Cone, FrameFollower, MovingWorkspace, OrientedBox, Polytope,
     PositionShape, SoftWorkspace, Softening, Workspace,
 };
 use nalgebra::{Isometry3, UnitQuaternion, Vector3, Vector6};
@@ -24,7 +24,7 @@ fn a_tick_allocates_nothing() {
     ];
     let cone = Cone::new(Vector3::z(), -Vector3::x(), 0.4).unwrap();
     let workspace = Workspace::new(Isometry3::identity(), bounds, turn).unwrap();
-    let mut moving = MovingWorkspace::new(workspace, FollowerSettings::default()).unwrap();
+    let mut moving = MovingWorkspace::new(workspace, FrameFollower::SPEED).unwrap();
     moving.attach(Attachment::Person(Isometry3::identity())).unwrap();
     let softening = Softening { position_rows: 12, ..Softening::default() };
     let soft = SoftWorkspace::new(state, 0.2, softening).unwrap();

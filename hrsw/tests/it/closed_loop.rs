@@ -4,7 +4,7 @@ use ahqp_core::{
     AugmentedState, Hierarchy, Level, LevelId, Limits, MotionState, Rows, Settings, Solver,
 };
 use hrsw::{
-    Attachment, Bounds, Capsule, Cone, FollowerSettings, MovingWorkspace, OrientationShape,
+    Attachment, Bounds, Capsule, Cone, FrameFollower, MovingWorkspace, OrientationShape,
     PositionShape, SoftWorkspace, Softening, Workspace,
 };
 use nalgebra::{DMatrix, DVector, Isometry3, Vector3, Vector6};
@@ -70,7 +70,7 @@ fn moving() -> MovingWorkspace {
     let position = Bounds::new(Vector3::new(0.2, -0.5, 0.7), Vector3::new(0.8, 0.3, 1.5)).unwrap();
     let turn = Bounds::symmetric(Vector3::repeat(0.3)).unwrap();
     let workspace = Workspace::new(Isometry3::identity(), position, turn).unwrap();
-    let mut moving = MovingWorkspace::new(workspace, FollowerSettings::default()).unwrap();
+    let mut moving = MovingWorkspace::new(workspace, FrameFollower::SPEED).unwrap();
     moving.attach(Attachment::Person(Isometry3::identity())).unwrap();
     moving
 }

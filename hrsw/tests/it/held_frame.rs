@@ -1,6 +1,6 @@
 //! A frame that is held while a person stands.
 
-use hrsw::{FloorMotion, FollowerSettings, FrameFollower, HeldFrame};
+use hrsw::{FloorMotion, FrameFollower, HeldFrame};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector2, Vector3, Vector6};
 use proptest::prelude::*;
 
@@ -16,10 +16,7 @@ impl Held {
     fn at(start: FloorMotion) -> Self {
         let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), start.heading);
         let pose = Isometry3::from_parts(Translation3::from(start.position.push(0.0)), turn);
-        Self {
-            frame: HeldFrame::following(),
-            follower: FrameFollower::new(pose, FollowerSettings::default()).unwrap(),
-        }
+        Self { frame: HeldFrame::following(), follower: FrameFollower::new(pose).unwrap() }
     }
 
     fn step(&mut self, seen: FloorMotion, rate: FloorMotion) {

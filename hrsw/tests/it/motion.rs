@@ -2,7 +2,7 @@
 
 use crate::support::*;
 use hrsw::{
-    Attachment, Bounds, FollowerSettings, MovingWorkspace, OrientationShape, Path, PositionShape,
+    Attachment, Bounds, FrameFollower, MovingWorkspace, OrientationShape, Path, PositionShape,
     Workspace,
 };
 use nalgebra::{Isometry3, UnitQuaternion, Vector3, Vector6};
@@ -62,7 +62,7 @@ fn box_workspace() -> Workspace {
 }
 
 fn moving() -> MovingWorkspace {
-    MovingWorkspace::new(box_workspace(), FollowerSettings::default()).unwrap()
+    MovingWorkspace::new(box_workspace(), FrameFollower::SPEED).unwrap()
 }
 
 fn run(moving: &mut MovingWorkspace, ticks: usize) {
@@ -83,7 +83,6 @@ proptest! {
     fn velocities_and_bounds_are_always_continuous(
         events in prop::collection::vec((event(), 1..120_usize), 1..16), at in pose(1.0, 0.5),
     ) {
-        let settings = FollowerSettings::default();
         let mut moving = moving();
         for (event, ticks) in events {
             happens(event, &mut moving);
@@ -94,10 +93,10 @@ proptest! {
                 let change = after.twist() - before.twist();
                 let linear = change.fixed_rows::<3>(0).norm();
                 let angular = change.fixed_rows::<3>(3).norm();
-                prop_assert!(linear <= settings.acceleration * PERIOD + 1e-12);
-                prop_assert!(angular <= settings.angular_acceleration * PERIOD + 1e-12);
+                prop_assert!(linear <= FrameFollower::ACCELERATION * PERIOD + 1e-12);
+                prop_assert!(angular <= FrameFollower::ANGULAR_ACCELERATION * PERIOD + 1e-12);
                 let turn = (after.reference_rate() - before.reference_rate()).norm();
-                prop_assert!(turn <= settings.angular_acceleration * PERIOD + 1e-12);
+                prop_assert!(turn <= FrameFollower::ANGULAR_ACCELERATION * PERIOD + 1e-12);
                 // Speeds of frame (at an arm of at most 6 m), reference and bounds, with a margin.
                 let relative = (excess(after, &at) - excess(&before, &at)).abs();
                 let far = before.coordinates(&at).fixed_rows::<3>(3).norm() > 2.5;
@@ -234,7 +233,6 @@ proptest! {
     fn a_half_turn_keeps_its_rate_and_sense(
         axis in direction(), sense in any::<bool>(), wobble in vector(1e-6),
     ) {
-        let settings = FollowerSettings::default();
         let mut moving = moving();
         let goal = UnitQuaternion::from_scaled_axis(axis * std::f64::consts::PI + wobble);
         let about = nalgebra::Unit::new_normalize(if sense { axis } else { -axis });
@@ -242,7 +240,7 @@ proptest! {
         for _ in 0..8000 {
             moving.advance(PERIOD).unwrap();
             let rate = moving.workspace().reference_rate();
-            prop_assert!(rate.norm() <= settings.angular_speed + 1e-12);
+            prop_assert!(rate.norm() <= FrameFollower::ANGULAR_SPEED + 1e-12);
             prop_assert!(rate.dot(&about) >= -1e-6, "turns back");
         }
         prop_assert!(moving.workspace().reference().angle_to(&goal) < 1e-6);

@@ -1,10 +1,7 @@
 //! Properties of all workspaces and motions.
 
 use ahqp_core::{AugmentedState, Hierarchy, Level, Rows, Settings, Solver};
-use hrsw::{
-    Bounds, Error, FollowerSettings, FrameFollower, OrientationShape, SoftWorkspace, Softening,
-    Workspace,
-};
+use hrsw::{Bounds, Error, FrameFollower, OrientationShape, SoftWorkspace, Softening, Workspace};
 use nalgebra::{DMatrix, DVector, Isometry3, UnitQuaternion, Vector3, Vector6};
 use proptest::prelude::*;
 
@@ -89,19 +86,18 @@ proptest! {
     fn a_frame_keeps_its_rates_for_every_target(
         targets in prop::collection::vec((pose(2.0, 1.5), twist()), 1..6),
     ) {
-        let settings = FollowerSettings::default();
-        let mut frame = FrameFollower::new(Isometry3::identity(), settings).unwrap();
+        let mut frame = FrameFollower::new(Isometry3::identity()).unwrap();
         for (target, velocity) in targets {
             frame.retarget(target, velocity).unwrap();
             for _ in 0..200 {
                 let before = frame.twist();
                 frame.advance(1e-3);
                 let change = frame.twist() - before;
-                prop_assert!(frame.twist().fixed_rows::<3>(0).norm() <= settings.speed + 1e-12);
+                prop_assert!(frame.twist().fixed_rows::<3>(0).norm() <= FrameFollower::SPEED + 1e-12);
                 prop_assert!(
-                    change.fixed_rows::<3>(0).norm() <= settings.acceleration * 1e-3 + 1e-12);
+                    change.fixed_rows::<3>(0).norm() <= FrameFollower::ACCELERATION * 1e-3 + 1e-12);
                 prop_assert!(
-                    change.fixed_rows::<3>(3).norm() <= settings.angular_acceleration * 1e-3 + 1e-12);
+                    change.fixed_rows::<3>(3).norm() <= FrameFollower::ANGULAR_ACCELERATION * 1e-3 + 1e-12);
             }
         }
     }
@@ -109,7 +105,7 @@ proptest! {
     #[test]
     fn a_frame_arrives_without_overshoot(target in pose(2.0, 1.5)) {
         let mut frame =
-            FrameFollower::new(Isometry3::identity(), FollowerSettings::default()).unwrap();
+            FrameFollower::new(Isometry3::identity()).unwrap();
         frame.retarget(target, Vector6::zeros()).unwrap();
         let goal = target.translation.vector;
         let mut nearest = goal.norm();
@@ -124,15 +120,14 @@ proptest! {
 
     #[test]
     fn a_held_frame_stops_where_it_can(target in pose(2.0, 1.5), ticks in 1..800_usize) {
-        let settings = FollowerSettings::default();
-        let mut frame = FrameFollower::new(Isometry3::identity(), settings).unwrap();
+        let mut frame = FrameFollower::new(Isometry3::identity()).unwrap();
         frame.retarget(target, Vector6::zeros()).unwrap();
         for _ in 0..ticks { frame.advance(1e-3); }
         let (from, speed) = (frame.pose().translation.vector, frame.twist().fixed_rows::<3>(0).norm());
         frame.hold();
         for _ in 0..6000 { frame.advance(1e-3); }
         let travelled = (frame.pose().translation.vector - from).norm();
-        prop_assert!(travelled <= speed * speed / settings.acceleration + 1e-3);
+        prop_assert!(travelled <= speed * speed / FrameFollower::ACCELERATION + 1e-3);
         prop_assert!(frame.twist().norm() < 1e-6);
     }
 }
@@ -159,11 +154,10 @@ fn bad_input_is_named() {
         SoftWorkspace::new(state, 0.0, Softening::default()),
         Err(Error::Value { .. })
     ));
-    let settings = FollowerSettings { speed: -1.0, ..FollowerSettings::default() };
-    let error = FrameFollower::new(at, settings).unwrap_err();
+    let error = FrameFollower::new(at).unwrap().with_speed(-1.0).unwrap_err();
     assert!(error.to_string().contains("speed"), "{error}");
 
-    let mut frame = FrameFollower::new(at, FollowerSettings::default()).unwrap();
+    let mut frame = FrameFollower::new(at).unwrap();
     assert!(frame.retarget(nowhere, Vector6::zeros()).is_err());
     frame.advance(1e-3);
     assert_eq!(*frame.pose(), at);
