@@ -19,7 +19,6 @@ use whole_body::torque::Following;
 
 use crate::command::{Command, Outcome};
 use crate::error::{Error, check_size};
-use crate::interaction::Phase;
 use crate::motion_limits::TickTimes;
 use crate::robot::kinematics::Kinematics;
 use crate::robot::moca::MOCA_AXIS_SPEED;
@@ -324,11 +323,6 @@ impl Controller {
     /// Returns the situation of the last tick: where the person may be, and what they want.
     pub fn situation(&self) -> &Situation {
         &self.situation
-    }
-
-    /// The phase of the interaction.
-    pub fn phase(&self) -> Phase {
-        self.command.phase
     }
 
     /// The shared workspace.

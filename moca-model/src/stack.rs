@@ -31,7 +31,6 @@ const SMOOTH_ARM: f64 = 5.0;
 /// The variables are χ = [q̇; ẋ_d; s]: see [`AugmentedState`].
 #[derive(Debug, Clone)]
 pub struct CollaborationStack {
-    state: AugmentedState,
     stack: TaskStack,
     tasks: Tasks,
     soft: SoftWorkspace,
@@ -155,7 +154,6 @@ impl CollaborationStack {
         levels.retain(|level| !level.is_empty());
         Ok(Self {
             stack: TaskStack::new(model, &variables, levels, solver)?,
-            state,
             tasks,
             soft,
             period: *period,
@@ -166,11 +164,6 @@ impl CollaborationStack {
     /// The layout of χ for n = `joints`.
     pub fn layout(joints: usize) -> AugmentedState {
         AugmentedState { joints, task: 6, slack: 6 }
-    }
-
-    /// The layout of χ.
-    pub fn state(&self) -> AugmentedState {
-        self.state
     }
 
     /// The problem of the last tick. Levels without tasks are left out.

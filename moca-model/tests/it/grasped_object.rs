@@ -233,7 +233,7 @@ fn half_turn(turned: f64, room: f64) -> (f64, f64) {
         }
         before = yaw;
     }
-    assert_eq!(controller.phase(), Phase::Working, "from {turned}");
+    assert_eq!(controller.command().phase, Phase::Working, "from {turned}");
     assert_eq!(controller.shown(), BoxSide::Back, "from {turned}");
     (way, first.unwrap())
 }
