@@ -422,11 +422,6 @@ impl Factorisation {
         self.stacked[..first].iter().copied().filter(|&id| id < self.n)
     }
 
-    /// Part of a row, relative to the row, below which it is rounding.
-    pub(crate) fn least_part(&self) -> f64 {
-        self.tolerances.nothing
-    }
-
     /// Returns the group of an active row. A bound that was removed as a column counts as one of
     /// the first group.
     pub(crate) fn group_with(&self, id: usize) -> usize {
