@@ -33,7 +33,7 @@ use settings::Stacking;
 use settings::{Settings, WarmStart};
 use solution::Solution;
 use status::Status;
-use tolerances::{NEAR_THRESHOLD, ROUNDS, ROUNDS_AFTER};
+use tolerances::{ROUNDS, ROUNDS_AFTER};
 
 /// Solves hierarchies of one shape, without allocation after construction.
 ///
@@ -279,40 +279,10 @@ impl Solver {
                 self.incumbent.copy_to(&mut self.set);
             }
         }
-        match self.finish() {
-            None => Ok(status),
-            Some(id) => {
-                let error = self.inaccurate(id);
-                self.search_beyond_doubt(levels).ok_or(error)
-            }
-        }
-    }
-
-    /// Repairs rounding at the end of a search. Returns a hard row that stays violated.
-    fn finish(&mut self) -> Option<usize> {
         self.polish();
-        self.set.move_onto_broken_rows()
-    }
-
-    /// Searches again from zero, with independent rows beyond the doubt about ranks. Rounding has
-    /// grown through rows that nearly depend on others, and left a hard row violated. None if that
-    /// does not help.
-    fn search_beyond_doubt(&mut self, levels: usize) -> Option<Status> {
-        self.start_from_nothing();
-        self.set.change_settings(Settings {
-            rank_tolerance: NEAR_THRESHOLD * self.settings.rank_tolerance,
-            ..self.settings
-        });
-        let status = self.search_levels(levels);
-        self.set.change_settings(self.settings);
-        match status {
-            Ok(Status::Solved) => self.finish().is_none().then_some(Status::Solved),
-            Ok(status) => Some(status),
-            Err(_) => {
-                // Coarser ranks prove no conflict.
-                self.conflict.clear();
-                None
-            }
+        match self.set.move_onto_broken_rows() {
+            None => Ok(status),
+            Some(id) => Err(self.inaccurate(id)),
         }
     }
 

@@ -119,7 +119,7 @@ impl<'a> Proof<'a> {
     }
 
     fn is_closed(&self, id: usize, gap: f64) -> bool {
-        self.set.data.is_closed(id, gap, self.x, norm(self.x), AT_BOUND)
+        gap.abs() <= self.set.data.tolerance(id, self.x, norm(self.x), AT_BOUND)
     }
 
     /// Solves min ‖gradient + Σ λᵢ aᵢ‖ over the rows at their bounds, as a hierarchy of one level.

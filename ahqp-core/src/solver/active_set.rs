@@ -20,7 +20,6 @@ use super::data::ProblemData;
 use super::factorisation::{Factorisation, Group, Purpose, RankTolerances};
 use super::multipliers::{Multipliers, Residuals};
 use super::settings::Settings;
-use super::tolerances::{DOUBTFUL, ROUNDING};
 use crate::linalg::list::List;
 use crate::linalg::vector::norm;
 use crate::problem::source::ConstraintSource;
@@ -171,37 +170,23 @@ impl ActiveSet {
         (value - self.data.upper[id]).max(0.0) + (value - self.data.lower[id]).min(0.0)
     }
 
-    /// Returns the largest violation of row `id` with which it still holds.
+    /// Returns the largest gap between row `id` and its bound that counts as zero.
     fn tolerance(&self, id: usize) -> f64 {
-        // Steps through larger x leave rounding of that size.
-        let rounding = ROUNDING * self.data.norm(id) * self.max_norm;
-        self.settings.feasibility_tolerance * self.data.size(id, &self.x) + rounding
+        let part = self.settings.feasibility_tolerance;
+        self.data.tolerance(id, &self.x, self.max_norm, part)
+    }
+
+    /// Returns the violation of row `id` in units of the largest with which it holds.
+    pub(crate) fn relative_violation(&self, id: usize) -> f64 {
+        match self.violation(id).abs() {
+            0.0 => 0.0,
+            violation => violation / self.tolerance(id),
+        }
     }
 
     /// Returns true if row `id` holds.
     pub(crate) fn holds(&self, id: usize) -> bool {
-        self.is_closed(id, self.violation(id))
-    }
-
-    /// Returns true if a gap between row `id` and its bound counts as zero.
-    fn is_closed(&self, id: usize, gap: f64) -> bool {
-        let tolerance = self.settings.feasibility_tolerance;
-        self.data.is_closed(id, gap, &self.x, self.max_norm, tolerance)
-    }
-
-    /// Violation divided by the smallest violation that counts. Above 1 row `id` is violated.
-    pub(crate) fn relative_violation(&self, id: usize) -> f64 {
-        match self.violation(id).abs() {
-            0.0 => 0.0,
-            violation => {
-                let free = self.data.norm_beside_bounds(id, &self.activity);
-                // A bound may be the difference of numbers as large as x.
-                let of_bound = f64::EPSILON * self.data.norm(id);
-                let certain = (DOUBTFUL * free + of_bound) * self.max_norm;
-                let tolerance = self.settings.feasibility_tolerance * self.data.size(id, &self.x);
-                violation / tolerance.max(certain)
-            }
-        }
+        self.relative_violation(id) <= 1.0
     }
 
     /// Monitors soft rows, in a group of their own: rows of an objective, or hard rows
@@ -235,7 +220,7 @@ impl ActiveSet {
             let violation = self.violation(id);
             self.activity[id] = if self.data.is_equality(id) {
                 Activity::Equal
-            } else if self.is_closed(id, violation) {
+            } else if self.holds(id) {
                 Activity::Inactive
             } else if violation > 0.0 {
                 Activity::Upper
@@ -293,7 +278,7 @@ impl ActiveSet {
             };
             self.activity[id] = if self.data.is_equality(id) {
                 Activity::Equal
-            } else if self.is_closed(id, gap) {
+            } else if gap.abs() <= self.tolerance(id) {
                 predicted
             } else {
                 Activity::Inactive

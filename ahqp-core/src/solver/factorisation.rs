@@ -271,8 +271,7 @@ impl Factorisation {
             }
         }
         row[self.free.len()..].fill(0.0);
-        let known = if id < self.n { 0.0 } else { self.known[id] };
-        self.target[at] = active_bound(data, activity, id) - known;
+        self.target[at] = active_bound(data, activity, id) - self.known[id];
         self.square[at] = data.norm(id).powi(2);
     }
 
@@ -284,9 +283,6 @@ impl Factorisation {
 
     /// Factors the groups from this one on with pivoting.
     fn eliminate_from(&mut self, group: usize) {
-        let first = self.groups.get(group).map_or(self.stacked.len(), |group| group.start);
-        let rows = first * self.stride..self.stacked.len() * self.stride;
-        self.orthogonal.turn_rows(&mut self.rows[rows], self.closed);
         for group in group..self.groups.len() {
             self.eliminate(group);
         }
@@ -307,7 +303,7 @@ impl Factorisation {
         self.eliminate_from(0);
     }
 
-    /// Reflects the group's rows onto coordinates of their own. The later rows are reflected too.
+    /// Transforms the group's rows by Q, and reflects them onto coordinates of their own.
     fn eliminate(&mut self, group: usize) {
         let (n, k) = (self.stride, self.free.len());
         let Group { start, end, purpose, .. } = self.groups[group];
@@ -316,6 +312,7 @@ impl Factorisation {
             Purpose::Minimised => self.tolerances.dependent,
         };
         let first_pivot = self.pivots.len();
+        self.orthogonal.turn_rows(&mut self.rows[start * n..end * n], self.closed);
         self.measure(start..end, first_pivot);
         for at in start..end {
             let step = self.pivots.len();
@@ -337,8 +334,6 @@ impl Factorisation {
             }
             self.pivots.push(at);
         }
-        let behind = &mut self.rows[end * n..self.stacked.len() * n];
-        self.orthogonal.apply(first_pivot..self.pivots.len(), behind);
         self.invalidate_from(group);
         let group = &mut self.groups[group];
         (group.first_pivot, group.rank) = (first_pivot, self.pivots.len() - first_pivot);
@@ -420,11 +415,6 @@ impl Factorisation {
     pub(crate) fn bounds_in_stack(&self) -> impl Iterator<Item = usize> {
         let first = self.groups.first().map_or(0, |group| group.end);
         self.stacked[..first].iter().copied().filter(|&id| id < self.n)
-    }
-
-    /// Part of a row, relative to the row, below which it is rounding.
-    pub(crate) fn least_part(&self) -> f64 {
-        self.tolerances.nothing
     }
 
     /// Returns the group of an active row. A bound that was removed as a column counts as one of

@@ -174,9 +174,10 @@ impl Multipliers {
         self.rounding + rows.sum::<f64>()
     }
 
-    /// Returns a force that certainly exceeds rounding.
-    pub(crate) fn clear_force(&self, factorisation: &Factorisation) -> f64 {
-        CLEARLY_THERE.max(factorisation.tolerances.near_threshold) * self.size
+    /// Returns a force that certainly exceeds rounding, also if all residuals are near theirs.
+    pub(crate) fn clear_force(&self, data: &ProblemData, factorisation: &Factorisation) -> f64 {
+        let part = CLEARLY_THERE.max(factorisation.tolerances.near_threshold);
+        (part * self.size).max(self.rounding_of_coordinates(data, factorisation))
     }
 
     /// Iterates over the rows of the level with their residuals and the rounding of these.

@@ -16,8 +16,6 @@ pub(crate) const CERTAIN: f64 = 10.0;
 /// A multiplier above this part of its level's forces certainly exceeds rounding. Its own rounding
 /// need not be computed, which saves time and decides nothing.
 pub(crate) const CLEARLY_THERE: f64 = 1e-6;
-/// Largest violation, relative to ‖a‖‖x‖, that a search cannot distinguish from rounding.
-pub(crate) const DOUBTFUL: f64 = CERTAIN * ROUNDING;
 /// Size of a row without coefficients, beside its bound. Such a row has nothing to be compared
 /// with, and is judged in its own unit.
 pub(crate) const NO_TERMS: f64 = 1.0;
@@ -46,8 +44,9 @@ pub(crate) const LINEAR: f64 = 1e-9;
 
 // Rank.
 
-/// A part of a row below this, relative to the row, is rounding, even where it blocks a step.
-pub(crate) const NOTHING: f64 = 1e-12;
+/// A part of a row below this, relative to the row, is rounding: that of its coefficients, 1e-13 if
+/// they were computed, grown through pivots that leave a hundredth of their rows.
+pub(crate) const NOTHING: f64 = 1e-11;
 /// Part of a row, in units of the rank tolerance, below which the row may count as dependent if
 /// other bounds are active. Its remainder has another size then.
 pub(crate) const NEAR_THRESHOLD: f64 = 1e2;

@@ -76,6 +76,15 @@ fn expect_proofs<'a>(problems: impl IntoIterator<Item = &'a Hierarchy>, solver: 
     }
 }
 
+/// Expects that an answer is certified, or that its status says that the iterations ran out.
+fn expect_proof_or_limit(problem: &Hierarchy) {
+    let mut solver = Solver::new(problem, Settings::default()).unwrap();
+    match solver.solve(problem).unwrap().status() {
+        Status::Solved => expect_proof(problem),
+        status => assert!(matches!(status, Status::IterationLimit { .. }), "{status}"),
+    }
+}
+
 /// Solves the problems one after the other, each by ticks of `max_iterations`. Expects that each is
 /// solved within twenty ticks, to what a solve without limit finds.
 fn expect_ticks(problems: &[Hierarchy], max_iterations: usize) {
@@ -218,5 +227,18 @@ proptest! {
             let mut solver = Solver::new(&problems[0], Settings::default()).unwrap();
             expect_proofs(&problems, &mut solver);
         }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
+
+    /// Noise leaves more or less of rows that repeat others than the rank tolerance. Either way the answer is certified.
+    #[test]
+    fn noise_in_dependent_rows_spoils_no_answer(noise in prop::collection::vec(-1.0..1.0_f64, 97)) {
+        let problems = read(&disturbed(include_str!("written/repeated_rows.txt"), &noise));
+        let mut solver = Solver::new(&problems[0], Settings::default()).unwrap();
+        expect_proofs(&problems, &mut solver);
+        expect_proof_or_limit(&read(&disturbed(include_str!("written/rows_near_the_threshold.txt"), &noise))[0]);
     }
 }

@@ -105,11 +105,7 @@ impl ActiveSet {
             Goal::Norm => FreeCoordinates::Zero,
         };
         let Self { data, factorisation, x, value, activity, direction, attained, .. } = self;
-        let gap = |id: usize| {
-            let bound = active_bound(data, activity, id);
-            let gap = bound - value[id];
-            if gap.abs() > f64::EPSILON * bound.abs() { gap } else { 0.0 }
-        };
+        let gap = |id: usize| active_bound(data, activity, id) - value[id];
         let taken = factorisation.step_from(data, (x, *attained), gap, free, direction);
         for &variable in factorisation.stacked.iter().filter(|&&id| id < data.n) {
             // The step is exact, so that heavy rows see no rounding of it.
@@ -201,7 +197,7 @@ impl ActiveSet {
         }
         // Most such rows are far above rounding. The exact rounding is then not needed.
         if choice == Choice::Steepest {
-            let clear = self.multipliers.clear_force(&self.factorisation);
+            let clear = self.multipliers.clear_force(&self.data, &self.factorisation);
             let pairs = self.multipliers.pairs(&self.factorisation).map(|(id, m)| (id, m, 0.0));
             let wrong = self.wrong_rows(pairs).filter(|&(_, force)| force > clear);
             if let Some((id, _)) = wrong.max_by(|a, b| a.1.total_cmp(&b.1)) {

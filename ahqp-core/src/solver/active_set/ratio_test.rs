@@ -89,7 +89,7 @@ impl ActiveSet {
 
     /// Finds the rows whose bounds the direction meets within `full`.
     fn find_candidates(&mut self, full: f64) {
-        let least = self.factorisation.least_part() * norm(&self.direction).min(f64::MAX);
+        let least = self.factorisation.tolerances.dependent * norm(&self.direction).min(f64::MAX);
         self.candidates.clear();
         for block in 0..self.monitored.len() {
             let Range { start, end } = self.monitored[block];

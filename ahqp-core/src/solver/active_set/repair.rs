@@ -125,7 +125,7 @@ impl ActiveSet {
             signs.check(id, activity[id], residual, rounding, data.norm(id));
         }
         // The rounding of multipliers is computed only if some of them are small.
-        let clear = multipliers.clear_force(factorisation);
+        let clear = multipliers.clear_force(data, factorisation);
         let is_clear = |(id, multiplier): (usize, f64)| {
             !signs.is_open(id) || multiplier.abs() * data.norm(id) > clear
         };
@@ -196,7 +196,7 @@ impl ActiveSet {
     /// Returns true if a gap between a row and its bound counts as zero at the factorisation's
     /// point.
     fn is_closed_at_point(&self, id: usize, gap: f64, x_norm: f64) -> bool {
-        let tolerance = self.settings.feasibility_tolerance;
-        self.data.is_closed(id, gap, &self.factorisation.x, x_norm, tolerance)
+        let (x, part) = (&self.factorisation.x, self.settings.feasibility_tolerance);
+        gap == 0.0 || gap.abs() <= self.data.tolerance(id, x, x_norm, part)
     }
 }

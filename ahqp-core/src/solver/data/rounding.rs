@@ -84,20 +84,9 @@ impl ProblemData {
         if nearer.is_finite() { nearer } else { 0.0 }
     }
 
-    /// Returns true if a `gap` between row `id` and its bound counts as zero. It is within
-    /// `tolerance` of the row's terms at x, or within the rounding of vectors of length `max_norm`,
-    /// which is ‖x‖ or more.
-    pub(crate) fn is_closed(
-        &self,
-        id: usize,
-        gap: f64,
-        x: &[f64],
-        max_norm: f64,
-        tolerance: f64,
-    ) -> bool {
-        let gap = gap.abs() - ROUNDING * self.norms[id] * max_norm;
-        gap <= 0.0
-            || (gap <= tolerance * self.magnitude(id, max_norm)
-                && gap <= tolerance * self.size(id, x))
+    /// Returns the largest gap between row `id` and its bound that counts as zero: this part of the
+    /// row's terms at x, and the rounding of vectors of length `max_norm`, which is ‖x‖ or more.
+    pub(crate) fn tolerance(&self, id: usize, x: &[f64], max_norm: f64, part: f64) -> f64 {
+        part * self.size(id, x) + ROUNDING * self.norms[id] * max_norm
     }
 }

@@ -92,9 +92,11 @@ impl Orthogonal {
 
     /// Applies one of the reflections to rows.
     fn reflect_rows(&self, step: usize, data: &mut [f64]) {
-        let (stride, first) = (self.stride, first_lane(step));
-        let v = self.reflector(step, first);
-        reflect_rows(&mut RowsMut { data, stride }, first, v, self.tau[step]);
+        if !data.is_empty() {
+            let (stride, first) = (self.stride, first_lane(step));
+            let v = self.reflector(step, first);
+            reflect_rows(&mut RowsMut { data, stride }, first, v, self.tau[step]);
+        }
     }
 
     /// Applies pending reflections to rows, from the first to the last.

@@ -5,8 +5,9 @@ use crate::solver::tolerances::{CLEAR, NEAR_THRESHOLD, NOTHING};
 /// Parts of a row, relative to the row, that count as independent of earlier rows.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct RankTolerances {
-    /// A row of an objective depends on earlier rows if they leave less than this.
-    pub(super) dependent: f64,
+    /// A row of an objective depends on earlier rows if they leave less than this. No row blocks a
+    /// step along which it changes by less.
+    pub(crate) dependent: f64,
     /// A hard row, which must hold, depends on earlier rows if they leave less than this, which is
     /// rounding.
     pub(super) nothing: f64,

@@ -96,7 +96,8 @@ impl Factorisation {
         self.rotations.clear();
         self.invalidate_from(group);
         let mut row = std::mem::take(&mut self.turned);
-        let target = active_bound(data, activity, id) - self.turn_row(data, id, &mut row);
+        self.turn_row(data, id, &mut row);
+        let target = active_bound(data, activity, id) - self.known[id];
         let at = self.make_room(data, group, &mut row[..k], data.norm(id));
         if let Ok(at) = at {
             self.rows[at * n..at * n + k].copy_from_slice(&row[..k]);
@@ -396,22 +397,20 @@ impl Factorisation {
         })
     }
 
-    /// Transforms a row into the coordinates. Returns the contribution of the variables at a bound.
-    fn turn_row(&mut self, data: &ProblemData, id: usize, row: &mut [f64]) -> f64 {
+    /// Transforms a row into the coordinates.
+    fn turn_row(&mut self, data: &ProblemData, id: usize, row: &mut [f64]) {
         row.fill(0.0);
         match data.row(id).coefficients() {
             Coefficients::Unit(variable) => {
                 if let Some(place) = self.free.iter().position(|&free| free == variable) {
                     self.orthogonal.turn_unit(row, place, self.closed);
                 }
-                0.0
             }
             Coefficients::Dense(coefficients) => {
                 for (entry, &variable) in row.iter_mut().zip(&self.free) {
                     *entry = coefficients[variable];
                 }
                 self.orthogonal.turn_rows(row, self.closed);
-                self.bounded.iter().map(|&i| coefficients[i] * self.x[i]).sum()
             }
         }
     }
