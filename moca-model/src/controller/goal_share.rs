@@ -4,7 +4,7 @@
 pub(super) const ACTIVATES_OVER: f64 = 0.5;
 /// Times in which ergonomics fade out while separation is at its limit, and return afterwards \[s\].
 const HELD_WITHIN: f64 = 0.1;
-const BACK_WITHIN: f64 = 3.0;
+const BACK_WITHIN: f64 = 10.0;
 /// Time in which ergonomics return while the workspace moves \[s\].
 const FOLLOWS_WITHIN: f64 = 0.5;
 
@@ -64,7 +64,7 @@ mod tests {
         assert!((after(&mut share, 250, false, true) - 0.5).abs() < 1e-9, "halfway after 0.25 s");
         assert!(after(&mut share, 300, false, true) >= 1.0, "a workspace that moves has no limit");
         assert!(after(&mut share, 101, true, true) <= 0.0, "held within 0.1 s");
-        assert!((after(&mut share, 1500, true, false) - 0.5).abs() < 0.01, "back over 3 s");
+        assert!((after(&mut share, 5000, true, false) - 0.5).abs() < 0.01, "back over 10 s");
         assert!(after(&mut share, 260, false, false) >= 1.0, "and at once where it moves");
     }
 }
