@@ -2,7 +2,7 @@
 //!
 //! Two methods find the optimal active set, on one factorisation. [`repair`] corrects a predicted
 //! active set a few rows at a time, as long as that makes progress. [`level_search`] is the primal
-//! active-set method, level by level, which always ends.
+//! active-set method, level by level.
 
 mod broken_rows;
 mod fix;
@@ -320,8 +320,6 @@ impl ActiveSet {
         let Self { data, factorisation, multipliers, value, activity, x, .. } = self;
         let group = factorisation.groups.len() - 1;
         value[..data.n].copy_from_slice(x);
-        // Rows that levels above have fixed may push too.
-        factorisation.eliminate_again(data, activity);
         let of = (group, Residuals::AtPoint);
         if multipliers.balance_level(data, factorisation, value, activity, of) {
             let pushing = multipliers

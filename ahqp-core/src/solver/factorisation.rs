@@ -93,8 +93,6 @@ pub(crate) struct Factorisation {
     moved: List<(usize, usize)>,
     /// Number of groups whose coordinates are decided.
     decided: usize,
-    /// Number of coordinates that are fixed. Rows of later groups have no entries along them.
-    closed: usize,
     has_rows_near_threshold: bool,
     /// True if the rank neglects parts of rows that exceed rounding. An update would lose them.
     leaves_parts_out: bool,
@@ -135,7 +133,6 @@ impl Factorisation {
             rotations: List::with_capacity(2 * n),
             moved: List::with_capacity(2 * n),
             decided: 0,
-            closed: 0,
             has_rows_near_threshold: false,
             leaves_parts_out: false,
             y: vec![0.0; stride],
@@ -179,7 +176,6 @@ impl Factorisation {
         self.groups.clear();
         self.pivots.clear();
         self.invalidate_from(0);
-        self.closed = 0;
         self.has_rows_near_threshold = false;
         self.leaves_parts_out = false;
         self.orthogonal.begin(self.free.len());
@@ -295,7 +291,6 @@ impl Factorisation {
         self.pivots.clear();
         self.leaves_parts_out = false;
         self.invalidate_from(0);
-        self.closed = 0;
         self.orthogonal.begin(self.free.len());
         for at in 0..self.stacked.len() {
             self.load_row(data, activity, at);
@@ -312,7 +307,7 @@ impl Factorisation {
             Purpose::Minimised => self.tolerances.dependent,
         };
         let first_pivot = self.pivots.len();
-        self.orthogonal.turn_rows(&mut self.rows[start * n..end * n], self.closed);
+        self.orthogonal.turn_rows(&mut self.rows[start * n..end * n]);
         self.measure(start..end, first_pivot);
         for at in start..end {
             let step = self.pivots.len();
@@ -393,21 +388,6 @@ impl Factorisation {
     /// Marks the coordinates of this group and of later groups as unknown.
     fn invalidate_from(&mut self, group: usize) {
         self.decided = self.decided.min(group);
-    }
-
-    /// Closes the groups before the first that has a row in `may_drop`. All of them are fixed.
-    /// Nothing is closed if a bound that was removed as a column may be dropped.
-    pub(crate) fn close_groups(&mut self, may_drop: impl Fn(usize) -> bool) {
-        if !self.bounded.iter().any(|&id| may_drop(id)) {
-            let first = self.stacked.iter().position(|&id| may_drop(id));
-            let group = self.groups.iter().find(|group| first.is_some_and(|at| at < group.end));
-            self.closed = group.map_or(self.pivots.len(), |group| group.first_pivot);
-        }
-    }
-
-    /// Number of leading coordinates that are fixed.
-    pub(crate) fn closed(&self) -> usize {
-        self.closed
     }
 
     /// Bounds that became active after the factorisation was made. They are rows of the first

@@ -1,8 +1,6 @@
 //! Multipliers of the active rows for one level, or for the least norm after the last. Each has a
 //! bound of its rounding, that of its own sum, term by term.
 
-use std::ops::Range;
-
 use super::activity::Activity;
 use super::data::{ProblemData, active_bound};
 use super::factorisation::{Factorisation, Group};
@@ -26,8 +24,8 @@ pub(crate) struct Multipliers {
     of_pivots: Vec<f64>,
     rounding_of_pivots: Vec<f64>,
     rounding_of_bounds: Vec<f64>,
-    /// Pivots that balance the gradient. Fixed pivots are not needed.
-    pivots: Range<usize>,
+    /// Number of pivots that balance the gradient.
+    pivots: usize,
     /// The level's group, if it has one.
     group: Option<usize>,
     /// Residuals of the rows of the level, in the order of the stack, and their rounding.
@@ -54,7 +52,7 @@ impl Multipliers {
             of_pivots: vec![0.0; data.n],
             rounding_of_pivots: vec![0.0; data.n],
             rounding_of_bounds: vec![0.0; data.n],
-            pivots: 0..0,
+            pivots: 0,
             group: None,
             residual: vec![0.0; data.len()],
             residual_rounding: vec![0.0; data.len()],
@@ -78,7 +76,7 @@ impl Multipliers {
         (group, residuals): (usize, Residuals),
     ) -> bool {
         let Group { start, end, rank, first_pivot, linear_of, .. } = factorisation.groups[group];
-        (self.group, self.pivots) = (Some(group), factorisation.closed()..first_pivot);
+        (self.group, self.pivots) = (Some(group), first_pivot);
         // If there are only pivots, they are all satisfied.
         if residuals == Residuals::Balanced && linear_of.is_none() && end - start == rank {
             return false;
@@ -143,8 +141,8 @@ impl Multipliers {
         factorisation: &mut Factorisation,
         x: &[f64],
     ) {
-        (self.group, self.pivots) = (None, factorisation.closed()..factorisation.rank());
-        factorisation.coordinates(x, &mut self.of_pivots[..self.pivots.end]);
+        (self.group, self.pivots) = (None, factorisation.rank());
+        factorisation.coordinates(x, &mut self.of_pivots[..self.pivots]);
         self.gradient.copy_from_slice(x);
         self.has_scale_disparity = false;
         self.size = norm(x);
@@ -155,10 +153,10 @@ impl Multipliers {
     /// Computes the multipliers of the pivots for the gradient whose coordinates are in their
     /// place. `gradient` keeps the remainder at the variables at a bound.
     fn balance(&mut self, data: &ProblemData, factorisation: &Factorisation) {
-        let pivots = self.pivots.clone();
-        factorisation.balance(&mut self.of_pivots[..pivots.end]);
-        let multipliers = &self.of_pivots[pivots.clone()];
-        let ids = factorisation.pivots[pivots].iter().map(|&pivot| &factorisation.stacked[pivot]);
+        factorisation.balance(&mut self.of_pivots[..self.pivots]);
+        let multipliers = &self.of_pivots[..self.pivots];
+        let ids =
+            factorisation.pivots[..self.pivots].iter().map(|&pivot| &factorisation.stacked[pivot]);
         let rows = ids.clone().zip(multipliers);
         add_at_bounds(data, &factorisation.bounded, rows, &mut self.gradient);
         let forces = multipliers.iter().zip(ids).map(|(m, &id)| m.abs() * data.norm(id));
@@ -200,15 +198,15 @@ impl Multipliers {
         &'a self,
         factorisation: &'a Factorisation,
     ) -> impl Iterator<Item = (usize, f64)> + 'a {
-        let pivots = &factorisation.pivots[self.pivots.clone()];
+        let pivots = &factorisation.pivots[..self.pivots];
         let ids = pivots.iter().map(|&pivot| factorisation.stacked[pivot]);
-        let of_pivots = ids.zip(self.of_pivots[self.pivots.clone()].iter().copied());
+        let of_pivots = ids.zip(self.of_pivots[..self.pivots].iter().copied());
         of_pivots.chain(factorisation.bounded.iter().map(|&id| (id, -self.gradient[id])))
     }
 
     /// Computes the rounding in the multipliers, which is that of their sums.
     pub(crate) fn set_rounding(&mut self, data: &ProblemData, factorisation: &mut Factorisation) {
-        let end = self.pivots.end;
+        let end = self.pivots;
         let in_coordinates = self.rounding_of_coordinates(data, factorisation);
         self.rounding_of_pivots[..end].fill(in_coordinates);
         let has_scale_disparity = self.has_scale_disparity;
@@ -217,10 +215,10 @@ impl Multipliers {
         factorisation.balance_rounding(multipliers, norm, rounding);
         // If rows nearly depend on each other, these bounds far exceed the actual rounding. If all
         // forces are rounding, a part of them means nothing.
-        let pivots = &factorisation.pivots[self.pivots.clone()];
+        let pivots = &factorisation.pivots[..self.pivots];
         let ids = pivots.iter().map(|&pivot| factorisation.stacked[pivot]);
         let most = in_coordinates.max(self.tolerance * self.size);
-        for (rounding, id) in rounding[self.pivots.clone()].iter_mut().zip(ids) {
+        for (rounding, id) in rounding[..self.pivots].iter_mut().zip(ids) {
             *rounding = rounding.min(most / data.norm(id));
         }
         if let Some(group) = self.group {
@@ -240,7 +238,7 @@ impl Multipliers {
         &'a self,
         factorisation: &'a Factorisation,
     ) -> impl Iterator<Item = (usize, f64, f64)> + 'a {
-        let rounding = self.rounding_of_pivots[self.pivots.clone()].iter();
+        let rounding = self.rounding_of_pivots[..self.pivots].iter();
         self.pairs(factorisation)
             .zip(rounding.chain(&self.rounding_of_bounds))
             .map(|((id, multiplier), &rounding)| (id, multiplier, rounding))
@@ -272,9 +270,9 @@ impl Multipliers {
                 rows.map(|(id, r, rounding)| term(id, r, rounding)).sum::<f64>() + ROUNDING * linear
             }
         };
-        let rounding = &self.rounding_of_pivots[self.pivots.clone()];
-        let terms = self.of_pivots[self.pivots.clone()].iter().zip(rounding);
-        let pivots = &factorisation.pivots[self.pivots.clone()];
+        let rounding = &self.rounding_of_pivots[..self.pivots];
+        let terms = self.of_pivots[..self.pivots].iter().zip(rounding);
+        let pivots = &factorisation.pivots[..self.pivots];
         let balanced = pivots
             .iter()
             .zip(terms)

@@ -77,8 +77,7 @@ pub(crate) const NEAR_ONE: Range<f64> = 0.0625..32.0;
 pub(crate) const ROUNDS: usize = 6;
 /// Rounds of a repair after a search, and projections onto broken rows for each variable.
 pub(crate) const ROUNDS_AFTER: usize = 20;
-/// Iterations for each variable after which a search from a prediction gives up, and one from
-/// nothing takes rows by least index.
+/// Iterations for each variable after which a search from a prediction gives up.
 pub(crate) const LONG: usize = 10;
 /// Weight of the newest solve in a row's mean, once there have been enough solves.
 pub(crate) const NEWEST: f32 = 0.15;

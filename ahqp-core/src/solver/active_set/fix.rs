@@ -39,8 +39,6 @@ impl ActiveSet {
                 self.monitor(rows);
             }
         }
-        let fixed = &self.fixed;
-        self.factorisation.close_groups(|id| !fixed[id]);
     }
 
     /// Makes rows of a finished objective inactive that it does not need. They are not violated.

@@ -3,12 +3,11 @@
 //! Each iteration goes towards the minimum with the active rows held. It stops at the first
 //! blocking row, which becomes active. If no row blocks, the row with the largest force of the
 //! wrong sign becomes inactive (Nocedal & Wright, Numerical Optimization, algorithm 16.3). The
-//! violations of soft rows are variables that are never formed. The objective never rises. In a long
-//! search, rows are chosen by least index, which cannot cycle (Bland). Where many rows meet, a search
-//! from a prediction may take long. It gives up, since one from nothing comes to them one by one.
+//! violations of soft rows are variables that are never formed. The objective never rises.
+//! Where many rows meet, a search from a prediction may take long. It gives up, since one from
+//! nothing comes to them one by one, which ends at the iteration limit at the latest.
 
 use super::goal::Goal;
-use super::ratio_test::Choice;
 use super::{ActiveSet, Residuals};
 use crate::linalg::vector::{add_scaled, norm};
 use crate::solver::activity::Activity;
@@ -66,8 +65,6 @@ impl ActiveSet {
             if is_long && self.is_predicted && self.remaining.left(self.iterations) > longest {
                 return End::GaveUp;
             }
-            // The least index cannot cycle, but is slow.
-            let choice = if is_long { Choice::First } else { Choice::Steepest };
             let step = self.set_direction(goal);
             let has_minimum = step.has_minimum;
             let row = dropped.take();
@@ -78,7 +75,7 @@ impl ActiveSet {
                 continue;
             }
             let full = if has_minimum { 1.0 } else { f64::INFINITY };
-            let (length, blocking) = self.ratio_test(goal, full, choice);
+            let (length, blocking) = self.ratio_test(goal, full);
             self.advance(goal, length, step.moving);
             if blocking.is_none() && has_minimum {
                 self.attain();
@@ -90,7 +87,7 @@ impl ActiveSet {
             if !has_minimum {
                 return End::Unbounded;
             }
-            dropped = self.find_wrong_row(goal, choice).map(|id| self.drop_row(goal, id));
+            dropped = self.find_wrong_row(goal).map(|id| self.drop_row(goal, id));
             if dropped.is_none() {
                 return End::Optimal;
             }
@@ -188,29 +185,25 @@ impl ActiveSet {
         self.value[id] - bounds[id]
     }
 
-    /// Returns a row that should become inactive, since its multiplier has the wrong sign: the one
-    /// with the largest force, or the first. None at the optimum.
-    fn find_wrong_row(&mut self, goal: &Goal, choice: Choice) -> Option<usize> {
+    /// Returns the row with the largest force among those that should become inactive, since their
+    /// multipliers have the wrong sign. None at the optimum.
+    fn find_wrong_row(&mut self, goal: &Goal) -> Option<usize> {
         self.has_gradient = self.balance(goal);
         if !self.has_gradient {
             return None;
         }
         // Most such rows are far above rounding. The exact rounding is then not needed.
-        if choice == Choice::Steepest {
-            let clear = self.multipliers.clear_force(&self.data, &self.factorisation);
-            let pairs = self.multipliers.pairs(&self.factorisation).map(|(id, m)| (id, m, 0.0));
-            let wrong = self.wrong_rows(pairs).filter(|&(_, force)| force > clear);
-            if let Some((id, _)) = wrong.max_by(|a, b| a.1.total_cmp(&b.1)) {
-                return Some(id);
-            }
+        let clear = self.multipliers.clear_force(&self.data, &self.factorisation);
+        let pairs = self.multipliers.pairs(&self.factorisation).map(|(id, m)| (id, m, 0.0));
+        let wrong = self.wrong_rows(pairs).filter(|&(_, force)| force > clear);
+        let largest = wrong.max_by(|a, b| a.1.total_cmp(&b.1));
+        if largest.is_some() {
+            return largest.map(|(id, _)| id);
         }
         let Self { data, factorisation, multipliers, .. } = self;
         multipliers.set_rounding(data, factorisation);
         let wrong = self.wrong_rows(self.multipliers.with_rounding(&self.factorisation));
-        match choice {
-            Choice::Steepest => wrong.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(id, _)| id),
-            Choice::First => wrong.map(|(id, _)| id).min(),
-        }
+        wrong.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(id, _)| id)
     }
 
     /// Returns the rows of the goal that may become inactive and have a wrong sign, with their

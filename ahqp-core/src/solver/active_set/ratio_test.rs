@@ -20,27 +20,18 @@ pub(super) struct Candidate {
     slope: f64,
 }
 
-/// Choice among several blocking rows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Choice {
-    /// The row most across the direction, which gives the least rounding.
-    Steepest,
-    /// The first row, which cannot cycle (Bland).
-    First,
-}
-
 impl ActiveSet {
     /// Returns how far x may move along `direction`, up to `full`, and the row that blocks it.
     pub(super) fn ratio_test(
         &mut self,
         goal: &Goal,
         full: f64,
-        choice: Choice,
     ) -> (f64, Option<(usize, Activity)>) {
         self.set_slopes(goal);
         self.find_candidates(full);
         // The first pass finds how far x may move within the bounds relaxed by the tolerance. Among
-        // the rows met by then, the second pass takes the one most across the direction.
+        // the rows met by then, the second pass takes the one most across the direction, which gives
+        // the least rounding.
         let mut reach = full;
         for candidate in &self.candidates {
             if candidate.room < reach * candidate.slope {
@@ -52,16 +43,8 @@ impl ActiveSet {
             return (full, None);
         }
         let across = |row: &Candidate| row.slope / self.data.norm(row.id).max(f64::MIN_POSITIVE);
-        let mut best: Option<&Candidate> = None;
-        for row in self.candidates.iter().filter(|row| row.room / row.slope <= reach) {
-            let is_better = best.is_none_or(|best| match choice {
-                Choice::Steepest => across(row) > across(best),
-                Choice::First => row.id < best.id,
-            });
-            if is_better {
-                best = Some(row);
-            }
-        }
+        let met = self.candidates.iter().filter(|row| row.room / row.slope <= reach);
+        let best = met.min_by(|a, b| across(b).total_cmp(&across(a)));
         match best {
             Some(row) => ((row.room / row.slope).min(full), Some((row.id, row.bound))),
             None => (reach, None),

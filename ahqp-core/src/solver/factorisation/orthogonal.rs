@@ -168,30 +168,21 @@ impl Orthogonal {
     }
 
     /// Transforms rows over the free variables, padded with zeros, into the coordinates of Q.
-    /// Coordinates before `first` become zero.
-    pub(super) fn turn_rows(&mut self, data: &mut [f64], first: usize) {
+    pub(super) fn turn_rows(&mut self, data: &mut [f64]) {
         if !self.is_identity {
-            let needed = self.first_needed(first);
             for row in rows_mut(data, self.stride) {
                 self.scratch.copy_from_slice(row);
-                row[..needed].fill(0.0);
-                let part = &mut row[needed..self.size];
-                let columns = &self.columns[needed * self.stride..];
-                multiply_rows(columns, self.stride, &self.scratch, part);
+                multiply_rows(&self.columns, self.stride, &self.scratch, &mut row[..self.size]);
             }
         }
         self.apply(self.pending.clone(), data);
-        if first > 0 {
-            rows_mut(data, self.stride).for_each(|row| row[..first].fill(0.0));
-        }
     }
 
     /// Transforms the unit vector at `place` into the coordinates of Q, which must be multiplied
-    /// out. `vector` is zero before. Coordinates before `first` stay zero.
-    pub(super) fn turn_unit(&self, vector: &mut [f64], place: usize, first: usize) {
-        let entries = self.columns[first * self.stride..].iter().skip(place);
-        let coordinates = &mut vector[first..self.size];
-        for (to, from) in coordinates.iter_mut().zip(entries.step_by(self.stride)) {
+    /// out. `vector` is zero before.
+    pub(super) fn turn_unit(&self, vector: &mut [f64], place: usize) {
+        let entries = self.columns.iter().skip(place).step_by(self.stride);
+        for (to, from) in vector[..self.size].iter_mut().zip(entries) {
             *to = *from;
         }
     }

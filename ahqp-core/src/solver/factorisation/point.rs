@@ -193,16 +193,14 @@ impl Factorisation {
     }
 
     /// Computes the multipliers μ of the first pivots that balance a gradient given by
-    /// `coordinates`: Σ μᵢ Lᵢ = −coordinates. Pivots that are fixed are left out. Overwrites
-    /// `coordinates` with μ.
+    /// `coordinates`: Σ μᵢ Lᵢ = −coordinates. Overwrites `coordinates` with μ.
     pub(crate) fn balance(&self, coordinates: &mut [f64]) {
         let n = self.stride;
-        let open = self.closed;
-        for pivot in (open..coordinates.len()).rev() {
+        for pivot in (0..coordinates.len()).rev() {
             let at = self.pivots[pivot];
             let row = &self.rows[at * n..(at + 1) * n];
             let multiplier = -coordinates[pivot] / row[pivot];
-            add_scaled(&mut coordinates[open..pivot], multiplier, &row[open..pivot]);
+            add_scaled(&mut coordinates[..pivot], multiplier, &row[..pivot]);
             coordinates[pivot] = multiplier;
         }
     }
@@ -216,15 +214,14 @@ impl Factorisation {
         rounding: &mut [f64],
     ) {
         let n = self.stride;
-        let open = self.closed;
-        for pivot in (open..multipliers.len()).rev() {
+        for pivot in (0..multipliers.len()).rev() {
             let at = self.pivots[pivot];
-            let row = &self.rows[at * n + open..at * n + pivot];
+            let row = &self.rows[at * n..at * n + pivot];
             let size = ROUNDING * multipliers[pivot].abs();
             let turned = size * norm(self.stacked[at]);
             let of_pivot = rounding[pivot] / self.rows[at * n + pivot].abs() + size;
             rounding[pivot] = of_pivot;
-            for (rounding, entry) in rounding[open..pivot].iter_mut().zip(row) {
+            for (rounding, entry) in rounding[..pivot].iter_mut().zip(row) {
                 *rounding += of_pivot * entry.abs() + turned;
             }
         }
@@ -241,7 +238,6 @@ impl Factorisation {
     ) -> bool {
         let n = self.stride;
         let Group { start, end, rank, first_pivot, .. } = self.groups[group];
-        let open = self.closed.min(first_pivot);
         let mut remainder = std::mem::take(&mut self.turned);
         let mut left = std::mem::take(&mut self.left);
         let dependent = (start..end).zip(residuals).skip(rank);
@@ -253,14 +249,14 @@ impl Factorisation {
                 let (coordinate, pivot) = (first_pivot + index, start + index);
                 let row = &self.rows[pivot * n..(pivot + 1) * n];
                 let part = -remainder[coordinate] / row[coordinate];
-                add_scaled(&mut remainder[open..coordinate], part, &row[open..coordinate]);
+                add_scaled(&mut remainder[..coordinate], part, &row[..coordinate]);
                 add_scaled(&mut left, part, data.coefficients(self.stacked[pivot]));
             }
             let size = data.norm(id);
             let near_threshold =
                 self.tolerances.nothing * size..self.tolerances.near_threshold * size;
             let of_bounds = self.bounded.iter().map(|&i| left[i]);
-            let mut parts = remainder[open..first_pivot].iter().copied().chain(of_bounds);
+            let mut parts = remainder[..first_pivot].iter().copied().chain(of_bounds);
             parts.any(|part| near_threshold.contains(&part.abs()))
         });
         (self.turned, self.left) = (remainder, left);
@@ -323,8 +319,7 @@ impl Factorisation {
     pub(crate) fn coordinates(&mut self, vector: &[f64], out: &mut [f64]) {
         let mut turned = std::mem::take(&mut self.turned);
         gather(&self.free, vector, &mut turned);
-        out[..self.closed].fill(0.0);
-        self.orthogonal.turn_part(&turned, self.closed, &mut out[self.closed..]);
+        self.orthogonal.turn_part(&turned, 0, out);
         self.turned = turned;
     }
 

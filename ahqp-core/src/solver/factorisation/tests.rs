@@ -19,7 +19,7 @@ fn worst_row(factorisation: &mut Factorisation, data: &ProblemData) -> f64 {
                 Coefficients::Dense(coefficients) => coefficients[variable],
             };
         }
-        factorisation.orthogonal.turn_rows(&mut row, 0);
+        factorisation.orthogonal.turn_rows(&mut row);
         let group = factorisation.groups.iter().find(|g| (g.start..g.end).contains(&at)).unwrap();
         let width = group.first_pivot + group.rank.min(at + 1 - group.start);
         let stored = &factorisation.rows[at * factorisation.stride..][..width];

@@ -403,14 +403,14 @@ impl Factorisation {
         match data.row(id).coefficients() {
             Coefficients::Unit(variable) => {
                 if let Some(place) = self.free.iter().position(|&free| free == variable) {
-                    self.orthogonal.turn_unit(row, place, self.closed);
+                    self.orthogonal.turn_unit(row, place);
                 }
             }
             Coefficients::Dense(coefficients) => {
                 for (entry, &variable) in row.iter_mut().zip(&self.free) {
                     *entry = coefficients[variable];
                 }
-                self.orthogonal.turn_rows(row, self.closed);
+                self.orthogonal.turn_rows(row);
             }
         }
     }
