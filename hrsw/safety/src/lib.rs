@@ -52,6 +52,8 @@
 //! assert!(safety.nearest().is_none_or(|pair| pair.room() > 0.0));
 //! assert_eq!(safety.supervisor().state(), SafetyState::Normal);
 //! let mut rows = safety.separation().rows(); // made once, for a level of a stack of tasks
+//! // Rows of an objective need not admit braking.
+//! let motion = JointMotion { braking: None, ..motion };
 //! safety.separation().write_rows(&motion, &mut rows)?;
 //! assert_eq!(rows.len(), 40); // the most pairs that have a row
 //!

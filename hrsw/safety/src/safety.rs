@@ -283,7 +283,8 @@ impl Safety {
         SpeedCap::write(motion, &self.person_velocity, cap, rows)
     }
 
-    /// Returns the rows of the protective distances, as measured in this tick.
+    /// Returns the rows of the protective distances, as measured in this tick. As an objective they are
+    /// written with no [`JointMotion::braking`], which would relax them.
     pub fn separation(&self) -> &ApproachRows {
         &self.separation
     }

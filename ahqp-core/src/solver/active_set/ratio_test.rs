@@ -7,6 +7,7 @@ use crate::linalg::kernels::{MovingRows, rows_outside};
 use crate::linalg::vector::norm;
 use crate::solver::active_set::goal::Goal;
 use crate::solver::activity::Activity;
+use crate::solver::tolerances::MOTIONLESS;
 
 /// Number of rows that are examined at a time.
 const BLOCK: usize = u64::BITS as usize;
@@ -72,7 +73,8 @@ impl ActiveSet {
 
     /// Finds the rows whose bounds the direction meets within `full`.
     fn find_candidates(&mut self, full: f64) {
-        let least = self.factorisation.tolerances.dependent * norm(&self.direction).min(f64::MAX);
+        let part = self.factorisation.tolerances.dependent.min(MOTIONLESS);
+        let least = part * norm(&self.direction).min(f64::MAX);
         self.candidates.clear();
         for block in 0..self.monitored.len() {
             let Range { start, end } = self.monitored[block];
