@@ -58,7 +58,7 @@ pub(crate) const CLEAR: f64 = 1e4;
 pub(crate) const HEAVIER: f64 = 16.0;
 
 /// A row does not block a step along which it changes by less than this part of its norm times the
-/// step, whatever the rank tolerance. Such changes are noise of coefficients that has grown.
+/// step. The rank tolerance may be larger. Such changes are noise of coefficients that has grown.
 pub(crate) const MOTIONLESS: f64 = 1e-10;
 
 /// Largest motion of x, relative to 1 + ‖x‖, that counts as rounding. Objectives above move no more
