@@ -17,12 +17,13 @@ use crate::error::Error;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// Largest number of iterations of one solve, at least 1 \[-\]. Iterations are rounds of
-    /// repairing the prediction, and steps of searches over all levels. Default 1000.
+    /// repairing the prediction, and steps of searches over all levels. Rounding may let a search
+    /// cycle, which ends here. Default 1000.
     pub max_iterations: usize,
     /// Largest violation with which a constraint holds \[-\]. It is relative to the size of the
     /// constraint's terms and of its nearer bound at the solution. Default 1e-10. A row without
-    /// coefficients has the size one beside its bound. The rounding of x, 1e-14 of ‖a‖‖x‖, does not
-    /// count as a violation.
+    /// coefficients has the size one beside its bound. The rounding of the steps, 1e-14 of ‖a‖ times
+    /// the longest x on the way, does not count as a violation.
     pub feasibility_tolerance: f64,
     /// A row depends on others if they leave less than this fraction of its norm \[-\]. Default
     /// 1e-10.

@@ -473,3 +473,22 @@ fn a_quadratic_that_only_rounding_tilts_is_bounded() {
     let solution = solved(&hierarchy(3, [level]));
     assert_near(solution.optimum().unwrap(), &[-2.0, 0.5, 0.5], 1e-12);
 }
+
+/// The row changes by 1e-5 of the step to the target, which lies beyond it. The optimum is the target's projection.
+#[test]
+fn coarse_ranks_let_no_hard_row_pass() {
+    let (row, bound) = (dvector![1e-5, 1.0], 1e-3);
+    let target = dvector![1000.0, 0.0];
+    let beyond = row.dot(&target) - bound;
+    let expected = &target - &row * (beyond / row.norm_squared());
+    let hard = upper_limits(&DMatrix::from_row_slice(1, 2, row.as_slice()), &dvector![bound]);
+    let problem = hierarchy(2, [Level::constraints_only(hard), towards(&target)]);
+    for rank_tolerance in [1e-10, 1e-6, 1e-4] {
+        let settings = Settings { rank_tolerance, ..Settings::default() };
+        let mut solver = Solver::new(&problem, settings).unwrap();
+        for _cold_then_warm in 0..2 {
+            let solution = solver.solve(&problem).unwrap();
+            assert_near(solution.optimum().unwrap(), expected.as_slice(), 1e-9);
+        }
+    }
+}

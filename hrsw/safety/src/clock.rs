@@ -33,7 +33,7 @@ pub struct Tick {
 }
 
 /// Largest delay of a tick beyond one period after the tick before \[s\]. A longer delay means that the
-/// clock was set or the loop stood still. A slow loop may miss a tick as well.
+/// clock was set or the loop stood still.
 const GAP: f64 = 0.1;
 
 /// Checks the times of ticks and frames. All times are in seconds on one clock of any origin, which
@@ -98,7 +98,8 @@ impl LoopClock {
         })
     }
 
-    /// Returns the largest delay of a tick beyond one period after the tick before \[s\].
+    /// Returns the largest delay of a tick beyond one period after the tick before \[s\]. It is at least
+    /// two periods, so that a slow loop may miss a tick.
     pub fn longest_gap(&self) -> f64 {
         GAP.max(2.0 * self.period)
     }

@@ -47,28 +47,30 @@ impl MecanumBase {
 mod tests {
     use ahqp_core::Rows;
     use proptest::prelude::*;
-    use whole_body::Data;
     use whole_body::stack::{TaskLevel, TaskStack};
     use whole_body::tasks::VariableLayout;
+    use whole_body::{Data, Model};
 
     use super::*;
-    use crate::robot::moca::{MOCA_HOME, moca};
+    use crate::robot::moca::{MOCA_HOME, MOCA_URDF, moca, moca_description};
 
     /// The rows at a yaw, if they are to admit a velocity of the base.
     fn rows(yaw: f64, admitted: [f64; 3]) -> Rows {
-        let model = moca().unwrap();
+        rows_of(&moca().unwrap(), yaw, admitted)
+    }
+
+    fn rows_of(model: &Model, yaw: f64, admitted: [f64; 3]) -> Rows {
         let mut limit = MecanumBase::default().limit();
         limit.admit(admitted.into());
         let mut level = TaskLevel::new("wheels");
         level.constrain("wheels", limit);
-        let variables = VariableLayout::new(&model);
+        let variables = VariableLayout::new(model);
         let mut stack =
-            TaskStack::new(&model, &variables, vec![level], ahqp_core::Settings::default())
-                .unwrap();
+            TaskStack::new(model, &variables, vec![level], ahqp_core::Settings::default()).unwrap();
         let mut q = MOCA_HOME;
         q[2] = yaw;
-        let mut data = Data::new(&model);
-        stack.write(&mut data.pose(&model, &q).unwrap(), &[0.0; 10], 1e-3).unwrap();
+        let mut data = Data::new(model);
+        stack.write(&mut data.pose(model, &q).unwrap(), &[0.0; 10], 1e-3).unwrap();
         stack.hierarchy().levels()[0].constraints().clone()
     }
 
@@ -105,5 +107,16 @@ mod tests {
                 prop_assert!(lower - 1e-12 <= value && value <= upper + 1e-12);
             }
         }
+    }
+
+    /// A base of another URDF may end its yaw by limits.
+    #[test]
+    fn a_yaw_with_limits_changes_no_row() {
+        let limited = MOCA_URDF
+            .replace("name=\"base_yaw\" type=\"continuous\"", "name=\"base_yaw\" type=\"revolute\"")
+            .replace("<limit velocity=\"3\"", "<limit lower=\"-6\" upper=\"6\" velocity=\"3\"");
+        assert_ne!(limited, MOCA_URDF);
+        let model = Model::from_urdf(&limited, &moca_description()).unwrap();
+        assert_eq!(rows_of(&model, 0.7, [0.0; 3]), rows(0.7, [0.0; 3]));
     }
 }

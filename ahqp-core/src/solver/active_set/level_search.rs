@@ -4,8 +4,8 @@
 //! blocking row, which becomes active. If no row blocks, the row with the largest force of the
 //! wrong sign becomes inactive (Nocedal & Wright, Numerical Optimization, algorithm 16.3). The
 //! violations of soft rows are variables that are never formed. The objective never rises.
-//! Where many rows meet, a search from a prediction may take long. It gives up, since one from
-//! nothing comes to them one by one, which ends at the iteration limit at the latest.
+//! Where many rows meet, a search from a prediction may take long. It gives up, and one from
+//! nothing begins, which comes to them one by one. Every search ends at the iteration limit.
 
 use super::goal::Goal;
 use super::{ActiveSet, Residuals};

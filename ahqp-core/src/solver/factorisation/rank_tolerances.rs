@@ -6,7 +6,7 @@ use crate::solver::tolerances::{CLEAR, NEAR_THRESHOLD, NOTHING};
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct RankTolerances {
     /// A row of an objective depends on earlier rows if they leave less than this. No row blocks a
-    /// step along which it changes by less.
+    /// step along which it changes by less, up to a limit.
     pub(crate) dependent: f64,
     /// A hard row, which must hold, depends on earlier rows if they leave less than this, which is
     /// rounding.

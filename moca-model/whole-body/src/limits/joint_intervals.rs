@@ -29,7 +29,7 @@ struct Joint {
     limits: Option<JerkLimits>,
     /// The same limits without those of the position.
     braking: Option<JerkLimits>,
-    /// Index in q; `None` for a floating base, which has no position limits.
+    /// Index in q; `None` for an entry without a position, whose position limits do not count.
     position: Option<usize>,
 }
 
@@ -72,7 +72,8 @@ impl Joint {
         let (Some(limits), Some(index)) = (self.limits, self.position) else {
             return [f64::INFINITY; 2];
         };
-        let (limits, position) = (limits.limits(), q[index]);
+        let Some(position) = q.get(index) else { return [f64::INFINITY; 2] };
+        let limits = limits.limits();
         let (down, up) = (position - limits.lower(), limits.upper() - position);
         [down + velocity.min(0.0) * period, up - velocity.max(0.0) * period]
     }
@@ -91,7 +92,7 @@ impl JointIntervals {
         Ok(own)
     }
 
-    /// Creates the intervals of coordinates that have no positions.
+    /// Creates the intervals of coordinates that have no positions. Position limits do not count.
     ///
     /// # Errors
     /// [`Error::Hierarchy`] for limits that are not positive.
@@ -110,7 +111,8 @@ impl JointIntervals {
     }
 
     /// Computes the intervals for the configuration q and the last commanded velocity and acceleration, each by a rule
-    /// such as [`JerkLimits::velocity_interval`]. Entries without limits stay free.
+    /// such as [`JerkLimits::velocity_interval`]. Entries without limits stay free. Those without a position in q have no
+    /// position limits.
     pub fn update_by(
         &mut self,
         q: &[f64],
@@ -122,13 +124,14 @@ impl JointIntervals {
         for ((joint, (&velocity, &acceleration)), now) in
             self.joints.iter().zip(motion).zip(&mut self.now)
         {
-            let Some(limits) = joint.limits else {
-                *now = FREE;
-                continue;
+            let position = joint.position.and_then(|index| q.get(index));
+            let limits = if position.is_some() { joint.limits } else { joint.braking };
+            let state = AcceleratedState {
+                position: position.copied().unwrap_or_default(),
+                velocity,
+                acceleration,
             };
-            let position = joint.position.map_or(0.0, |index| q[index]);
-            let state = AcceleratedState { position, velocity, acceleration };
-            *now = opened(rule(&limits, state));
+            *now = limits.map_or(FREE, |limits| opened(rule(&limits, state)));
         }
     }
 
@@ -210,20 +213,24 @@ impl JointIntervals {
     }
 
     /// Brakes velocities for `period` \[s\] within the limits of acceleration and jerk, whatever the positions. Each
-    /// brakes from that of its accelerations that leads nearer to rest.
+    /// brakes from that of its accelerations that leads nearer to rest. Nothing changes unless the period is positive.
     pub fn brake(
         &self,
         accelerations: impl IntoIterator<Item = [f64; 2]>,
         period: f64,
         v: &mut [f64],
     ) {
+        if period.is_nan() || period <= 0.0 {
+            return;
+        }
         for ((joint, accelerations), v) in self.joints.iter().zip(accelerations).zip(v) {
             let [first, second] = accelerations.map(|from| joint.braked(*v, from, period));
             *v = if second.abs() < first.abs() { second } else { first };
         }
     }
 
-    /// The limits of each entry of q̇, with those that stand for a missing one; `None` if there are none.
+    /// The limits of each entry of q̇; `None` without limits. A missing limit of velocity or acceleration is a very large
+    /// number.
     pub fn limits(&self) -> impl Iterator<Item = Option<&JerkLimits>> {
         self.joints.iter().map(|joint| joint.limits.as_ref())
     }
@@ -290,4 +297,44 @@ fn opened(interval: VelocityInterval) -> VelocityInterval {
 /// The velocity of the interval with the least magnitude \[rad/s or m/s\].
 pub fn nearest_to_rest(interval: &VelocityInterval) -> f64 {
     0.0_f64.max(interval.lower).min(interval.upper)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn intervals() -> JointIntervals {
+        let limits = JointLimits {
+            lower: -0.1,
+            upper: 0.1,
+            velocity: 1.0,
+            acceleration: 2.0,
+            ..JointLimits::UNLIMITED
+        };
+        JointIntervals::of_limits(&[limits]).unwrap()
+    }
+
+    #[test]
+    fn entries_without_a_position_have_no_ends() {
+        let mut coordinates = intervals();
+        let mut joints = intervals();
+        joints.joints[0].position = Some(0);
+        for own in [&mut coordinates, &mut joints] {
+            own.update(&[], &[1.0], &[0.0], 0.1);
+            assert!((own.now[0].lower - 0.8).abs() < 1e-12, "{:?}", own.now);
+            assert!((own.now[0].upper - 1.0).abs() < 1e-12, "{:?}", own.now);
+        }
+        // At the end of its way the joint may only go back.
+        joints.update(&[0.1], &[0.0], &[0.0], 0.1);
+        assert!(joints.now[0].upper.abs() < 1e-12, "{:?}", joints.now);
+    }
+
+    #[test]
+    fn no_time_brakes_nothing() {
+        for period in [0.0, -1.0, f64::NAN] {
+            let mut velocity = [0.5];
+            intervals().brake([[0.0; 2]], period, &mut velocity);
+            assert_eq!(velocity, [0.5]);
+        }
+    }
 }

@@ -94,7 +94,8 @@ impl WheelLimit {
         Self { wheels, admitted: None }
     }
 
-    /// Also limits the speed along each of the base's own axes \[m/s\].
+    /// Also limits the speed along each of the base's own axes \[m/s\]. The rows of a base with jerk limits hold at every
+    /// yaw. They then limit the translation in all directions to the lower of the speeds, together with the rotation.
     #[must_use]
     pub fn with_axis_speed(mut self, speed: f64) -> Self {
         let axes = [Vector3::x(), Vector3::y()];
@@ -161,10 +162,12 @@ impl WheelLimit {
         let turn = next(turn, yaw.acceleration, fastest(|c| c.z.abs()));
         let (speed, turn) = ((product * speed / turn).sqrt(), (product * turn / speed).sqrt());
         for (row, sign) in (self.wheels.len()..).zip([1.0, -1.0]) {
+            let mut coefficients = Vector3::zeros();
             if speed.is_finite() && turn.is_finite() {
-                rows.set_coefficients(row, &[cosine / speed, sine / speed, sign / turn]);
+                coefficients = Vector3::new(cosine / speed, sine / speed, sign / turn);
+                rows.set_coefficients(row, &coefficients);
             }
-            rows.set_range(row, -2.0, 2.0);
+            self.set_range(rows, row, coefficients, [-2.0, 2.0]);
         }
     }
 
@@ -211,7 +214,7 @@ impl Task for WheelLimit {
         if !model.moves_on_a_plane() {
             return Err(Error::unsuitable(
                 format!("robot `{}` has no planar base", model.name()),
-                "read it with a planar one",
+                "read it with a planar one, or let its first joints slide, slide and turn",
             ));
         }
         let sideways = Vector3::new(0.0, 1.0, 0.0);

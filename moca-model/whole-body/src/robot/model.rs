@@ -154,10 +154,11 @@ impl Model {
         }
     }
 
-    /// [`JointLimits::fading_time`] of each entry of q̇. All joints of a planar base share the longest of their times.
+    /// [`JointLimits::fading_time`] of each entry of q̇. All joints of a base that moves on a plane share the
+    /// longest of their times.
     pub(crate) fn fading_times(&self) -> Vec<f64> {
         let mut times: Vec<f64> = self.limits.iter().map(JointLimits::fading_time).collect();
-        if self.base == Base::Planar {
+        if self.moves_on_a_plane() {
             times.iter_mut().take(3).for_each(|own| *own = self.base_fading_time());
         }
         times
@@ -165,9 +166,12 @@ impl Model {
 
     /// True for a planar base, and for a robot whose first joints slide, slide and turn as those of one.
     pub(crate) fn moves_on_a_plane(&self) -> bool {
-        use JointKind::{Continuous, Prismatic};
-        let kinds = self.joints.iter().take(3).map(|joint| joint.kind);
-        self.base != Base::Floating && kinds.eq([Prismatic, Prismatic, Continuous])
+        use JointKind::{Continuous, Prismatic, Revolute};
+        let kinds = self.joints.iter().map(|joint| joint.kind);
+        self.base != Base::Floating
+            && [[Prismatic, Prismatic, Continuous], [Prismatic, Prismatic, Revolute]]
+                .into_iter()
+                .any(|base| kinds.clone().take(3).eq(base))
     }
 
     /// The longest fading time of a planar base's joints.

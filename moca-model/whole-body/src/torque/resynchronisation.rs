@@ -111,7 +111,8 @@ impl Resynchronisation {
         Ok(Self { lengths, state: State::Unknown })
     }
 
-    /// Creates a resynchronisation for all joints of a robot. A floating base has no limit, since it is estimated.
+    /// Creates a resynchronisation for all joints of a robot, each with the limit of its kind. A floating base has no
+    /// limit, since it is estimated.
     ///
     /// # Errors
     /// [`Error::Value`] for a length that is not positive.

@@ -4,9 +4,9 @@ use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
 use whole_body::limits::{FrameVelocityLimit, WheelLimit};
 use whole_body::robot::LimitOverride;
-use whole_body::stack::TaskId;
-use whole_body::tasks::{Axis, Feedback, PositionTask, PostureTask};
-use whole_body::{Description, Ik, Model};
+use whole_body::stack::{TaskId, TaskLevel, TaskStack};
+use whole_body::tasks::{Axis, Feedback, PositionTask, PostureTask, VariableLayout};
+use whole_body::{Data, Description, Ik, Model};
 
 use crate::support::monitor::Monitor;
 use crate::support::stacks::{PERIOD, Random};
@@ -118,5 +118,30 @@ proptest! {
     ) {
         let worst = soak(seed, linear, angular, half, is_slow);
         prop_assert!(worst < 1e-9, "{} m/s sideways", worst);
+    }
+}
+
+proptest! {
+    /// Also the rows of a turning base admit what they are told to.
+    #[test]
+    fn a_differential_base_admits_any_velocity(
+        yaw in -3.0..3.0_f64, admitted in prop::array::uniform3(-9.0..9.0_f64), v in prop::array::uniform4(-1.0..1.0_f64),
+    ) {
+        let model = model(LimitOverride::of_speed(1.0, 0.5), LimitOverride::of_speed(1.5, 1.0));
+        let mut limit = WheelLimit::differential(2.0, 0.5);
+        limit.admit(admitted.into());
+        let mut level = TaskLevel::new("wheels");
+        level.constrain("wheels", limit);
+        let variables = VariableLayout::new(&model);
+        let settings = ahqp_core::Settings::default();
+        let mut stack = TaskStack::new(&model, &variables, vec![level], settings).unwrap();
+        let mut data = Data::new(&model);
+        stack.write(&mut data.pose(&model, &[0.0, 0.0, yaw, 0.5]).unwrap(), &v, PERIOD).unwrap();
+        let rows = stack.hierarchy().levels()[0].constraints();
+        prop_assert_eq!(rows.len(), 5);
+        for (row, lower, upper) in rows.iter() {
+            let value: f64 = row.iter().zip(admitted).map(|(a, b)| a * b).sum();
+            prop_assert!(lower - 1e-9 <= value && value <= upper + 1e-9, "{lower} {value} {upper}");
+        }
     }
 }
