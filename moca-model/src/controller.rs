@@ -223,8 +223,10 @@ impl Controller {
             Levels::Extended => ACTIVATES_OVER,
             Levels::Paper => self.settings.period,
         };
-        self.command.activation =
-            self.goal_share.advance(wanted, situation.is_at_rest, elapsed, time);
+        let tool = situation.frame.to_person(&self.command.desired.translation.vector);
+        let gain = self.ergonomics.above_minimum(&tool);
+        let rests = situation.is_at_rest;
+        self.command.activation = self.goal_share.advance(wanted, rests, gain, elapsed, time);
     }
 
     /// Decides whether the base stands in this tick.

@@ -55,6 +55,14 @@ impl Default for DynamicRobotSettings {
 }
 
 impl DynamicRobotSettings {
+    /// Multiplies the noise of all measurements by `factor`, 0 or more.
+    #[must_use]
+    pub fn with_noise(mut self, factor: f64) -> Self {
+        let noise = self.position_noise.iter_mut().chain(&mut self.velocity_noise);
+        noise.chain([&mut self.torque_noise]).for_each(|noise| *noise *= factor);
+        self
+    }
+
     fn sensors(&self, joints: usize) -> SensorSettings {
         let base = |index: usize| index < self.base_joints;
         let each = |[of_base, of_arm]: [f64; 2]| -> Vec<f64> {

@@ -104,6 +104,16 @@ struct Options {
     /// A robot that follows velocities exactly and at once, in place of one under torques.
     #[arg(long)]
     kinematic: bool,
+    /// Factor on the noise of the robot's own measurements: 0 is none.
+    #[arg(
+        long,
+        value_name = "FACTOR",
+        default_value_t = 1.0,
+        value_parser = noise,
+        allow_negative_numbers = true,
+        conflicts_with = "kinematic"
+    )]
+    robot_noise: f64,
     /// The report's folder, made if it does not exist: follow.html, follow.svg, scene.svg, scene-moving.svg,
     /// ticks-on.csv and ticks-off.csv.
     #[arg(long, short, alias = "report", value_name = "FOLDER", default_value = "report")]
@@ -115,6 +125,11 @@ struct Options {
     posture: PostureOptions,
     #[command(flatten)]
     printing: Printing,
+}
+
+fn noise(text: &str) -> std::result::Result<f64, String> {
+    let factor = text.parse().ok().filter(|factor: &f64| factor.is_finite() && *factor >= 0.0);
+    factor.ok_or_else(|| "give a finite factor of 0 or more".to_owned())
 }
 
 /// A callback for every tick of a run.
@@ -276,6 +291,7 @@ impl Options {
         };
         let mut scenario = if self.paper { scenario.as_in_paper() } else { scenario };
         scenario.settings.stacking = self.stacking.method();
+        scenario.robot = scenario.robot.with_noise(self.robot_noise);
         let scenario = if self.no_separation { scenario.without_separation() } else { scenario };
         let scenario = if self.kinematic { scenario.kinematic() } else { scenario };
         Ok((scenario, recorded))

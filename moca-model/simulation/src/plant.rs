@@ -145,10 +145,12 @@ impl Plant {
     /// # Errors
     /// A robot that cannot be simulated.
     pub fn new(drive: Drive, controller: Controller, seed: u64) -> Result<Self, Error> {
-        Self::with_torques(drive, controller, TorqueLoopSettings::new(Compensation::BARE), seed)
+        let torques = TorqueLoopSettings::new(Compensation::BARE);
+        Self::with_torques(drive, controller, torques, &DynamicRobotSettings::default(), seed)
     }
 
-    /// Creates a loop with these settings of the torque loop, which a kinematic robot does not use.
+    /// Creates a loop with these settings of the torque loop and of the simulated robot, which a kinematic robot does
+    /// not use.
     ///
     /// # Errors
     /// A robot that cannot be simulated, and settings that the loop refuses.
@@ -156,6 +158,7 @@ impl Plant {
         drive: Drive,
         controller: Controller,
         torques: TorqueLoopSettings,
+        robot: &DynamicRobotSettings,
         seed: u64,
     ) -> Result<Self, Error> {
         let model = controller.robot().model().clone();
@@ -164,7 +167,7 @@ impl Plant {
         let monitor = TorqueMonitor::new(&model, &torques, period);
         let robot = match drive {
             Drive::Torque => {
-                let robot = DynamicRobot::new(&model, &DynamicRobotSettings::default(), &start)?;
+                let robot = DynamicRobot::new(&model, robot, &start)?;
                 Robot::Torque(Box::new((TorqueController::new(controller, torques)?, robot)))
             }
             Drive::Kinematic => {

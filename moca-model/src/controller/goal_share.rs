@@ -5,14 +5,17 @@ pub(super) const ACTIVATES_OVER: f64 = 0.5;
 /// Times in which ergonomics fade out while separation is at its limit, and return afterwards \[s\].
 const HELD_WITHIN: f64 = 0.1;
 const BACK_WITHIN: f64 = 10.0;
-/// Time in which ergonomics return while the workspace moves \[s\].
+/// Time in which ergonomics return while the workspace moves, or the tool is away from its best place \[s\].
 const FOLLOWS_WITHIN: f64 = 0.5;
+/// What e_s may be above its minimum at the best place of the tool, or near it.
+const AT_PLACE: f64 = 0.35;
 
 /// The share of ergonomics, from 0 to 1.
 ///
 /// It rises when person and robot begin to work together. The best place of the tool may be nearer to the person than
 /// separation allows. That limit changes with every camera frame, and a tool that pushes against it never rests. So
-/// ergonomics are switched off at the limit while the workspace rests, and return slowly.
+/// ergonomics are switched off at the limit while the workspace rests with the tool near its best place, and return
+/// slowly.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct GoalShare {
     together: f64,
@@ -26,16 +29,18 @@ impl GoalShare {
     pub(super) const NONE: Self = Self { together: 0.0, free: 1.0, at_limit: false };
 
     /// Advances the share by `elapsed` \[s\] and returns it. Ergonomics are wanted or not, and come and go in
-    /// `activation_time` \[s\]. The workspace rests or not.
+    /// `activation_time` \[s\]. The workspace rests or not, and e_s may fall by `gain`, if there is a best place.
     pub(super) fn advance(
         &mut self,
         wanted: bool,
         rests: bool,
+        gain: Option<f64>,
         elapsed: f64,
         activation_time: f64,
     ) -> f64 {
         let step = elapsed / activation_time;
         self.together = (self.together + if wanted { step } else { -step }).clamp(0.0, 1.0);
+        let rests = rests && gain.is_none_or(|gain| gain <= AT_PLACE);
         let rate = match (rests, self.at_limit) {
             (false, _) => 1.0 / FOLLOWS_WITHIN,
             (true, true) => -1.0 / HELD_WITHIN,
@@ -53,18 +58,21 @@ mod tests {
     const PERIOD: f64 = 1e-3;
 
     /// The share after so many milliseconds of these conditions.
-    fn after(share: &mut GoalShare, ticks: u32, rests: bool, at_limit: bool) -> f64 {
+    fn after(share: &mut GoalShare, ticks: u32, rests: bool, gain: f64, at_limit: bool) -> f64 {
         share.at_limit = at_limit;
-        (0..ticks).fold(0.0, |_, _| share.advance(true, rests, PERIOD, 0.5))
+        (0..ticks).fold(0.0, |_, _| share.advance(true, rests, Some(gain), PERIOD, 0.5))
     }
 
     #[test]
     fn ergonomics_fade_at_limit_while_workspace_rests() {
         let mut share = GoalShare::NONE;
-        assert!((after(&mut share, 250, false, true) - 0.5).abs() < 1e-9, "halfway after 0.25 s");
-        assert!(after(&mut share, 300, false, true) >= 1.0, "a workspace that moves has no limit");
-        assert!(after(&mut share, 101, true, true) <= 0.0, "held within 0.1 s");
-        assert!((after(&mut share, 5000, true, false) - 0.5).abs() < 0.01, "back over 10 s");
-        assert!(after(&mut share, 260, false, false) >= 1.0, "and at once where it moves");
+        let halfway = after(&mut share, 250, false, 0.1, true);
+        assert!((halfway - 0.5).abs() < 1e-9, "halfway after 0.25 s");
+        let moving = after(&mut share, 300, false, 0.1, true);
+        assert!(moving >= 1.0, "a workspace that moves has no limit");
+        assert!(after(&mut share, 101, true, 1.0, true) >= 1.0, "far away there is none");
+        assert!(after(&mut share, 101, true, 0.1, true) <= 0.0, "held within 0.1 s");
+        assert!((after(&mut share, 5000, true, 0.1, false) - 0.5).abs() < 0.01, "back over 10 s");
+        assert!(after(&mut share, 260, false, 0.1, false) >= 1.0, "and at once where it moves");
     }
 }

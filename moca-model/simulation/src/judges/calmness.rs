@@ -40,6 +40,8 @@ pub struct Calmness {
     pub standing: Option<Motion>,
     /// Motion while the person stands, from 2 s after the beginning.
     pub settled: Option<Motion>,
+    /// Motion while the person does not walk, from 2 s after the beginning: they stand, turn, lean or take a step.
+    pub on_the_spot: Option<Motion>,
     /// Motion while they walk, from 0.5 s after the beginning; `None` if they did not walk for 1 s.
     pub walking: Option<Motion>,
     /// How the workpiece follows them; `None` if they did not walk for 1 s.
@@ -143,6 +145,8 @@ impl CalmnessMonitor {
         let walks = stretches(walks, ticks(1.0), 0);
         let walking = stretches(walks.iter().copied(), ticks(1.0), ticks(0.5));
         let settled = stands(2.0);
+        let on_the_spot = all().map(|(together, [speed, _])| *together && *speed <= WALKING);
+        let on_the_spot = stretches(on_the_spot, ticks(3.0), ticks(2.0));
         let velocities = self.workpiece_velocities();
         let floor = self.ticks.iter().zip(&velocities);
         let floor: Vec<_> = floor.map(|(tick, v)| [tick.workpiece.xy(), v.xy()]).collect();
@@ -153,6 +157,7 @@ impl CalmnessMonitor {
         Calmness {
             standing: motion(&stands(1.0)),
             settled: motion(&settled),
+            on_the_spot: motion(&on_the_spot),
             walking: motion(&walking),
             following,
         }

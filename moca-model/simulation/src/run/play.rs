@@ -70,7 +70,8 @@ impl<'a> Run<'a> {
         let base = scenario.settings.base.map_or(0, |_| MOCA_BASE_JOINTS);
         let calmness = CalmnessMonitor::new(&scenario.model, base, period);
         let torques = scenario.torques.clone();
-        let plant = Plant::with_torques(scenario.drive, controller, torques, SEED)?;
+        let plant =
+            Plant::with_torques(scenario.drive, controller, torques, &scenario.robot, SEED)?;
         let mut run = Self {
             scorer: Scorer::new(&scenario.map),
             assessor: Assessor::new(scenario.posture),

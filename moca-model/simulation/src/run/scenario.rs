@@ -5,8 +5,8 @@ use human_perception::percepts::PostureSettings;
 use moca_model::whole_body::Model;
 use moca_model::whole_body::torque::Compensation;
 use moca_model::{
-    BoxSide, ControllerSettings, GraspedObject, MOCA_HOME, Scene, SpaceSettings,
-    TorqueLoopSettings, WorkFace, moca, moca_safety,
+    BoxSide, ControllerSettings, DynamicRobotSettings, GraspedObject, MOCA_HOME, Scene,
+    SpaceSettings, TorqueLoopSettings, WorkFace, moca, moca_safety,
 };
 use moca_replay::recorded::Recorder;
 use percept_recording::{Timing, arrivals};
@@ -46,6 +46,8 @@ pub struct Scenario {
     pub torques: TorqueLoopSettings,
     /// Dynamics of the robot.
     pub drive: Drive,
+    /// Drives and sensors of a robot under torques.
+    pub robot: DynamicRobotSettings,
     /// The object that the robot holds for the person to work on.
     pub object: GraspedObject,
     /// Way in which the robot gets the object.
@@ -99,6 +101,7 @@ impl Scenario {
             settings,
             torques,
             drive,
+            robot: DynamicRobotSettings::default(),
             object,
             delivery: Delivery::Grasped,
             posture: PostureSettings::default(),

@@ -3,7 +3,9 @@
 use ergo_map::ErgonomicsQuadratic;
 use hrsw_safety::{FORGET_AFTER, LEAST_CONFIDENCE, SafetyState};
 use moca_model::whole_body::Model;
-use moca_model::{Controller, ControllerSettings, Goal, GraspedObject, MOCA_HOME};
+use moca_model::{
+    Controller, ControllerSettings, DynamicRobotSettings, Goal, GraspedObject, MOCA_HOME,
+};
 use moca_replay::report::Together;
 use nalgebra::{Matrix3, Vector2, Vector3};
 use rand::Rng;
@@ -130,7 +132,13 @@ impl Episode {
         let mut monitor = Monitor::new(model, &settings, &start)?;
         let controller = Controller::new(model.clone(), ergonomics()?, settings, &start)?;
         monitor.carry(controller.robot().tool(), &object.capsule()?);
-        let mut plant = Plant::with_torques(drive, controller, torques, seed)?;
+        let mut plant = Plant::with_torques(
+            drive,
+            controller,
+            torques,
+            &DynamicRobotSettings::default(),
+            seed,
+        )?;
         plant.grasp(&object)?;
         Ok(Self {
             monitor,

@@ -81,7 +81,13 @@ impl Workcell {
         let judge = Judge::new(&model, &settings, &MOCA_HOME)?;
         let controller = Controller::new(model.clone(), setup.ergonomics, settings, &MOCA_HOME)?;
         let torques = setup.robot.torques.clone();
-        let plant = Plant::with_torques(setup.robot.drive, controller, torques, seed)?;
+        let plant = Plant::with_torques(
+            setup.robot.drive,
+            controller,
+            torques,
+            &DynamicRobotSettings::default(),
+            seed,
+        )?;
         let mut cell = Self {
             scorer: Scorer::new(setup.map.clone()),
             elbow: model.frame_id(ELBOW)?,

@@ -61,7 +61,9 @@ fn moments() -> Vec<(f64, Plant)> {
     let scenario = Scenario::new(recorded(), &Person::average(), average_map().clone()).unwrap();
     let Scenario { model, ergonomics, settings, start, torques, .. } = &scenario;
     let controller = Controller::new(model.clone(), *ergonomics, settings.clone(), start).unwrap();
-    let mut plant = Plant::with_torques(scenario.drive, controller, torques.clone(), 1).unwrap();
+    let mut plant =
+        Plant::with_torques(scenario.drive, controller, torques.clone(), &scenario.robot, 1)
+            .unwrap();
     plant.grasp(&scenario.object).unwrap();
     let begin = scenario.percepts.first().unwrap().time;
     let ticks = 1e3 * scenario.duration();
