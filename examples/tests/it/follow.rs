@@ -32,6 +32,12 @@ fn saved_map_plays_like_a_built_one() {
     let left = ErgonomicsMap::build(&Person::average(), &left, None).unwrap();
     left.save(path("left.ergomap")).unwrap();
     assert_ne!(scores(&["--map", &path("left.ergomap")]).1, built);
+    // A robot that measures itself with other noise ends elsewhere.
+    assert_ne!(scores(&["--robot-noise=10"]).1, built);
+    for factor in ["-1", "NaN", "inf", "much"] {
+        let ran = Runs::new("follow").with(&["--no-report", "--robot-noise", factor]).run();
+        ran.failed(2, "give a finite factor of 0 or more");
+    }
 }
 
 #[test]

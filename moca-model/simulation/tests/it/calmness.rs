@@ -42,6 +42,10 @@ fn a_robot_at_rest_is_calm() {
     assert!((standing.duration - 5.7).abs() < 0.5, "{standing:?}");
     let walking = calm.walking.unwrap();
     assert!((walking.person - 0.3).abs() < 0.02, "{walking:?}");
+    // From 2 s after the same beginning until they walk, their first step is on the spot.
+    let on_the_spot = calm.on_the_spot.unwrap();
+    assert!((on_the_spot.duration - 5.0).abs() < 0.5, "{on_the_spot:?}");
+    assert!(on_the_spot.person < 0.1 && on_the_spot.base_at_rest == 1.0, "{on_the_spot:?}");
 }
 
 #[test]

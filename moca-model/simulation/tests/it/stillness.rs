@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use ergo_map::Person;
 use moca_model::{BaseMotion, Goal};
 use moca_simulation::judges::{Calmness, Motion};
-use moca_simulation::people::{Walker, WalkerSettings};
+use moca_simulation::people::{CameraSettings, Walker, WalkerSettings};
 use moca_simulation::run::{Run, Scenario, TrueMotion};
 use vision_models::Percept;
 
@@ -18,7 +18,10 @@ const RESTS: f64 = 1.0;
 
 /// A recording of `record` with this seed.
 fn scenario(seed: u64) -> Scenario {
-    let settings = WalkerSettings { seed, ..WalkerSettings::default() };
+    played(WalkerSettings { seed, ..WalkerSettings::default() })
+}
+
+fn played(settings: WalkerSettings) -> Scenario {
     let mut walker = Walker::new(settings).unwrap();
     let (mut percepts, mut motion) = (Vec::<Percept>::new(), TrueMotion::default());
     while let Some((_, percept)) = walker.next_frame() {
@@ -29,8 +32,8 @@ fn scenario(seed: u64) -> Scenario {
     Scenario { truth: Some(motion), ..scenario }
 }
 
-/// Plays a scenario; a base that is said to stand has no velocity at all.
-fn play(scenario: &Scenario) -> Calmness {
+/// Plays a scenario and returns its calmness and the mean of e_s; a base that is said to stand has no velocity at all.
+fn play(scenario: &Scenario) -> (Calmness, f64) {
     let (mut stands, mut moving, mut still) = (0.0, 0, 0);
     let summary = Run::new(scenario, Goal::Ergonomics)
         .unwrap()
@@ -50,13 +53,13 @@ fn play(scenario: &Scenario) -> Calmness {
         .unwrap();
     println!("stands {still} ticks, comes to rest in {moving}; {:#?}", summary.calmness);
     assert!(still > 5_000, "{still}");
-    summary.calmness
+    (summary.calmness, summary.score_mean)
 }
 
 /// The floors are those of the mean over recordings.
 #[test]
 fn the_robot_is_still_without_separation() {
-    let play = |seed| play(&scenario(seed).without_separation()).standing.unwrap();
+    let play = |seed| play(&scenario(seed).without_separation()).0.standing.unwrap();
     let runs = SEEDS.map(play);
     let mean = |of: fn(&Motion) -> f64| runs.iter().map(of).sum::<f64>() / runs.len() as f64;
     assert!(runs.iter().all(|run| run.duration > 10.0), "{runs:?}");
@@ -69,15 +72,27 @@ fn the_robot_is_still_without_separation() {
 }
 
 /// Limits of separation move with every camera frame, so that the floors are those of today. The workpiece comes to
-/// rest within 2 s.
+/// rest within 2 s, in a good place.
 #[test]
 fn separation_moves_the_robot_little() {
     for seed in SEEDS {
-        let calmness = play(&scenario(seed));
+        let (calmness, score) = play(&scenario(seed));
+        assert!(score <= 0.22, "{score}");
         let (standing, settled) = (calmness.standing.unwrap(), calmness.settled.unwrap());
         assert!(standing.duration > 10.0, "{standing:?}");
         assert!(standing.workpiece <= 0.05, "{standing:?}");
         assert!(standing.base_at_rest >= 0.5, "{standing:?}");
         assert!(settled.workpiece <= 0.02, "{settled:?}");
     }
+}
+
+/// The robot measures itself with ten times its usual noise, and the camera has none.
+#[test]
+fn own_noise_leaves_the_robot_at_rest() {
+    let settings = WalkerSettings { seed: 2, ..WalkerSettings::default() };
+    let camera = CameraSettings { noise: 0.0, ..settings.camera.clone() };
+    let mut scenario = played(WalkerSettings { camera, ..settings });
+    scenario.robot = scenario.robot.with_noise(10.0);
+    let standing = play(&scenario).0.standing.unwrap();
+    assert!(standing.workpiece <= 0.008 && standing.base_at_rest >= 0.98, "{standing:?}");
 }
