@@ -230,7 +230,7 @@ def table(runs):
     cells = [f"ticks too near to the true person, with ergonomics and without, of {ticks / 1e6:.1f} million", "0"]
     for column, (*_, options) in enumerate(COLUMNS):
         near = sum(run[column]["separation_violations"] for run in runs)
-        cells.append("not judged" if options else f"{near}{MISSED if near else ''}")
+        cells.append("not judged" if "--no-separation" in options else f"{near}{MISSED if near else ''}")
     return "\n".join([*lines, "| " + " | ".join(cells) + " |"])
 
 

@@ -14,10 +14,10 @@ const FOLLOWED: f64 = 0.3;
 /// Time for which a person must be slow before the frame is held \[s\]: two frames of a camera.
 const SETTLING: f64 = 0.1;
 /// A frame is held if it would stop within this distance of the person \[zones\].
-const NEAR: f64 = 0.5;
+const NEAR: f64 = 0.7;
 /// Prediction times of place and heading \[s\]. A person leaves if the prediction is more than
 /// [`LEAVES`] zones away.
-const AHEAD: f64 = 0.15;
+const AHEAD: f64 = 0.2;
 const AHEAD_TURN: f64 = 0.1;
 const LEAVES: f64 = 1.6;
 /// A person who is farther from the held place is not swaying \[zones\].

@@ -3,8 +3,8 @@
 /// Time in which ergonomics fade in and out as person and robot begin and stop to work together \[s\].
 pub(super) const ACTIVATES_OVER: f64 = 0.5;
 /// Times in which ergonomics fade out while separation is at its limit, and return afterwards \[s\].
-const HELD_WITHIN: f64 = 0.1;
-const BACK_WITHIN: f64 = 10.0;
+const HELD_WITHIN: f64 = 0.02;
+const BACK_WITHIN: f64 = 20.0;
 /// Time in which ergonomics return while the workspace moves, or the tool is away from its best place \[s\].
 const FOLLOWS_WITHIN: f64 = 0.5;
 /// What e_s may be above its minimum at the best place of the tool, or near it.
@@ -71,8 +71,8 @@ mod tests {
         let moving = after(&mut share, 300, false, 0.1, true);
         assert!(moving >= 1.0, "a workspace that moves has no limit");
         assert!(after(&mut share, 101, true, 1.0, true) >= 1.0, "far away there is none");
-        assert!(after(&mut share, 101, true, 0.1, true) <= 0.0, "held within 0.1 s");
-        assert!((after(&mut share, 5000, true, 0.1, false) - 0.5).abs() < 0.01, "back over 10 s");
+        assert!(after(&mut share, 21, true, 0.1, true) <= 0.0, "held within 0.02 s");
+        assert!((after(&mut share, 10_000, true, 0.1, false) - 0.5).abs() < 0.01, "back over 20 s");
         assert!(after(&mut share, 260, false, 0.1, false) >= 1.0, "and at once where it moves");
     }
 }
