@@ -103,12 +103,6 @@ impl ErgonomicsQuadratic {
         self.hessian.cholesky().map(|factor| -factor.solve(&self.gradient))
     }
 
-    /// Returns e at x above its minimum, ½ ∇eᵀ H⁻¹ ∇e. `None` if H is singular. Allocates nothing.
-    pub fn above_minimum(&self, x: &Vector3<f64>) -> Option<f64> {
-        let slope = self.gradient_at(x);
-        self.hessian.cholesky().map(|factor| 0.5 * slope.dot(&factor.solve(&slope)))
-    }
-
     /// Returns the quadratic as a function of world positions: `H_w` = R H Rᵀ, `g_w` = R g - `H_w`
     /// p. The person is at p, turned by R.
     #[must_use]

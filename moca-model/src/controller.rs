@@ -223,10 +223,21 @@ impl Controller {
             Levels::Extended => ACTIVATES_OVER,
             Levels::Paper => self.settings.period,
         };
-        let tool = situation.frame.to_person(&self.command.desired.translation.vector);
-        let gain = self.ergonomics.above_minimum(&tool);
-        let rests = situation.is_at_rest;
+        let (rests, gain) = (situation.is_at_rest, self.gain_at_best_place());
         self.command.activation = self.goal_share.advance(wanted, rests, gain, elapsed, time);
+    }
+
+    /// What e_s would fall by if the tool were at its best place in the workspace. `None` if e_s has no minimum.
+    fn gain_at_best_place(&self) -> Option<f64> {
+        let (person, workspace) = (&self.situation.frame, self.space.workspace());
+        let best = person.to_world(&self.ergonomics.minimiser()?);
+        let world_from_workspace = workspace.world_from_workspace();
+        let best = world_from_workspace.inverse_transform_point(&best.into());
+        let best = workspace.position().nearest(&best.coords);
+        let best = world_from_workspace.transform_point(&best.into()).coords;
+        let [now, best] = [self.command.desired.translation.vector, best]
+            .map(|place| self.ergonomics.value(&person.to_person(&place)));
+        Some(now - best)
     }
 
     /// Decides whether the base stands in this tick.

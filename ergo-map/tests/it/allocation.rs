@@ -25,7 +25,6 @@ fn a_tick_allocates_nothing() {
         black_box(world.task_terms(&person.to_world(&hand), 0.2).unwrap());
         black_box(world.value(&hand));
         black_box(quadratic.minimiser());
-        black_box(quadratic.above_minimum(&hand));
         black_box(quadratic.minimiser_in(&workspace));
         black_box(map.sample(&hand).unwrap());
         black_box(map.sample(&Vector3::repeat(9.0)).is_err());

@@ -7,7 +7,7 @@ const HELD_WITHIN: f64 = 0.02;
 const BACK_WITHIN: f64 = 20.0;
 /// Time in which ergonomics return while the workspace moves, or the tool is away from its best place \[s\].
 const FOLLOWS_WITHIN: f64 = 0.5;
-/// What e_s may be above its minimum at the best place of the tool, or near it.
+/// Largest difference of e_s from its minimum in the workspace at which the tool is near its best place.
 const AT_PLACE: f64 = 0.35;
 
 /// The share of ergonomics, from 0 to 1.
@@ -29,7 +29,7 @@ impl GoalShare {
     pub(super) const NONE: Self = Self { together: 0.0, free: 1.0, at_limit: false };
 
     /// Advances the share by `elapsed` \[s\] and returns it. Ergonomics are wanted or not, and come and go in
-    /// `activation_time` \[s\]. The workspace rests or not, and e_s may fall by `gain`, if there is a best place.
+    /// `activation_time` \[s\]. The workspace rests or not, and e_s may fall by `gain`, if it has a minimum.
     pub(super) fn advance(
         &mut self,
         wanted: bool,

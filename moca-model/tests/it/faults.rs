@@ -370,3 +370,27 @@ fn jitter_within_tolerance_keeps_the_limits() {
 fn elapsed_before(tick: u32) -> f64 {
     PERIOD * (1.0 + 0.45 * (f64::from(tick - 1) * 1.7).sin())
 }
+
+/// The best place of the tool is below the workspace, in front of the person.
+#[test]
+fn ergonomics_wait_at_limit_of_small_workspaces() {
+    let mut drive = Drive::new();
+    drive.person = Some(1.2);
+    let (stiffness, best) = (10.0, Vector3::new(0.35, 0.0, -0.5));
+    let below =
+        ErgonomicsQuadratic::new(Matrix3::identity() * stiffness, -stiffness * best, 5.0).unwrap();
+    drive.controller.set_ergonomics(below);
+    let mut least = f64::INFINITY;
+    for tick in 0..8000 {
+        if drive.tick.is_multiple_of(FRAME) {
+            let work = doing(Action::Using(Tool::Drill), drive.time(), drive.person);
+            drive.controller.observe(&work).unwrap();
+        }
+        drive.camera = false;
+        drive.step();
+        if tick > 4000 {
+            least = least.min(drive.controller.command().activation);
+        }
+    }
+    assert!(least < 0.5, "{least}");
+}
