@@ -90,7 +90,7 @@ fn separation_moves_the_robot_little() {
 #[test]
 fn own_noise_leaves_the_robot_at_rest() {
     let settings = WalkerSettings { seed: 2, ..WalkerSettings::default() };
-    let camera = CameraSettings { noise: 0.0, ..settings.camera.clone() };
+    let camera = CameraSettings { noise: 0.0, ..settings.camera };
     let mut scenario = played(WalkerSettings { camera, ..settings });
     scenario.robot = scenario.robot.with_noise(10.0);
     let standing = play(&scenario).0.standing.unwrap();
