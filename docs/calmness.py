@@ -124,7 +124,7 @@ def real(programs, folder):
 def people(programs, folder):
     """The table of other people, paths and movements."""
     heads = [
-        "person", "on the spot: trunk", "workpiece then (worst)", "2 s after standing began: workpiece", "base at rest",
+        "person", "on the spot: trunk", "workpiece then (worst)", "base at rest then", "2 s after standing began: workpiece",
         "e_s with ergonomics and without", "outside the shared workspace", "ticks too near",
     ]
     lines = ["| " + " | ".join(heads) + " |", "|" + "---|" * len(heads)]
@@ -146,8 +146,8 @@ def people(programs, folder):
             what,
             cell("on_the_spot", "person", 1e3, "mm/s"),
             cell("on_the_spot", "workpiece", 1e3, "mm/s", max),
-            cell("settled", "workpiece", 1e3, "mm/s"),
             cell("on_the_spot", "base_at_rest", 1e2, "%"),
+            cell("settled", "workpiece", 1e3, "mm/s"),
             f"{mean('score_mean_on'):.2f}, {mean('score_mean_off'):.2f}",
             f"{mean('outside_s_on'):.1f} s",
             f"{sum(run['separation_violations'] for run in runs)} of {ticks / 1e6:.1f} million",

@@ -227,7 +227,8 @@ impl Controller {
         self.command.activation = self.goal_share.advance(wanted, rests, gain, elapsed, time);
     }
 
-    /// What e_s would fall by if the tool were at its best place in the workspace. `None` if e_s has no minimum.
+    /// What e_s would fall by if the tool were at the point of the workspace's box nearest to its minimum. `None` if it
+    /// has not a single minimum.
     fn gain_at_best_place(&self) -> Option<f64> {
         let (person, workspace) = (&self.situation.frame, self.space.workspace());
         let best = person.to_world(&self.ergonomics.minimiser()?);

@@ -7,7 +7,7 @@ const HELD_WITHIN: f64 = 0.02;
 const BACK_WITHIN: f64 = 20.0;
 /// Time in which ergonomics return while the workspace moves, or the tool is away from its best place \[s\].
 const FOLLOWS_WITHIN: f64 = 0.5;
-/// Largest difference of e_s from its minimum in the workspace at which the tool is near its best place.
+/// Largest gain of e_s from moving the tool to its best place at which it counts as near.
 const AT_PLACE: f64 = 0.35;
 
 /// The share of ergonomics, from 0 to 1.
