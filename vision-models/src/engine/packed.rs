@@ -223,11 +223,10 @@ impl Kernel<'_> {
                 let (start, step) = self.row(output);
                 let scale = self.scale[output];
                 column.fill(0.0);
-                for input in 0..inputs {
-                    let kernel = &self.elements[start + input * step..];
-                    let values = column.iter_mut().skip(first + input).step_by(depth);
-                    for (value, &tap) in values.zip(&taps) {
-                        *value = narrow(f64::from(kernel[tap]) * scale);
+                for (values, &tap) in column.chunks_exact_mut(depth).zip(&taps) {
+                    let kernel = self.elements[start + tap..].iter().step_by(step);
+                    for (value, &element) in values[first..first + inputs].iter_mut().zip(kernel) {
+                        *value = narrow(f64::from(element) * scale);
                     }
                 }
             })

@@ -89,6 +89,9 @@ impl Panels {
     }
 }
 
+/// Columns that are packed at a time: half a cache line, so that few lines are written more than once.
+const COLUMNS: usize = 8;
+
 /// Packs a matrix into panels of [depth][width]. `column(channel)` writes the column of one output
 /// channel, of length `depth`, into its argument.
 pub(crate) fn pack(
@@ -97,12 +100,19 @@ pub(crate) fn pack(
     mut column: impl FnMut(usize, &mut [f32]),
 ) -> Buffer {
     let mut packed = Buffer::zeroed(panels.padded() * depth);
-    let mut values = vec![0.0; depth];
+    let mut values = vec![0.0; COLUMNS * depth];
     for (index, panel) in packed.chunks_exact_mut(depth * panels.width).enumerate() {
-        for lane in 0..panels.channels_of(index) {
-            column(panels.first(index) + lane, &mut values);
-            for (row, &value) in panel.chunks_exact_mut(panels.width).zip(&values) {
-                row[lane] = value;
+        let (first, channels) = (panels.first(index), panels.channels_of(index));
+        for start in (0..channels).step_by(COLUMNS) {
+            let lanes = start..channels.min(start + COLUMNS);
+            for (lane, values) in lanes.clone().zip(values.chunks_exact_mut(depth)) {
+                column(first + lane, values);
+            }
+            for (at, row) in panel.chunks_exact_mut(panels.width).enumerate() {
+                let values = values.iter().skip(at).step_by(depth);
+                for (value, &from) in row[lanes.clone()].iter_mut().zip(values) {
+                    *value = from;
+                }
             }
         }
     }
