@@ -227,14 +227,14 @@ impl Controller {
         self.command.activation = self.goal_share.advance(wanted, rests, gain, elapsed, time);
     }
 
-    /// What e_s would fall by if the tool were at the point of the workspace's box nearest to its minimum. `None` if it
-    /// has not a single minimum.
+    /// What e_s would fall by if the tool were at the point of the workspace nearest to its minimum. `None` if it has not
+    /// a single minimum.
     fn gain_at_best_place(&self) -> Option<f64> {
         let (person, workspace) = (&self.situation.frame, self.space.workspace());
         let best = person.to_world(&self.ergonomics.minimiser()?);
         let world_from_workspace = workspace.world_from_workspace();
         let best = world_from_workspace.inverse_transform_point(&best.into());
-        let best = workspace.position().nearest(&best.coords);
+        let best = workspace.position_shape().nearest(&best.coords);
         let best = world_from_workspace.transform_point(&best.into()).coords;
         let [now, best] = [self.command.desired.translation.vector, best]
             .map(|place| self.ergonomics.value(&person.to_person(&place)));

@@ -3,6 +3,7 @@
 
 use ahqp_core::Budget;
 use ergo_map::ErgonomicsQuadratic;
+use hrsw::Capsule;
 use hrsw_safety::{ClockFault, Fault, FrameFault, SafetyState};
 use moca_model::{ControllerSettings, Error, FollowingErrorSettings, MOCA_HOME, Outcome};
 use nalgebra::{Matrix3, Vector3};
@@ -376,11 +377,21 @@ fn elapsed_before(tick: u32) -> f64 {
     PERIOD * (1.0 + 0.45 * (f64::from(tick - 1) * 1.7).sin())
 }
 
-/// The best place of the tool is below the workspace, in front of the person.
+/// The best place of the tool is below the workspace, in front of the person. That of a slanted workspace is not below
+/// it, but below the box around it.
 #[test]
 fn ergonomics_wait_at_limit_of_small_workspaces() {
+    waits_at_limit(None);
+    let (low, high) = (Vector3::new(0.35, -0.4, 0.85), Vector3::new(0.6, 0.1, 1.5));
+    waits_at_limit(Some(Capsule::new(low, high, 0.1).unwrap()));
+}
+
+fn waits_at_limit(workspace: Option<Capsule>) {
     let mut drive = Drive::new();
     drive.person = Some(1.2);
+    if let Some(workspace) = workspace {
+        drive.controller.space_mut().reshape_position(&workspace.into(), 0.1).unwrap();
+    }
     let (stiffness, best) = (10.0, Vector3::new(0.35, 0.0, -0.5));
     let below =
         ErgonomicsQuadratic::new(Matrix3::identity() * stiffness, -stiffness * best, 5.0).unwrap();
