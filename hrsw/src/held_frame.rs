@@ -41,8 +41,8 @@ pub struct FloorMotion {
 /// them while they walk.
 ///
 /// Place and heading are held separately. A person who sways or leans does not move the frame. It moves slowly to a new
-/// place when the person's mean place has left the zone around it. It follows again when the person leaves the zone. A
-/// person who stands and turns by up to 0.3 rad is turned to slowly.
+/// place when the person's mean place has left the zone around it. It follows again when the person leaves the zone.
+/// Somebody who stands and turns by 0.2 to 0.3 rad, the less the faster, is turned to slowly.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeldFrame {
     position: Hold<2>,

@@ -228,7 +228,7 @@ impl Controller {
     }
 
     /// What e_s would fall by if the tool were at the point of the workspace nearest to its minimum. `None` if it has not
-    /// a single minimum.
+    /// a single minimum. While the workspace changes its shape, the final one counts.
     fn gain_at_best_place(&self) -> Option<f64> {
         let (person, workspace) = (&self.situation.frame, self.space.workspace());
         let best = person.to_world(&self.ergonomics.minimiser()?);

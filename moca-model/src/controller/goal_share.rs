@@ -64,6 +64,13 @@ mod tests {
     }
 
     #[test]
+    fn ergonomics_without_a_minimum_fade_at_limit() {
+        let mut share = GoalShare::NONE;
+        after(&mut share, 500, false, 0.1, true);
+        assert!((0..21).fold(1.0, |_, _| share.advance(true, true, None, PERIOD, 0.5)) <= 0.0);
+    }
+
+    #[test]
     fn ergonomics_fade_at_limit_while_workspace_rests() {
         let mut share = GoalShare::NONE;
         let halfway = after(&mut share, 250, false, 0.1, true);

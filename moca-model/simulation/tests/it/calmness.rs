@@ -7,8 +7,13 @@ use nalgebra::{Matrix3, Point3, Vector3};
 
 const PERIOD: f64 = 1e-3;
 
-/// Twelve seconds with a person who stands for eight and then walks at 0.3 m/s, and a robot with these motions.
+/// Fourteen seconds with a person who stands for ten and then walks at 0.3 m/s, and a robot with these motions.
 fn judge(workpiece: impl Fn(f64) -> f64, base: impl Fn(f64) -> f64) -> Calmness {
+    judge_beside(0.0, workpiece, base)
+}
+
+/// The same beside a person who also turns all the time, at `turns` \[rad/s\].
+fn judge_beside(turns: f64, workpiece: impl Fn(f64) -> f64, base: impl Fn(f64) -> f64) -> Calmness {
     let ergonomics =
         ergo_map::ErgonomicsQuadratic::new(Matrix3::identity(), Vector3::zeros(), 1.0).unwrap();
     let settings = ControllerSettings::default();
@@ -23,8 +28,9 @@ fn judge(workpiece: impl Fn(f64) -> f64, base: impl Fn(f64) -> f64) -> Calmness 
     let person = |time: f64| -> Option<Joints> {
         let x = 0.3 * (time - 10.0).max(0.0);
         let mut joints = [Point3::new(x, 0.0, 1.0); 25];
-        for (joint, y) in [(5, 0.2), (12, 0.15), (2, -0.2), (9, -0.15)] {
-            joints[joint].y = y;
+        let (sine, cosine) = (turns * time).sin_cos();
+        for (joint, aside) in [(5, 0.2), (12, 0.15), (2, -0.2), (9, -0.15)] {
+            joints[joint] += Vector3::new(-sine, cosine, 0.0) * aside;
         }
         Some(joints)
     };
@@ -46,6 +52,15 @@ fn a_robot_at_rest_is_calm() {
     let on_the_spot = calm.on_the_spot.unwrap();
     assert!((on_the_spot.duration - 5.0).abs() < 0.5, "{on_the_spot:?}");
     assert!(on_the_spot.person < 0.1 && on_the_spot.base_at_rest == 1.0, "{on_the_spot:?}");
+}
+
+#[test]
+fn who_turns_is_on_the_spot() {
+    let calm = judge_beside(0.3, |time| 0.1 * time, |_| 0.0);
+    assert!(calm.standing.is_none() && calm.settled.is_none(), "{calm:?}");
+    let on_the_spot = calm.on_the_spot.unwrap();
+    assert!((on_the_spot.duration - 5.0).abs() < 0.5, "{on_the_spot:?}");
+    assert!((on_the_spot.workpiece - 0.1).abs() < 1e-3, "{on_the_spot:?}");
 }
 
 #[test]
