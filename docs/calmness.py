@@ -21,6 +21,7 @@ import pathlib
 import subprocess
 import sys
 import tempfile
+from concurrent.futures import ThreadPoolExecutor
 
 from comparison import ROOT, machine, write_block
 
@@ -52,6 +53,17 @@ COLUMNS = [
     ("sway and lasting errors", 1.0, ["--sway", "1", "--lasting", "0.9"], []),
 ]
 QUIET = [noise for _, noise, *_ in COLUMNS].index(0.0)
+
+
+def at_once(what, play, items):
+    """The results of `play` for all items, in their order, as many at a time as there are cores."""
+    items = list(items)
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        started = [pool.submit(play, item) for item in items]
+        for done, run in enumerate(started, 1):
+            run.result()
+            print(f"{what} {done} of {len(items)}", file=sys.stderr, flush=True)
+    return [run.result() for run in started]
 
 
 def settings(programs, noise, folder):
@@ -99,9 +111,16 @@ def real(programs, folder):
         "e_s with ergonomics and without", "retreats a minute", "ticks too near",
     ]
     lines = ["| " + " | ".join(heads) + " |", "|" + "---|" * len(heads)]
-    for motion, what in MOTIONS.items():
-        made = lambda seed: ["--motion", motion, "--duration", "40", "--lasting", "0.9", "--seed", str(seed)]
-        runs = [summary(programs, f"{motion}-{seed}", folder, made(seed), []) for seed in range(1, SEEDS + 1)]
+
+    def play(case):
+        motion, seed = case
+        made = ["--motion", motion, "--duration", "40", "--lasting", "0.9", "--seed", str(seed)]
+        return summary(programs, f"{motion}-{seed}", folder, made, [])
+
+    seeds = range(1, SEEDS + 1)
+    played = at_once("run", play, [(motion, seed) for motion in MOTIONS for seed in seeds])
+    for index, (motion, what) in enumerate(MOTIONS.items()):
+        runs = played[index * SEEDS : (index + 1) * SEEDS]
         mean = lambda values: sum(values) / len(values)
         # Of the run with ergonomics, while the trunk is faster than 0.2 m/s.
         moves = [run["calmness"]["walking"] for run in runs if run["calmness"]["walking"]]
@@ -128,10 +147,16 @@ def people(programs, folder):
         "e_s with ergonomics and without", "outside the shared workspace", "ticks too near",
     ]
     lines = ["| " + " | ".join(heads) + " |", "|" + "---|" * len(heads)]
-    for index, (what, made) in enumerate(PEOPLE):
-        print(f"person {index + 1} of {len(PEOPLE)}: {what}", file=sys.stderr, flush=True)
-        seeds = range(1, EACH + 1)
-        runs = [summary(programs, f"{index}-{seed}", folder, [*made, "--seed", str(seed)], []) for seed in seeds]
+
+    def play(case):
+        index, seed = case
+        made = [*PEOPLE[index][1], "--seed", str(seed)]
+        return summary(programs, f"{index}-{seed}", folder, made, [])
+
+    seeds = range(1, EACH + 1)
+    played = at_once("run", play, [(index, seed) for index in range(len(PEOPLE)) for seed in seeds])
+    for index, (what, _) in enumerate(PEOPLE):
+        runs = played[index * EACH : (index + 1) * EACH]
 
         def cell(part, name, factor, unit, worst=None):
             values = [factor * run["calmness"][part][name] for run in runs if run["calmness"][part]]
@@ -246,16 +271,16 @@ def main():
     if not arguments.programs:
         build = ["cargo", "build", "--release", "--locked", "-p", "examples", "--bin", "record", "--bin", "follow"]
         subprocess.run(build, cwd=ROOT, check=True)
-    runs = []
     with tempfile.TemporaryDirectory() as folder:
         if arguments.real:
             name, command, text = "real", "python3 docs/calmness.py --real", real(programs.resolve(), pathlib.Path(folder))
         elif arguments.people:
             name, command, text = "people", "python3 docs/calmness.py --people", people(programs.resolve(), pathlib.Path(folder))
         else:
-            for seed in range(1, arguments.recordings + 1):
-                print(f"recording {seed} of {arguments.recordings}", file=sys.stderr, flush=True)
-                runs.append(play(programs.resolve(), seed, pathlib.Path(folder)))
+            for noise in {noise or 1.0 for _, noise, *_ in COLUMNS}:
+                settings(programs.resolve(), noise, pathlib.Path(folder))
+            seeds = range(1, arguments.recordings + 1)
+            runs = at_once("recording", lambda seed: play(programs.resolve(), seed, pathlib.Path(folder)), seeds)
             name, command, text = "calmness", "python3 docs/calmness.py", table(runs)
     if arguments.print:
         print(text)
