@@ -20,8 +20,6 @@ const NEAR: f64 = 0.7;
 const AHEAD: f64 = 0.2;
 const AHEAD_TURN: f64 = 0.1;
 const LEAVES: f64 = 1.6;
-/// The same for the heading while the place is held \[zones\]. Somebody who turns to their work does not leave it.
-const TURNS_AWAY: f64 = 2.5;
 /// A person who is farther from the held place is not swaying \[zones\].
 const ELSEWHERE: f64 = 3.0;
 /// Time constant of each of the three lags with which a held frame moves to a new place \[s\]. After a step of one zone
@@ -40,9 +38,9 @@ pub struct FloorMotion {
 /// Frame of a person for the work of a robot. It is held in the world while they stand, and follows
 /// them while they walk.
 ///
-/// Place and heading are held separately. A person who sways or leans does not move the frame. It moves slowly to a new
-/// place when the person's mean place has left the zone around it. It follows again when the person leaves the zone.
-/// Somebody who stands and turns by 0.2 to 0.3 rad, the less the faster, is turned to slowly.
+/// Place and heading are held independently. A person who sways or leans does not move the frame.
+/// It moves slowly to a new place when the person's mean place has left the zone around it. It
+/// follows again when the person leaves the zone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeldFrame {
     position: Hold<2>,
@@ -85,14 +83,13 @@ impl HeldFrame {
         stops: FloorMotion,
         period: f64,
     ) -> (FloorMotion, FloorMotion) {
-        let zone = Zone { width: Self::POSITION, slow: SLOW, ahead: AHEAD, leaves: LEAVES };
+        let zone = Zone { width: Self::POSITION, slow: SLOW, ahead: AHEAD };
         let seen_at = Seen { place: seen.position, rate: rate.position };
         let (position, velocity) = self.position.advance(&seen_at, stops.position, &zone, period);
         // Angles are in the branch of the heading that is seen.
         let near = |angle: f64| seen.heading + wrapped(angle - seen.heading);
         self.heading.map(near);
-        let leaves = if self.position.place.is_some() { TURNS_AWAY } else { LEAVES };
-        let zone = Zone { width: Self::HEADING, slow: SLOW_TURN, ahead: AHEAD_TURN, leaves };
+        let zone = Zone { width: Self::HEADING, slow: SLOW_TURN, ahead: AHEAD_TURN };
         let vector = |value: f64| Vector1::new(value);
         let seen_at = Seen { place: vector(seen.heading), rate: vector(rate.heading) };
         let stops = vector(near(stops.heading));
@@ -113,7 +110,6 @@ struct Zone {
     width: f64,
     slow: f64,
     ahead: f64,
-    leaves: f64,
 }
 
 /// Place or heading of a person, and its rate.
@@ -168,7 +164,7 @@ impl<const N: usize> Hold<N> {
         let mean = *mean;
         if let Some(place) = self.place {
             let ahead = seen + rate * zone.ahead - place;
-            let leaves = ahead.norm() > zone.leaves * zone.width && rate.norm() > zone.slow;
+            let leaves = ahead.norm() > LEAVES * zone.width && rate.norm() > zone.slow;
             if leaves || (seen - place).norm() > ELSEWHERE * zone.width {
                 (self.place, self.mean, self.slow) = (None, Some(place), 0.0);
             } else if (mean - place).norm() > zone.width {

@@ -172,33 +172,3 @@ fn two_wrong_frames_do_not_move_it() {
         assert!(tick < 1000 || held.frame.is_held() && held.speed() < 1e-9, "{tick}");
     }
 }
-
-/// Returns the largest turning rate of the frame of a person who turns by an angle at 0.5 rad/s, and its heading in the
-/// end. If the person also walks, they do so all the time.
-fn turned(by: f64, walks: f64) -> (f64, f64) {
-    let mut held = Held::at(REST);
-    let mut fastest = 0.0_f64;
-    for tick in 0..10_000 {
-        let time = f64::from(tick) * PERIOD;
-        let heading = (0.5 * (time - 4.0)).clamp(0.0, by);
-        let turns = if heading > 0.0 && heading < by { 0.5 } else { 0.0 };
-        held.step(at(walks * time, 0.0, heading), at(walks, 0.0, turns));
-        if time > 3.0 {
-            fastest = fastest.max(held.follower.twist()[5].abs());
-        }
-    }
-    (fastest, floor(held.follower.pose()).heading)
-}
-
-#[test]
-fn it_turns_slowly_to_standing_people() {
-    let (fastest, heading) = turned(0.25, 0.0);
-    assert!(fastest < 0.2, "{fastest} rad/s");
-    assert!((heading - 0.25).abs() < HeldFrame::HEADING, "{heading} rad");
-    let (of_turn, heading) = turned(1.5, 0.0);
-    assert!(of_turn > 0.4, "somebody turns away: {of_turn} rad/s");
-    assert!((heading - 1.5).abs() < HeldFrame::HEADING, "{heading} rad");
-    let (of_walk, heading) = turned(0.25, 0.5);
-    assert!(of_walk > 0.4, "somebody walks in a curve: {of_walk} rad/s");
-    assert!((heading - 0.25).abs() < HeldFrame::HEADING, "{heading} rad");
-}
