@@ -16,10 +16,11 @@ const SETTLING: f64 = 0.1;
 /// A frame is held if it would stop within this distance of the person \[zones\].
 const NEAR: f64 = 0.7;
 /// Prediction times of place and heading \[s\]. A person leaves if the prediction is more than
-/// [`LEAVES`] zones away.
+/// so many zones away.
 const AHEAD: f64 = 0.2;
 const AHEAD_TURN: f64 = 0.1;
 const LEAVES: f64 = 1.6;
+const LEAVES_TURNING: f64 = 2.0;
 /// A person who is farther from the held place is not swaying \[zones\].
 const ELSEWHERE: f64 = 3.0;
 /// Time constant of each of the three lags with which a held frame moves to a new place \[s\]. After a step of one zone
@@ -83,13 +84,18 @@ impl HeldFrame {
         stops: FloorMotion,
         period: f64,
     ) -> (FloorMotion, FloorMotion) {
-        let zone = Zone { width: Self::POSITION, slow: SLOW, ahead: AHEAD };
+        let zone = Zone { width: Self::POSITION, slow: SLOW, ahead: AHEAD, leaves: LEAVES };
         let seen_at = Seen { place: seen.position, rate: rate.position };
         let (position, velocity) = self.position.advance(&seen_at, stops.position, &zone, period);
         // Angles are in the branch of the heading that is seen.
         let near = |angle: f64| seen.heading + wrapped(angle - seen.heading);
         self.heading.map(near);
-        let zone = Zone { width: Self::HEADING, slow: SLOW_TURN, ahead: AHEAD_TURN };
+        let zone = Zone {
+            width: Self::HEADING,
+            slow: SLOW_TURN,
+            ahead: AHEAD_TURN,
+            leaves: LEAVES_TURNING,
+        };
         let vector = |value: f64| Vector1::new(value);
         let seen_at = Seen { place: vector(seen.heading), rate: vector(rate.heading) };
         let stops = vector(near(stops.heading));
@@ -110,6 +116,7 @@ struct Zone {
     width: f64,
     slow: f64,
     ahead: f64,
+    leaves: f64,
 }
 
 /// Place or heading of a person, and its rate.
@@ -164,7 +171,7 @@ impl<const N: usize> Hold<N> {
         let mean = *mean;
         if let Some(place) = self.place {
             let ahead = seen + rate * zone.ahead - place;
-            let leaves = ahead.norm() > LEAVES * zone.width && rate.norm() > zone.slow;
+            let leaves = ahead.norm() > zone.leaves * zone.width && rate.norm() > zone.slow;
             if leaves || (seen - place).norm() > ELSEWHERE * zone.width {
                 (self.place, self.mean, self.slow) = (None, Some(place), 0.0);
             } else if (mean - place).norm() > zone.width {

@@ -27,6 +27,8 @@ const GAIN: f64 = 5.0;
 pub struct FrameFollower {
     /// Largest speed \[m/s\].
     speed: f64,
+    /// Largest angular speed \[rad/s\] and acceleration \[rad/s²\].
+    turning: [f64; 2],
     pose: Isometry3<f64>,
     linear: Vector3<f64>,
     angular: Vector3<f64>,
@@ -42,9 +44,9 @@ impl FrameFollower {
     pub const SPEED: f64 = 1.0;
     /// Largest acceleration \[m/s²\].
     pub const ACCELERATION: f64 = 3.0;
-    /// Largest angular speed \[rad/s\].
+    /// Largest angular speed, unless [`with_turning`](Self::with_turning) sets another one \[rad/s\].
     pub const ANGULAR_SPEED: f64 = 1.5;
-    /// Largest angular acceleration \[rad/s²\].
+    /// Largest angular acceleration, unless [`with_turning`](Self::with_turning) sets another one \[rad/s²\].
     pub const ANGULAR_ACCELERATION: f64 = 3.0;
 
     /// Creates a frame at rest at `pose` \[m\].
@@ -55,6 +57,7 @@ impl FrameFollower {
         check_pose(&pose)?;
         Ok(Self {
             speed: Self::SPEED,
+            turning: [Self::ANGULAR_SPEED, Self::ANGULAR_ACCELERATION],
             pose,
             linear: Vector3::zeros(),
             angular: Vector3::zeros(),
@@ -71,6 +74,16 @@ impl FrameFollower {
     /// [`Error::Value`] if the speed is not positive and finite.
     pub fn with_speed(self, speed: f64) -> Result<Self, Error> {
         Ok(Self { speed: positive("the follower's speed", speed)?, ..self })
+    }
+
+    /// Sets the largest angular speed \[rad/s\] and the largest angular acceleration \[rad/s²\].
+    ///
+    /// # Errors
+    /// [`Error::Value`] if one of them is not positive and finite.
+    pub fn with_turning(self, speed: f64, acceleration: f64) -> Result<Self, Error> {
+        let speed = positive("the follower's angular speed", speed)?;
+        let acceleration = positive("the follower's angular acceleration", acceleration)?;
+        Ok(Self { turning: [speed, acceleration], ..self })
     }
 
     /// Returns the pose of the frame \[m\].
@@ -119,11 +132,12 @@ impl FrameFollower {
 
     /// Returns the pose at which the frame stops if it brakes now \[m\].
     pub fn stopping_pose(&self) -> Isometry3<f64> {
+        let [_, angular_acceleration] = self.turning;
         let brake = |v: Vector3<f64>, limit: f64| v * (0.5 * v.norm() / limit);
         moved(
             &self.pose,
             &brake(self.linear, Self::ACCELERATION),
-            &brake(self.angular, Self::ANGULAR_ACCELERATION),
+            &brake(self.angular, angular_acceleration),
         )
     }
 
@@ -132,7 +146,8 @@ impl FrameFollower {
     /// # Errors
     /// [`Error::Value`] if the pose is invalid. The frame is then unchanged.
     pub fn reset(&mut self, pose: Isometry3<f64>) -> Result<(), Error> {
-        *self = Self { speed: self.speed, ..Self::new(pose)? };
+        let Self { speed, turning, .. } = *self;
+        *self = Self { speed, turning, ..Self::new(pose)? };
         Ok(())
     }
 
@@ -156,14 +171,14 @@ impl FrameFollower {
             let brake = (acceleration * distance).sqrt();
             gap * ((GAIN * distance).min(brake).min(speed) / distance)
         };
+        let [angular_speed, angular_acceleration] = self.turning;
         let linear =
             self.target_linear + approach(&gap, self.speed.min(self.closing), Self::ACCELERATION);
-        let angular =
-            self.target_angular + approach(&turn, Self::ANGULAR_SPEED, Self::ANGULAR_ACCELERATION);
+        let angular = self.target_angular + approach(&turn, angular_speed, angular_acceleration);
         let linear = limited(&linear, self.speed);
-        let angular = limited(&angular, Self::ANGULAR_SPEED);
+        let angular = limited(&angular, angular_speed);
         self.linear += limited(&(linear - self.linear), Self::ACCELERATION * period);
-        self.angular += limited(&(angular - self.angular), Self::ANGULAR_ACCELERATION * period);
+        self.angular += limited(&(angular - self.angular), angular_acceleration * period);
         self.pose = moved(&self.pose, &(self.linear * period), &(self.angular * period));
     }
 }

@@ -18,6 +18,9 @@ use crate::situation::Situation;
 const IN_PLACE: f64 = 0.05;
 /// Room for rows of the position: a change from a box to a polytope with 14 faces.
 pub(crate) const POSITION_ROWS: usize = 20;
+/// Largest angular speed \[rad/s\] and acceleration \[rad/s²\] of the person's frame. A workspace within the person's reach
+/// is then not faster than the tool.
+const TURNING: [f64; 2] = [0.5, 1.5];
 /// Least speed of the workspace over that of the desired pose, so that the workspace is not the slower one \[-\].
 const FASTER: f64 = 1.2;
 
@@ -81,12 +84,14 @@ impl SharedSpace {
         let position_sigma = safety.position_sigma;
         let tracker = TrackerSettings { position_sigma, ..TrackerSettings::default() };
         let level = Vector3::new(centre.x, centre.y, 0.0);
+        let [turning, turning_acceleration] = TURNING;
+        let follower = FrameFollower::new(Isometry3::identity())?.with_speed(speed)?;
         Ok(Self {
             tracker: BodyTracker::new(tracker)?,
             intention: IntentionFilter::new(),
             hold: HeldFrame::following(),
             drift: Vector6::zeros(),
-            frame: FrameFollower::new(Isometry3::identity())?.with_speed(speed)?,
+            frame: follower.with_turning(turning, turning_acceleration)?,
             person: None,
             moving: MovingWorkspace::new(workspace, speed)?,
             assigned: None,
@@ -177,13 +182,16 @@ impl SharedSpace {
             }
             let (target, twist) = self.hold(&person, period);
             self.frame.retarget(target, twist)?;
-            self.moving.set_person(target, twist)?;
             self.drift = twist;
         } else {
             self.frame.hold();
             self.drift = Vector6::zeros();
         }
+        let before = *self.frame.pose();
         self.frame.advance(period);
+        if usable.is_some() {
+            self.moving.set_person(before, self.frame.twist())?;
+        }
         self.follow(period)?;
         self.carry(usable.is_some())?;
         self.moving.advance(period)?;

@@ -130,6 +130,32 @@ proptest! {
         prop_assert!(travelled <= speed * speed / FrameFollower::ACCELERATION + 1e-3);
         prop_assert!(frame.twist().norm() < 1e-6);
     }
+
+    #[test]
+    fn a_frame_keeps_its_limits_of_turning(
+        targets in prop::collection::vec((pose(1.0, 3.0), twist(), 1..600_usize), 1..6),
+        speed in 0.1..3.0_f64, acceleration in 0.2..6.0_f64,
+    ) {
+        let frame = FrameFollower::new(Isometry3::identity()).unwrap();
+        let mut frame = frame.with_turning(speed, acceleration).unwrap();
+        for (target, twist, ticks) in targets {
+            frame.reset(*frame.pose()).unwrap();
+            frame.retarget(target, twist).unwrap();
+            for _ in 0..ticks {
+                let before = frame.twist();
+                frame.advance(1e-3);
+                let rate = frame.twist().fixed_rows::<3>(3).norm();
+                let change = (frame.twist() - before).fixed_rows::<3>(3).norm();
+                prop_assert!(rate <= speed + 1e-9 && change <= acceleration * 1e-3 + 1e-12);
+            }
+            frame.hold();
+            let stops = *frame.pose();
+            let rate = frame.twist().fixed_rows::<3>(3).norm();
+            for _ in 0..20_000 { frame.advance(1e-3); }
+            let turned = stops.rotation.angle_to(&frame.pose().rotation);
+            prop_assert!(turned <= rate * rate / acceleration + 2e-3, "{turned} rad");
+        }
+    }
 }
 
 #[test]
@@ -156,6 +182,8 @@ fn bad_input_is_named() {
     ));
     let error = FrameFollower::new(at).unwrap().with_speed(-1.0).unwrap_err();
     assert!(error.to_string().contains("speed"), "{error}");
+    let error = FrameFollower::new(at).unwrap().with_turning(1.0, 0.0).unwrap_err();
+    assert!(error.to_string().contains("angular acceleration"), "{error}");
 
     let mut frame = FrameFollower::new(at).unwrap();
     assert!(frame.retarget(nowhere, Vector6::zeros()).is_err());

@@ -48,3 +48,40 @@ fn vanished_person_goes_down_the_ladder() {
         assert!(follows || (situation.velocity == Vector3::zeros() && situation.is_at_rest));
     }
 }
+
+/// A tool inside follows the workspace at most at its own speed. Somebody who turns at once is at the origin of the frame,
+/// and the workspace in front of them.
+#[test]
+fn workspace_turns_no_faster_than_tool() {
+    let settings = ControllerSettings::default();
+    let tool = Isometry3::translation(0.9, 0.0, 1.0);
+    let mut space = SharedSpace::new(&settings, &tool).unwrap();
+    let mut fastest = 0.0_f64;
+    for tick in 0_u32..12_000 {
+        let time = f64::from(tick) * PERIOD;
+        if tick.is_multiple_of(50) {
+            let mut percept = doing(Action::Using(Tool::Drill), time, Some(1.7));
+            let about = Isometry3::translation(1.7, 0.0, 0.0);
+            let turn = Isometry3::rotation(Vector3::z() * if time > 6.0 { 0.7 } else { 0.0 });
+            percept.body =
+                percept.body.map(|body| body.transformed(&(about * turn * about.inverse())));
+            space.observe(&percept).unwrap();
+        }
+        let situation = space.advance(time, PERIOD).unwrap();
+        let workspace = space.workspace();
+        let centre = (settings.space.min + settings.space.max) * 0.5;
+        let arm = workspace.world_from_workspace().rotation * centre;
+        let turning = workspace.twist().fixed_rows::<3>(3).into_owned();
+        if time > 5.0 {
+            fastest = fastest.max(turning.cross(&arm).norm());
+            let frame = workspace.world_from_workspace() * Vector3::x();
+            let off = frame.y.atan2(frame.x) - situation.frame.heading();
+            assert!(
+                off.sin().abs() < 1e-3,
+                "the workspace turns with the frame, {off} rad at {time} s"
+            );
+        }
+    }
+    let speed = settings.desired.velocity;
+    assert!((0.3 * speed..speed).contains(&fastest), "{fastest} m/s");
+}
