@@ -16,6 +16,9 @@ const GENTLE: f64 = 0.75;
 const STOPS_WITHIN: f64 = 0.38;
 /// Distance beyond which the base drives again \[m\]. Between the two it keeps its state.
 const DRIVES_BEYOND: f64 = 0.45;
+/// Time for which a base that stands waits before it moves for the sake of separation \[s\]. The arm acts at once, and what a
+/// single camera frame asks for is over when the next one comes.
+const WAITS: f64 = 0.05;
 /// Manipulability below which a posture counts as singular; it is then rounding.
 const SINGULAR: f64 = 1e-6;
 /// Share of the manipulability at the posture below which the arm alone does not hold the tool's place.
@@ -37,6 +40,8 @@ pub(crate) struct BaseDrive {
     /// Place of the tool at the posture, in the axes of the base \[m\].
     nominal: Vector2<f64>,
     motion: BaseMotion,
+    /// Time for which separation has needed more than the robot does \[s\].
+    hindered: f64,
     /// Largest velocity of each joint of the base \[m/s or rad/s\].
     speed: f64,
 }
@@ -70,6 +75,7 @@ impl BaseDrive {
             usual: manipulability_behind(robot.jacobian(), base),
             nominal: place(robot, posture),
             motion: BaseMotion::Drives(DriveReason::PersonMoves),
+            hindered: 0.0,
             speed: f64::INFINITY,
         })
     }
@@ -92,7 +98,10 @@ impl BaseDrive {
             && (place(robot, q) - self.nominal).norm() <= farthest
             && manipulability_behind(robot.jacobian(), self.gentle.now.len())
                 >= REACHES * self.usual;
-        self.motion = if conditions.is_hindered {
+        let Conditions { is_hindered, elapsed, .. } = *conditions;
+        self.hindered = if is_hindered { self.hindered + elapsed } else { 0.0 };
+        let waits = stands && self.hindered < WAITS;
+        self.motion = if is_hindered && !waits {
             BaseMotion::Drives(DriveReason::Separation)
         } else if !conditions.rests {
             BaseMotion::Drives(DriveReason::PersonMoves)
@@ -217,6 +226,35 @@ mod tests {
         let faster = after(1000, true, false);
         assert!((faster - SLOWEST - SPEEDS_UP).abs() < 1e-3, "{faster} m/s");
         assert!(after(1000, false, false) > faster + 0.2, "at once where the workspace moves");
+    }
+
+    #[test]
+    fn base_that_stands_waits_before_it_gives_way() {
+        let settings = ControllerSettings::default();
+        let posture = &settings.posture.configuration;
+        let robot = Kinematics::new(moca().unwrap(), &settings.tool, &[], posture).unwrap();
+        let mut drive = BaseDrive::new(MOCA_BASE_JOINTS, &robot, posture).unwrap();
+        let rest = vec![0.0; posture.len()];
+        // Its motion after so many milliseconds.
+        let mut after = |ticks: u32, rests: bool, is_hindered: bool| {
+            for _tick in 0..ticks {
+                let conditions =
+                    Conditions { rests, is_hindered, is_at_limit: false, elapsed: settings.period };
+                drive.decide(&robot, [posture, &rest], &conditions);
+            }
+            drive.motion()
+        };
+        let flees = BaseMotion::Drives(DriveReason::Separation);
+        assert_eq!(after(1, true, true), flees, "a base that drives gives way at once");
+        for _frame in 0..10 {
+            assert_eq!(after(5, true, false), BaseMotion::Stands);
+            assert_eq!(after(40, true, true), BaseMotion::Stands, "for 0.04 s");
+        }
+        assert_eq!(after(15, true, true), flees, "for 0.055 s");
+        assert_eq!(after(5, true, false), BaseMotion::Stands);
+        let follows = BaseMotion::Drives(DriveReason::PersonMoves);
+        assert_eq!(after(1, false, true), follows, "the workspace moves");
+        assert_eq!(after(1, false, true), flees);
     }
 
     #[test]
