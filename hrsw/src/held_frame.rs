@@ -17,10 +17,10 @@ const SETTLING: f64 = 0.1;
 const NEAR: f64 = 0.7;
 /// Prediction times of place and heading \[s\]. A person leaves if the prediction is more than
 /// so many zones away.
-const AHEAD: f64 = 0.22;
+const AHEAD: f64 = 0.2;
 const AHEAD_TURN: f64 = 0.2;
 const LEAVES: f64 = 1.6;
-const LEAVES_TURNING: f64 = 2.2;
+const LEAVES_TURNING: f64 = 2.3;
 /// A person who is farther from the held place is not swaying \[zones\].
 const ELSEWHERE: f64 = 3.0;
 /// Time constant of each of the three lags with which a held frame moves to a new place \[s\]. After a step of one zone

@@ -7,6 +7,11 @@ use crate::error::{Error, check_all, check_pose, positive};
 
 /// Rate at which a small distance decays \[1/s\].
 const GAIN: f64 = 5.0;
+/// A slow approach closes at `ARRIVING` \[m/s\], or faster if the time would exceed `ARRIVES_OVER` \[s\]. It has arrived
+/// within `ARRIVED` \[m\]. A tool inside a workspace follows no faster beside a person.
+const ARRIVING: f64 = 0.35;
+const ARRIVES_OVER: f64 = 2.0;
+const ARRIVED: f64 = 0.05;
 
 /// A frame that follows a moving target smoothly. Whatever the target does, velocity and
 /// acceleration of the frame stay limited. The frame comes to rest on a resting target.
@@ -112,14 +117,14 @@ impl FrameFollower {
         Ok(())
     }
 
-    /// Limits the speed towards the target to `speed` \[m/s\], in addition to the target's own
-    /// motion.
-    pub(crate) fn close_within(&mut self, speed: f64) {
-        self.closing = speed;
+    /// Approaches the target slowly until it is reached: at 0.35 m/s, or within 2 s from afar, in
+    /// addition to the target's own motion. This is for a new target.
+    pub fn approach_slowly(&mut self) {
+        self.closing = ARRIVING.max(self.distance() / ARRIVES_OVER);
     }
 
     /// Returns the distance from the frame to the target \[m\].
-    pub(crate) fn distance(&self) -> f64 {
+    pub fn distance(&self) -> f64 {
         (self.target.translation.vector - self.pose.translation.vector).norm()
     }
 
@@ -159,6 +164,9 @@ impl FrameFollower {
         self.target =
             moved(&self.target, &(self.target_linear * period), &(self.target_angular * period));
         let gap = self.target.translation.vector - self.pose.translation.vector;
+        if gap.norm() <= ARRIVED {
+            self.closing = f64::INFINITY;
+        }
         let turn = rotation_log(&(self.target.rotation * self.pose.rotation.inverse()));
         let approach = |gap: &Vector3<f64>, speed: f64, acceleration: f64| {
             let distance = gap.norm();

@@ -9,13 +9,6 @@ use crate::reorientation::Reorientation;
 use crate::shape::{OrientationShape, PositionShape};
 use crate::workspace::Workspace;
 
-/// Approach of a workspace to a new carrier. It closes at `ARRIVING` \[m/s\], or faster if the time
-/// would exceed `ARRIVES_OVER` \[s\]. It has arrived within `ARRIVED` \[m\]. A tool inside follows
-/// no faster beside a person.
-const ARRIVING: f64 = 0.35;
-const ARRIVES_OVER: f64 = 2.0;
-const ARRIVED: f64 = 0.05;
-
 /// Carrier of a workspace.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -217,11 +210,8 @@ impl MovingWorkspace {
                 // The pose of the carrier has overflowed.
                 self.frame.hold();
             }
-            let distance = self.frame.distance();
             if std::mem::take(&mut self.is_new) {
-                self.frame.close_within(ARRIVING.max(distance / ARRIVES_OVER));
-            } else if distance <= ARRIVED {
-                self.frame.close_within(f64::INFINITY);
+                self.frame.approach_slowly();
             }
         }
         self.frame.advance(period);

@@ -18,9 +18,13 @@ use crate::situation::Situation;
 const IN_PLACE: f64 = 0.05;
 /// Room for rows of the position: a change from a box to a polytope with 14 faces.
 pub(crate) const POSITION_ROWS: usize = 20;
-/// Largest angular speed \[rad/s\] and acceleration \[rad/s²\] of the person's frame. A workspace within the person's reach
-/// is then not faster than the tool.
+/// Distance of the person's frame from where it is to be, up to which it has reached them \[m\].
+const AT_PERSON: f64 = 0.25;
+/// Largest angular speed \[rad/s\] and acceleration \[rad/s²\] of the person's frame. It turns more slowly if the farthest
+/// corner of the workspace would be faster than the tool.
 const TURNING: [f64; 2] = [0.5, 1.5];
+/// Largest speed of that corner over that of the tool \[-\].
+const SLOWER: f64 = 0.95;
 /// Least speed of the workspace over that of the desired pose, so that the workspace is not the slower one \[-\].
 const FASTER: f64 = 1.2;
 
@@ -84,7 +88,9 @@ impl SharedSpace {
         let position_sigma = safety.position_sigma;
         let tracker = TrackerSettings { position_sigma, ..TrackerSettings::default() };
         let level = Vector3::new(centre.x, centre.y, 0.0);
+        let farthest = space.min.abs().sup(&space.max.abs()).xy().norm();
         let [turning, turning_acceleration] = TURNING;
+        let turning = turning.min(SLOWER * settings.desired.velocity / farthest.max(1e-9));
         let follower = FrameFollower::new(Isometry3::identity())?.with_speed(speed)?;
         Ok(Self {
             tracker: BodyTracker::new(tracker)?,
@@ -173,6 +179,7 @@ impl SharedSpace {
     /// Poses that are not finite.
     pub fn advance(&mut self, now: f64, period: f64) -> Result<Situation, Error> {
         let seen_before = self.person.is_some();
+        let was_usable = self.person.is_some_and(|person| person.freshness.is_usable());
         self.person = self.tracker.predict(now).or(self.person);
         let usable = self.person.filter(|person| person.freshness.is_usable());
         if let Some(person) = usable {
@@ -182,6 +189,9 @@ impl SharedSpace {
             }
             let (target, twist) = self.hold(&person, period);
             self.frame.retarget(target, twist)?;
+            if !was_usable {
+                self.frame.approach_slowly();
+            }
             self.drift = twist;
         } else {
             self.frame.hold();
@@ -189,7 +199,7 @@ impl SharedSpace {
         }
         let before = *self.frame.pose();
         self.frame.advance(period);
-        if usable.is_some() {
+        if self.person.is_some() {
             self.moving.set_person(before, self.frame.twist())?;
         }
         self.follow(period)?;
@@ -212,6 +222,7 @@ impl SharedSpace {
             intention: self.intention.intention(),
             is_shared,
             is_in_place: is_shared
+                && self.frame.distance() <= AT_PERSON
                 && off.norm() <= self.lead + IN_PLACE
                 && way.rotation.angle() <= IN_PLACE,
             is_at_rest: self.hold.is_held() && is_slow,

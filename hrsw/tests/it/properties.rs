@@ -148,12 +148,20 @@ proptest! {
                 let change = (frame.twist() - before).fixed_rows::<3>(3).norm();
                 prop_assert!(rate <= speed + 1e-9 && change <= acceleration * 1e-3 + 1e-12);
             }
+            // It brakes at its limit: the angle is ω²/(2α).
             frame.hold();
-            let stops = *frame.pose();
-            let rate = frame.twist().fixed_rows::<3>(3).norm();
-            for _ in 0..20_000 { frame.advance(1e-3); }
-            let turned = stops.rotation.angle_to(&frame.pose().rotation);
-            prop_assert!(turned <= rate * rate / acceleration + 2e-3, "{turned} rad");
+            let begin = *frame.pose();
+            let brakes = frame.twist().fixed_rows::<3>(3).norm().powi(2) / (2.0 * acceleration);
+            let mut farthest = 0.0_f64;
+            for _ in 0..20_000 {
+                frame.advance(1e-3);
+                farthest = farthest.max(begin.rotation.angle_to(&frame.pose().rotation));
+            }
+            if brakes < 2.0 {
+                let turned = begin.rotation.angle_to(&frame.pose().rotation);
+                prop_assert!((turned - brakes).abs() < 2e-3, "{turned} rad of {brakes}");
+                prop_assert!(farthest < 1.1 * brakes + 5e-3, "{farthest} rad of {brakes}");
+            }
         }
     }
 }

@@ -1,8 +1,9 @@
 //! Tests of the situation that a tick knows.
 
+use hrsw::HeldFrame;
 use hrsw_safety::nalgebra::{Isometry3, Vector3};
 use moca_model::{ControllerSettings, SharedSpace, Situation};
-use vision_models::{Action, Freshness, Tool};
+use vision_models::{Action, Freshness, Percept, Tool};
 
 use crate::drive::doing;
 
@@ -49,39 +50,80 @@ fn vanished_person_goes_down_the_ladder() {
     }
 }
 
-/// A tool inside follows the workspace at most at its own speed. Somebody who turns at once is at the origin of the frame,
-/// and the workspace in front of them.
+/// The percept of somebody who drills at this place, turned by so many radians.
+fn turned(time: f64, place: Vector3<f64>, turn: f64) -> Percept {
+    let mut percept = doing(Action::Using(Tool::Drill), time, Some(0.0));
+    let motion = Isometry3::new(place, Vector3::z() * turn);
+    percept.body = percept.body.map(|body| body.transformed(&motion));
+    percept
+}
+
+/// The largest speed of a corner of the workspace, over the floor \[m/s\].
+fn corner_speed(space: &SharedSpace, settings: &ControllerSettings) -> f64 {
+    let workspace = space.workspace();
+    let twist = workspace.twist();
+    let (linear, angular) = (twist.fixed_rows::<3>(0), twist.fixed_rows::<3>(3));
+    let (min, max) = (settings.space.min, settings.space.max);
+    let corners = [min.x, max.x].map(|x| [min.y, max.y].map(|y| Vector3::new(x, y, 0.0)));
+    let arms = corners.as_flattened().iter();
+    let rotation = workspace.world_from_workspace().rotation;
+    arms.map(|arm| (linear + angular.cross(&(rotation * arm))).norm()).fold(0.0, f64::max)
+}
+
+/// A tool in any corner of the workspace stays in it while a person turns.
 #[test]
 fn workspace_turns_no_faster_than_tool() {
+    for speed in [0.2, 0.5] {
+        let mut settings = ControllerSettings::default();
+        settings.desired.velocity = speed;
+        let tool = Isometry3::translation(0.9, 0.0, 1.0);
+        let mut space = SharedSpace::new(&settings, &tool).unwrap();
+        let place = Vector3::new(1.7, 0.0, 0.0);
+        let mut fastest = 0.0_f64;
+        for tick in 0_u32..20_000 {
+            let time = f64::from(tick) * PERIOD;
+            if tick.is_multiple_of(50) {
+                let turn = if time > 6.0 { 0.7 } else { 0.0 };
+                space.observe(&turned(time, place, turn)).unwrap();
+            }
+            space.advance(time, PERIOD).unwrap();
+            if time > 6.0 {
+                fastest = fastest.max(corner_speed(&space, &settings));
+            }
+        }
+        assert!((0.5 * speed..=speed).contains(&fastest), "{fastest} m/s");
+        let forward = space.workspace().world_from_workspace() * Vector3::x();
+        // They faced the robot.
+        let off = (forward.y.atan2(forward.x) - (std::f64::consts::PI + 0.7)).sin().abs();
+        assert!(off < HeldFrame::HEADING, "the workspace is {off} rad off the person");
+    }
+}
+
+/// The frame of somebody who was lost closes in on them as slowly as the workspace on a new carrier.
+#[test]
+fn workspace_approaches_who_is_found_again_slowly() {
     let settings = ControllerSettings::default();
     let tool = Isometry3::translation(0.9, 0.0, 1.0);
     let mut space = SharedSpace::new(&settings, &tool).unwrap();
     let mut fastest = 0.0_f64;
-    for tick in 0_u32..12_000 {
+    let before = |time: f64| time < 5.0;
+    for tick in 0_u32..14_000 {
         let time = f64::from(tick) * PERIOD;
-        if tick.is_multiple_of(50) {
-            let mut percept = doing(Action::Using(Tool::Drill), time, Some(1.7));
-            let about = Isometry3::translation(1.7, 0.0, 0.0);
-            let turn = Isometry3::rotation(Vector3::z() * if time > 6.0 { 0.7 } else { 0.0 });
-            percept.body =
-                percept.body.map(|body| body.transformed(&(about * turn * about.inverse())));
-            space.observe(&percept).unwrap();
+        let place = Vector3::new(1.7, if before(time) { 0.0 } else { 0.8 }, 0.0);
+        if tick.is_multiple_of(50) && (before(time) || time > 6.2) {
+            space.observe(&turned(time, place, 0.0)).unwrap();
         }
         let situation = space.advance(time, PERIOD).unwrap();
-        let workspace = space.workspace();
-        let centre = (settings.space.min + settings.space.max) * 0.5;
-        let arm = workspace.world_from_workspace().rotation * centre;
-        let turning = workspace.twist().fixed_rows::<3>(3).into_owned();
-        if time > 5.0 {
-            fastest = fastest.max(turning.cross(&arm).norm());
-            let frame = workspace.world_from_workspace() * Vector3::x();
-            let off = frame.y.atan2(frame.x) - situation.frame.heading();
-            assert!(
-                off.sin().abs() < 1e-3,
-                "the workspace turns with the frame, {off} rad at {time} s"
-            );
+        if time > 6.3 {
+            let speed = space.workspace().twist().fixed_rows::<3>(0).norm();
+            fastest = fastest.max(speed);
+            let far = (space.workspace().world_from_workspace().translation.vector - place).norm();
+            let seen = situation.freshness() == Freshness::Tracked;
+            assert!(!seen || !situation.is_in_place || far < 0.4, "in place at {far} m");
+        }
+        if tick == 13_999 {
+            assert!(situation.is_in_place, "they stand where they are");
         }
     }
-    let speed = settings.desired.velocity;
-    assert!((0.3 * speed..speed).contains(&fastest), "{fastest} m/s");
+    assert!((0.3..0.5).contains(&fastest), "{fastest} m/s");
 }
