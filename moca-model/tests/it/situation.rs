@@ -70,7 +70,7 @@ fn corner_speed(space: &SharedSpace, settings: &ControllerSettings) -> f64 {
     arms.map(|arm| (linear + angular.cross(&(rotation * arm))).norm()).fold(0.0, f64::max)
 }
 
-/// A tool in any corner of the workspace stays in it while a person turns.
+/// A tool in any corner of the workspace is fast enough to stay in it while a person turns on the spot.
 #[test]
 fn workspace_turns_no_faster_than_tool() {
     for speed in [0.2, 0.5] {
