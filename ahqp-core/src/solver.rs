@@ -33,7 +33,7 @@ use settings::Stacking;
 use settings::{Settings, WarmStart};
 use solution::Solution;
 use status::Status;
-use tolerances::{ROUNDS, ROUNDS_AFTER};
+use tolerances::{FAR, ROUNDS, ROUNDS_AFTER};
 
 /// Solves hierarchies of one shape, without allocation after construction.
 ///
@@ -232,7 +232,8 @@ impl Solver {
         self.set.predicted.copy_from_slice(&self.set.activity);
         if start == WarmStartState::Optimum {
             let left = self.set.remaining.left(self.set.iterations);
-            if self.set.repair(ROUNDS.min(left)) {
+            let rounds = ROUNDS.max(self.set.data.n / FAR);
+            if self.set.repair(rounds.min(left)) {
                 return true;
             }
             if self.set.is_rank_in_doubt() {

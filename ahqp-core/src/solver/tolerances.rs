@@ -76,8 +76,8 @@ pub(crate) const NEAR_ONE: Range<f64> = 0.0625..32.0;
 
 // Effort: these save time and decide nothing.
 
-/// Rounds of repairing a predicted active set before the levels are searched. A search costs about
-/// as much as ten.
+/// Least number of rounds of repairing a predicted active set before the levels are searched. A
+/// search costs about as much as ten.
 pub(crate) const ROUNDS: usize = 6;
 /// Rounds of a repair after a search, and projections onto broken rows for each variable.
 pub(crate) const ROUNDS_AFTER: usize = 20;
@@ -87,8 +87,8 @@ pub(crate) const LONG: usize = 10;
 pub(crate) const NEWEST: f32 = 0.15;
 /// Weight of the newest solve in the error rates of the predictions.
 pub(crate) const NEWEST_SCORE: f64 = 0.1;
-/// A prediction is repaired only if it is wrong in at most one row for this many variables.
-/// Otherwise it is only the start of a search.
+/// A prediction is repaired only if it is wrong in at most one row for this many variables, and in
+/// one round for as many. Otherwise it is only the start of a search.
 pub(crate) const FAR: usize = 6;
 /// A change of more than one row for this many variables is a jump to another problem. It is not
 /// used for the next prediction.
