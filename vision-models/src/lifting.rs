@@ -1,5 +1,6 @@
 //! Lifting of joints in images to joints in the world: by aligned depth, by metric joints, or by several views.
 
+mod hidden;
 mod lifter;
 mod monocular;
 mod pixel_noise;

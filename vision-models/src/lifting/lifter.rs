@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, Point3, Vector3};
 
 use super::{
+    hidden::{OTHER_LEG_SIGMA, behind_other_leg, is_behind_skull},
     settings::LiftingSettings,
     window::{self, Surface, Wanted},
 };
@@ -59,6 +60,10 @@ const AT_EDGE: f64 = 1.4;
 /// The joint lies behind the skin ([`SkinDepths`]): along the ray for arms, head and feet, and
 /// along the floor for upright parts. Its covariance has the error of the keypoint across the ray,
 /// and those of depth and skin along it.
+///
+/// A network is as certain of joints that the body itself hides. Nose and eyes of a person who
+/// turns away by more than 110° are left out. A joint that may be behind the other leg is known
+/// along the ray to 0.1 m.
 ///
 /// [`SkinDepths`]: crate::SkinDepths
 ///
@@ -157,8 +162,15 @@ impl Lifter {
     /// Returns the body of a person with this heading. If it is missing, the person faces the
     /// camera.
     fn body(&self, seen: &[Option<Look>; Body25::COUNT], heading: Option<f64>) -> Body {
-        let lifted =
-            Body25::ALL.map(|joint| Some(self.joint(joint, &seen[joint.index()]?, heading)));
+        let hips = [Body25::MidHip, Body25::LeftHip, Body25::RightHip];
+        let hips = hips.into_iter().find_map(|hip| seen[hip.index()]);
+        let bearing =
+            hips.zip(heading).map(|(hips, heading)| self.bearing(&self.ray(&hips)) - heading);
+        let behind = behind_other_leg(seen, bearing, self.focal());
+        let lifted = Body25::ALL.map(|joint| {
+            let index = joint.index();
+            self.joint(joint, &seen[index]?, heading, behind[index])
+        });
         let motion = self.camera.world_from_camera();
         // The distance ahead of the camera along the floor, or along the axis if the camera looks
         // straight down.
@@ -196,11 +208,9 @@ impl Lifter {
         if keypoint.confidence.value() < settings.least_confidence {
             return None;
         }
-        let [fx, fy] = self.camera.intrinsics().focal();
-        let focal = f64::midpoint(fx, fy);
         let wanted = Wanted {
             half_side: settings.window,
-            focal,
+            focal: self.focal(),
             least_share: settings.least_share,
             range: settings.range,
         };
@@ -209,26 +219,48 @@ impl Lifter {
         Some(Look { keypoint, surface })
     }
 
-    /// Returns a joint in the optical frame.
-    fn joint(&self, joint: Body25, look: &Look, heading: Option<f64>) -> Lifted {
+    /// Returns the mean focal length (pixels).
+    fn focal(&self) -> f64 {
+        let [fx, fy] = self.camera.intrinsics().focal();
+        f64::midpoint(fx, fy)
+    }
+
+    /// Returns the ray to a keypoint in the optical frame, at a depth of 1.
+    fn ray(&self, look: &Look) -> Vector3<f64> {
+        self.camera.intrinsics().ray(&look.keypoint.position)
+    }
+
+    /// Returns a joint in the optical frame; `None` if the head hides it. Along the ray it is less certain if it
+    /// `may_be_hidden`, so that another part shows the surface.
+    fn joint(
+        &self,
+        joint: Body25,
+        look: &Look,
+        heading: Option<f64>,
+        may_be_hidden: bool,
+    ) -> Option<Lifted> {
         let Look { keypoint, surface } = look;
         let settings = &self.settings;
         let (intrinsics, noise) = (self.camera.intrinsics(), self.camera.noise());
         let [fx, fy] = intrinsics.focal();
-        let ray = intrinsics.ray(&keypoint.position);
+        let ray = self.ray(look);
         let length = ray.norm();
         let bearing = heading.map_or(0.0, |heading| self.bearing(&ray) - heading);
+        if is_behind_skull(joint, bearing) {
+            return None;
+        }
         let skin = settings.skin.of(joint, bearing) / self.slant(joint, &ray);
         let position = Point3::from(ray * (surface.depth + skin));
         let at_edge = if surface.at_edge { AT_EDGE } else { 1.0 };
         let of_depth = (at_edge * noise.sigma(surface.depth)).powi(2);
-        let of_skin = (settings.skin_sigma / length).powi(2);
+        let hidden = if may_be_hidden { OTHER_LEG_SIGMA } else { 0.0 };
+        let of_skin = (settings.skin_sigma.hypot(hidden) / length).powi(2);
         let of_pixel = (settings.pixel_sigma * surface.depth).powi(2);
         let across = Vector3::new(of_pixel / (fx * fx), of_pixel / (fy * fy), 0.0);
         let along = ray * ray.transpose() * (of_depth + of_skin);
         let covariance = Matrix3::from_diagonal(&across) + along;
         let confidence = keypoint.confidence;
-        Lifted { position, covariance, keypoint: Keypoint { position, confidence } }
+        Some(Lifted { position, covariance, keypoint: Keypoint { position, confidence } })
     }
 
     /// Returns the yaw of the direction from a point on this ray to the camera (rad, world).
@@ -258,9 +290,9 @@ impl Lifter {
 
 /// A keypoint with the surface at its pixel.
 #[derive(Clone, Copy)]
-struct Look {
-    keypoint: ImageKeypoint,
-    surface: Surface,
+pub(super) struct Look {
+    pub(super) keypoint: ImageKeypoint,
+    pub(super) surface: Surface,
 }
 
 /// A joint in the optical frame (m, m²).

@@ -25,6 +25,7 @@ mod engine;
 mod graphs;
 #[cfg(feature = "inference")]
 mod heads;
+mod hidden;
 #[cfg(feature = "inference")]
 mod inflated;
 #[cfg(feature = "inference")]
