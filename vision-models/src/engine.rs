@@ -48,6 +48,6 @@ pub use network::{Inference, Network};
 pub use options::Options;
 pub(crate) use plan::Plan;
 pub(crate) use program::{Fit, Fitted, Misfit, Program};
-pub use scores::{RankedClass, Scores};
+pub use scores::Scores;
 pub(crate) use session::{Session, copy_frame};
 pub use threads::{ThreadSettings, Threads};

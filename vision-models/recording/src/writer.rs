@@ -58,24 +58,12 @@ impl<W: Write> Writer<W> {
     /// The [`RecordingError`] of reading such a percept, or [`RecordingError::Io`]. The line is
     /// then not written.
     pub fn write(&mut self, percept: &Percept) -> Result<(), RecordingError> {
-        self.write_timed(percept, &Timing::default())
+        self.write_people(percept, &[], &Timing::default())
     }
 
-    /// Writes a percept with the times at which its parts were seen and known. Times of a missing
-    /// action or surface are left out.
-    ///
-    /// # Errors
-    /// Those of [`write`](Self::write).
-    pub fn write_timed(
-        &mut self,
-        percept: &Percept,
-        timing: &Timing,
-    ) -> Result<(), RecordingError> {
-        self.write_people(percept, &[], timing)
-    }
-
-    /// Writes a timed percept with the other people in the frame. People without any visible joint
-    /// are left out.
+    /// Writes a percept with the other people in the frame, and the times at which its parts were
+    /// seen and known. People without any visible joint are left out, and so are times of a missing
+    /// action or surface.
     ///
     /// # Errors
     /// Those of [`write`](Self::write).

@@ -1,11 +1,11 @@
 //! The abilities of user-defined networks, and the rejected inputs.
 
-use ndarray::{Array5, array};
+use ndarray::Array5;
 use vision_models::engine::{
     Activation, Alignment, Convolution, Frames, Graph, Network, Pooling, ThreadSettings, Threads,
     Value, Waiting, Window,
 };
-use vision_models::{ClassNames, Error, Options, Scores};
+use vision_models::{Error, Options};
 
 use crate::support::{input, weights};
 
@@ -259,24 +259,4 @@ fn a_checkpoint_of_another_network_is_listed() {
     let error =
         Network::load(&small(), weights(parameters), [1, 8, 8], Options::default()).unwrap_err();
     assert_eq!(error.to_string(), "the checkpoint does not fit the network; missing: b.bias [32]");
-}
-
-#[test]
-fn scores_are_ranked_by_name() {
-    let (logits, features) = (array![[0.0, 3.0, 1.0], [2.0, 2.0, f32::MIN]], array![[0.0], [0.0]]);
-    let scores = Scores { logits: logits.view(), features: features.view() };
-    let names: ClassNames = "a\nb\nc".parse().unwrap();
-    let ranked = |input, k| {
-        let ranked = scores.top_k(input, k, &names).unwrap();
-        ranked.into_iter().map(|ranked| (ranked.name, ranked.class)).collect::<Vec<_>>()
-    };
-    assert_eq!(ranked(0, 2), [("b", 1), ("c", 2)]);
-    assert_eq!(ranked(1, 9), [("a", 0), ("b", 1), ("c", 2)]);
-    let probability = scores.top_k(1, 1, &names).unwrap()[0].probability;
-    assert!((probability - 0.5).abs() < 1e-6);
-    let refused = |input, names| scores.top_k(input, 1, names).unwrap_err().to_string();
-    assert_eq!(refused(2, &names), "the input is 2: give an index below 2");
-    let two: ClassNames = "a\nb".parse().unwrap();
-    let message = "the list of class names has 2 names: give 3, one for each class";
-    assert_eq!(refused(0, &two), message);
 }

@@ -164,13 +164,13 @@ fn worse(
     Ok(worst)
 }
 
-/// Returns the covariances of the joints of [`joint_positions`], in the order of its array (m²).
-fn covariances(body: &Body) -> [Matrix3<f64>; JointPositions::LEN] {
+/// The joints of [`JointPositions`], in the order of its array.
+const JOINTS: [Body25; JointPositions::LEN] = {
     use Body25::{
         LeftAnkle, LeftEar, LeftElbow, LeftHip, LeftKnee, LeftShoulder, LeftWrist, MidHip, Neck,
         Nose, RightAnkle, RightEar, RightElbow, RightHip, RightKnee, RightShoulder, RightWrist,
     };
-    let joints = [
+    [
         Neck,
         MidHip,
         Nose,
@@ -188,27 +188,16 @@ fn covariances(body: &Body) -> [Matrix3<f64>; JointPositions::LEN] {
         RightKnee,
         LeftAnkle,
         RightAnkle,
-    ];
+    ]
+};
+
+/// Returns the covariances of the joints (m²).
+fn covariances(body: &Body) -> [Matrix3<f64>; JointPositions::LEN] {
     let unknown = Matrix3::identity() * SIGMA.powi(2);
-    joints.map(|joint| body.covariance(joint).unwrap_or(unknown))
+    JOINTS.map(|joint| body.covariance(joint).unwrap_or(unknown))
 }
 
 fn joint_positions(body: &Body) -> JointPositions {
-    use Body25::{
-        LeftAnkle, LeftEar, LeftElbow, LeftHip, LeftKnee, LeftShoulder, LeftWrist, MidHip, Neck,
-        Nose, RightAnkle, RightEar, RightElbow, RightHip, RightKnee, RightShoulder, RightWrist,
-    };
-    let at = |joint: Body25| body.get(joint).map(|keypoint| keypoint.position.coords);
-    JointPositions {
-        neck: at(Neck),
-        pelvis: at(MidHip),
-        nose: at(Nose),
-        ears: [LeftEar, RightEar].map(at),
-        shoulders: [LeftShoulder, RightShoulder].map(at),
-        elbows: [LeftElbow, RightElbow].map(at),
-        wrists: [LeftWrist, RightWrist].map(at),
-        hips: [LeftHip, RightHip].map(at),
-        knees: [LeftKnee, RightKnee].map(at),
-        ankles: [LeftAnkle, RightAnkle].map(at),
-    }
+    let position = |joint| body.get(joint).map(|keypoint| keypoint.position.coords);
+    JointPositions::from_array(JOINTS.map(position))
 }

@@ -20,7 +20,7 @@ fn timings_are_kept_and_checked() {
     let action = Stamp { captured: Some(1.8), arrived: Some(2.3) };
     let timing = Timing { arrived: Some(2.05), action, surface: Stamp::default() };
     let mut writer = Writer::new(Vec::new(), &Header::default()).unwrap();
-    writer.write_timed(&percept, &timing).unwrap();
+    writer.write_people(&percept, &[], &timing).unwrap();
     writer.write(&Percept { time: 2.1, ..percept.clone() }).unwrap();
     for (of, stamp) in [
         ("captured at 2.3 s", Stamp { captured: Some(2.3), arrived: None }),
@@ -29,7 +29,7 @@ fn timings_are_kept_and_checked() {
         ("NaN", Stamp { captured: Some(f64::NAN), arrived: None }),
     ] {
         let wrong = Timing { action: stamp, ..Timing::default() };
-        let error = writer.write_timed(&Percept { time: 2.2, ..percept.clone() }, &wrong);
+        let error = writer.write_people(&Percept { time: 2.2, ..percept.clone() }, &[], &wrong);
         let text = error.unwrap_err().to_string();
         assert!(text.contains(of) && text.contains("the action of the frame"), "{text}");
     }
