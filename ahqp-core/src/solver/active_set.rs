@@ -58,8 +58,6 @@ pub(crate) struct ActiveSet {
     attained: usize,
     /// True if the goal had a gradient beyond rounding at the end of its search.
     has_gradient: bool,
-    /// True if all multipliers that decide were far above rounding there.
-    are_clear: bool,
     /// Ranges of rows whose inactive rows must stay within their bounds, and whose values a step
     /// moves.
     monitored: List<Range<usize>>,
@@ -98,7 +96,6 @@ impl ActiveSet {
             fixed: vec![false; count],
             attained: 0,
             has_gradient: false,
-            are_clear: false,
             monitored: List::with_capacity(2 * data.levels.len() + 1),
             residual: vec![0.0; count],
             direction: vec![0.0; n],

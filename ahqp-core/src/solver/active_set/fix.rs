@@ -21,17 +21,11 @@ impl ActiveSet {
             self.fixed[id] |= self.activity[id] == Activity::Equal;
         }
         if goal.is_some() && self.has_gradient {
-            for (id, multiplier, rounding) in self.multipliers.residuals(factorisation) {
+            let residuals = self.multipliers.residuals(factorisation);
+            for (id, multiplier, rounding) in
+                residuals.chain(self.multipliers.with_rounding(factorisation))
+            {
                 self.fixed[id] |= multiplier.abs() > CERTAIN * rounding;
-            }
-            if self.are_clear {
-                for (id, _) in self.multipliers.pairs(factorisation) {
-                    self.fixed[id] = true;
-                }
-            } else {
-                for (id, multiplier, rounding) in self.multipliers.with_rounding(factorisation) {
-                    self.fixed[id] |= multiplier.abs() > CERTAIN * rounding;
-                }
             }
         }
         if let Some(goal @ Goal::Rows(rows)) = goal {

@@ -196,19 +196,9 @@ impl ActiveSet {
         let clear = self.multipliers.clear_force(&self.data, &self.factorisation);
         let pairs = self.multipliers.pairs(&self.factorisation).map(|(id, m)| (id, m, 0.0));
         let wrong = self.wrong_rows(pairs).filter(|&(_, force)| force > clear);
-        if let Some((id, _)) = wrong.max_by(|a, b| a.1.total_cmp(&b.1)) {
-            return Some(id);
-        }
-        // Equalities and fixed rows need no sign.
-        let is_clear = |(id, multiplier): (usize, f64)| {
-            self.fixed[id]
-                || self.activity[id] == Activity::Equal
-                || multiplier.abs() * self.data.norm(id) > clear
-        };
-        self.are_clear = self.multipliers.pairs(&self.factorisation).all(is_clear);
-        if self.are_clear {
-            let wrong = self.wrong_rows(std::iter::empty());
-            return wrong.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(id, _)| id);
+        let largest = wrong.max_by(|a, b| a.1.total_cmp(&b.1));
+        if largest.is_some() {
+            return largest.map(|(id, _)| id);
         }
         let Self { data, factorisation, multipliers, .. } = self;
         multipliers.set_rounding(data, factorisation);
