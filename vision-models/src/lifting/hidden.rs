@@ -11,11 +11,12 @@ const FACE: [Body25; 3] = [Body25::Nose, Body25::LeftEye, Body25::RightEye];
 /// Cosine of the bearing of the camera from which the skull hides the face: 110° off the forward direction.
 const FACE_AWAY: f64 = -0.34;
 
-/// Hip, knee and ankle of each leg, and its other joints, which the ankle decides.
+/// Hip, knee and ankle of each leg.
 const LEGS: [[Body25; 3]; 2] = [
     [Body25::LeftHip, Body25::LeftKnee, Body25::LeftAnkle],
     [Body25::RightHip, Body25::RightKnee, Body25::RightAnkle],
 ];
+/// Joints of each foot. They count as hidden with the ankle.
 const FEET: [[Body25; 3]; 2] = [
     [Body25::LeftHeel, Body25::LeftBigToe, Body25::LeftSmallToe],
     [Body25::RightHeel, Body25::RightBigToe, Body25::RightSmallToe],

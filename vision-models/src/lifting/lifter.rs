@@ -162,8 +162,7 @@ impl Lifter {
     /// Returns the body of a person with this heading. If it is missing, the person faces the
     /// camera.
     fn body(&self, seen: &[Option<Look>; Body25::COUNT], heading: Option<f64>) -> Body {
-        let hips = [Body25::MidHip, Body25::LeftHip, Body25::RightHip];
-        let hips = hips.into_iter().find_map(|hip| seen[hip.index()]);
+        let hips = HIPS.into_iter().find_map(|hip| seen[hip.index()]);
         let bearing =
             hips.zip(heading).map(|(hips, heading)| self.bearing(&self.ray(&hips)) - heading);
         let behind = behind_other_leg(seen, bearing, self.focal());
@@ -230,8 +229,8 @@ impl Lifter {
         self.camera.intrinsics().ray(&look.keypoint.position)
     }
 
-    /// Returns a joint in the optical frame; `None` if the head hides it. Along the ray it is less certain if it
-    /// `may_be_hidden`, so that another part shows the surface.
+    /// Returns a joint in the optical frame; `None` if the head hides it. If it `may_be_hidden`, the
+    /// surface may be that of the other leg, and the joint is less certain along the ray.
     fn joint(
         &self,
         joint: Body25,

@@ -10,8 +10,8 @@ use vision_models::{
 };
 
 const SIZE: [usize; 2] = [160, 200];
-/// Radius of a leg \[m\]: the depth of a knee below the skin.
-const LEG: f64 = 0.065;
+/// Radius of a leg \[m\]. The lifter's depths of knees and ankles below the skin are others.
+const LEG: f64 = 0.07;
 
 /// A camera at the height of a hip, 2.5 m before the origin, that looks along x.
 fn camera() -> Camera {
