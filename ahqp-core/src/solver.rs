@@ -265,17 +265,32 @@ impl Solver {
         }
     }
 
-    /// Searches all levels from the prediction, and ensures that the result satisfies the data.
-    /// Searches again from zero if the rank tolerance decided the active set.
+    /// Searches all levels from the prediction, and from nothing if that takes long or fails.
+    ///
+    /// A prediction may hold rows that meet only within their tolerances. Where they nearly depend
+    /// on each other, such tolerances move x far.
     fn search(&mut self, levels: usize) -> Result<Status, Error> {
+        let mut found = self.search_once(levels);
+        if !matches!(found, Ok(Some(_))) && !self.is_from_nothing() {
+            self.conflict.clear();
+            self.start_from_nothing();
+            found = self.search_once(levels);
+        }
+        Ok(found?.unwrap_or_else(|| self.set.remaining.status(None)))
+    }
+
+    /// Searches all levels, and ensures that the result satisfies the data. Searches again from
+    /// nothing if the rank tolerance decided the active set. None if a search gives up.
+    fn search_once(&mut self, levels: usize) -> Result<Option<Status>, Error> {
+        let solved = Some(Status::Solved);
         let status = self.search_levels(levels)?;
-        if status != Status::Solved {
+        if status != solved {
             return Ok(status);
         }
         if !self.is_from_nothing() && self.set.is_rank_in_doubt() {
             self.incumbent.copy_from(&self.set);
             self.start_from_nothing();
-            if self.search_levels(levels) != Ok(Status::Solved) {
+            if self.search_levels(levels) != Ok(solved) {
                 self.conflict.clear();
                 self.incumbent.copy_to(&mut self.set);
             }

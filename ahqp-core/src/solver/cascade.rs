@@ -18,17 +18,8 @@ enum LevelEnd {
 }
 
 impl Solver {
-    /// Runs the cascade, from nothing if one from a prediction takes long.
-    pub(super) fn search_levels(&mut self, levels: usize) -> Result<Status, Error> {
-        if let Some(status) = self.run_levels(levels)? {
-            return Ok(status);
-        }
-        self.start_from_nothing();
-        Ok(self.run_levels(levels)?.unwrap_or_else(|| self.set.remaining.status(None)))
-    }
-
-    /// Each level is made feasible, minimised and fixed. None if a search gives up.
-    fn run_levels(&mut self, levels: usize) -> Result<Option<Status>, Error> {
+    /// Makes each level feasible, minimises it and fixes it. None if a search gives up.
+    pub(super) fn search_levels(&mut self, levels: usize) -> Result<Option<Status>, Error> {
         self.set.begin_search(&self.solution.x);
         for level in 0..=levels {
             let (end, id) = match level {

@@ -152,6 +152,13 @@ fn rows_that_meet_at_rest_hold() {
     expect_proof(&read(include_str!("written/rows_near_the_threshold.txt"))[0]);
 }
 
+/// Two rows that nearly agree and two bounds meet within their tolerances only. A search from the tick before held all of
+/// them, where there is no such point. They are ticks of a robot of six joints that keeps its own bodies apart.
+#[test]
+fn rows_that_meet_within_tolerance_hold() {
+    expect_proofs_of(include_str!("written/rows_within_tolerance.txt"));
+}
+
 /// Two of these rows differ by a millionth. Their violation is only known from x.
 #[test]
 fn rows_that_nearly_agree_hold_together() {

@@ -152,10 +152,14 @@ proptest! {
             frame.hold();
             let begin = *frame.pose();
             let brakes = frame.twist().fixed_rows::<3>(3).norm().powi(2) / (2.0 * acceleration);
-            let mut farthest = 0.0_f64;
+            let (mut farthest, mut resting) = (0.0_f64, 0);
             for _ in 0..20_000 {
                 frame.advance(1e-3);
                 farthest = farthest.max(begin.rotation.angle_to(&frame.pose().rotation));
+                resting = if frame.twist().norm() < 1e-9 { resting + 1 } else { 0 };
+                if resting == 500 {
+                    break;
+                }
             }
             if brakes < 2.0 {
                 let turned = begin.rotation.angle_to(&frame.pose().rotation);

@@ -145,6 +145,15 @@ fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
+/// Returns true if x is as good as y at every level, up to rounding, and shorter.
+fn is_shorter(problem: &Hierarchy, x: &[f64], y: &[f64]) -> bool {
+    let is_as_good = |level: &Level| {
+        let ((got, size), (other, _)) = (objective(level, x), objective(level, y));
+        got <= other + SAME * SAME * size
+    };
+    problem.levels().iter().all(is_as_good) && dot(x, x) < dot(y, y)
+}
+
 /// The oracle never sees the levels below, and is another method. Where it does not converge it judges nothing.
 #[test]
 fn levels_below_cost_a_level_nothing() {
@@ -171,12 +180,14 @@ fn levels_below_cost_a_level_nothing() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(8))]
 
+    /// Where rows of levels nearly depend on each other, the reference claims nothing. It may find a longer x.
     #[test]
     fn stacked_equalities_give_the_same_optimum(meeting in meeting()) {
         let stacked = Settings { stacking: Stacking::Equalities, ..Settings::default() };
         for (problem, x) in meeting.problems() {
-            let difference = largest_difference(&x, &solve(&problem, stacked));
-            prop_assert!(difference <= SAME, "{difference:e}");
+            let other = solve(&problem, stacked);
+            let difference = largest_difference(&x, &other);
+            prop_assert!(difference <= SAME || is_shorter(&problem, &x, &other), "{difference:e}");
         }
     }
 
