@@ -302,10 +302,11 @@ impl Solver {
         }
     }
 
-    /// Repairs errors of rounding where the forces of rows differ much. A new factorisation of all
-    /// levels, with the active bounds as columns, has less rounding than an updated one.
+    /// Repairs errors of rounding where the forces of rows differ much, and gaps of held rows within
+    /// their tolerances. A new factorisation of all levels, with the active bounds as columns, has
+    /// less rounding than an updated one.
     fn polish(&mut self) {
-        if self.set.has_scale_disparity() {
+        if self.set.has_gaps || self.set.has_scale_disparity() {
             self.incumbent.copy_from(&self.set);
             let left = self.set.remaining.left(self.set.iterations);
             if !self.set.repair(ROUNDS_AFTER.min(left)) {

@@ -56,6 +56,8 @@ pub(crate) struct ActiveSet {
     fixed: Vec<bool>,
     /// Number of groups of the factorisation that x attains: it is where they decide.
     attained: usize,
+    /// True if a held row is not exactly at its bound, but within its tolerance.
+    pub(crate) has_gaps: bool,
     /// True if the goal had a gradient beyond rounding at the end of its search.
     has_gradient: bool,
     /// Ranges of rows whose inactive rows must stay within their bounds, and whose values a step
@@ -95,6 +97,7 @@ impl ActiveSet {
             is_predicted: false,
             fixed: vec![false; count],
             attained: 0,
+            has_gaps: false,
             has_gradient: false,
             monitored: List::with_capacity(2 * data.levels.len() + 1),
             residual: vec![0.0; count],
@@ -151,6 +154,7 @@ impl ActiveSet {
         }
         self.max_norm = norm(&self.x);
         self.attained = 0;
+        self.has_gaps = false;
         self.multipliers.has_multipliers_near_threshold = false;
         self.factorisation.begin(&self.data, &self.activity);
     }

@@ -14,6 +14,7 @@ mod holding;
 mod infeasible;
 mod jerk_limits;
 mod names;
+mod near_ticks;
 mod properties;
 mod random_comparison;
 mod rows;

@@ -13,7 +13,7 @@ use crate::linalg::vector::{add_scaled, norm};
 use crate::solver::activity::Activity;
 use crate::solver::data::active_bound;
 use crate::solver::factorisation::{FreeCoordinates, Purpose, Step};
-use crate::solver::tolerances::{LONG, SETTLED};
+use crate::solver::tolerances::{LONG, ROUNDING, SETTLED};
 
 /// Ending of a search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -101,8 +101,23 @@ impl ActiveSet {
             Goal::Rows(_) => FreeCoordinates::Kept,
             Goal::Norm => FreeCoordinates::Zero,
         };
-        let Self { data, factorisation, x, value, activity, direction, attained, .. } = self;
-        let gap = |id: usize| active_bound(data, activity, id) - value[id];
+        let (part, max_norm) = (self.settings.feasibility_tolerance, self.max_norm);
+        let Self { data, factorisation, x, value, activity, direction, attained, has_gaps, .. } =
+            self;
+        // A correction of a gap within the tolerance would move x far where rows nearly depend on
+        // each other. Such rows are held where they are.
+        let gap = |id: usize, purpose: Purpose| {
+            let gap = active_bound(data, activity, id) - value[id];
+            if purpose == Purpose::Minimised {
+                return gap;
+            }
+            if gap.abs() <= ROUNDING * data.norm(id) * max_norm {
+                return 0.0;
+            }
+            let is_closed = gap.abs() <= data.tolerance(id, x, max_norm, part);
+            *has_gaps |= is_closed;
+            if is_closed { 0.0 } else { gap }
+        };
         let taken = factorisation.step_from(data, (x, *attained), gap, free, direction);
         for &variable in factorisation.stacked.iter().filter(|&&id| id < data.n) {
             // The step is exact, so that heavy rows see no rounding of it.

@@ -12,7 +12,8 @@ use crate::solver::tolerances::MOTIONLESS;
 /// Number of rows that are examined at a time.
 const BLOCK: usize = u64::BITS as usize;
 
-/// A blocking row, with the room left before its bound and the rate at which the room shrinks.
+/// A blocking row, with the room left before its bound and the rate at which the room shrinks. The
+/// room is negative for a row beyond its bound by up to its tolerance.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Candidate {
     id: usize,
@@ -37,7 +38,7 @@ impl ActiveSet {
         for candidate in &self.candidates {
             if candidate.room < reach * candidate.slope {
                 let slack = self.tolerance(candidate.id);
-                reach = reach.min((candidate.room + slack) / candidate.slope);
+                reach = reach.min(((candidate.room + slack) / candidate.slope).max(0.0));
             }
         }
         if reach >= full {
@@ -47,7 +48,7 @@ impl ActiveSet {
         let met = self.candidates.iter().filter(|row| row.room / row.slope <= reach);
         let best = met.min_by(|a, b| across(b).total_cmp(&across(a)));
         match best {
-            Some(row) => ((row.room / row.slope).min(full), Some((row.id, row.bound))),
+            Some(row) => ((row.room / row.slope).clamp(0.0, full), Some((row.id, row.bound))),
             None => (reach, None),
         }
     }
@@ -112,7 +113,7 @@ impl ActiveSet {
             };
             let slope = slope.abs();
             if room < full * slope && slope > least * data.norm(id) {
-                candidates.push(Candidate { id, bound, room: room.max(0.0), slope });
+                candidates.push(Candidate { id, bound, room, slope });
             }
         }
     }

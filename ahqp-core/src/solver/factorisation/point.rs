@@ -62,7 +62,7 @@ impl Factorisation {
     }
 
     /// Computes the step from `x` to the point that the groups decide. `gap` is the bound of an
-    /// active row minus aᵢx.
+    /// active row minus aᵢx, or zero where a row is held where it is.
     ///
     /// The first `attained` groups need no step: they have not changed since x was where they
     /// decide.
@@ -70,7 +70,7 @@ impl Factorisation {
         &mut self,
         data: &ProblemData,
         (x, attained): (&[f64], usize),
-        gap: impl Fn(usize) -> f64,
+        gap: impl FnMut(usize, Purpose) -> f64,
         free: FreeCoordinates,
         step: &mut [f64],
     ) -> Step {
@@ -124,12 +124,16 @@ impl Factorisation {
 
     /// Returns the first group from `attained` on that has a step to make. Computes the targets of
     /// its rows and of the later ones. Hard rows that are where they are held have none.
-    fn first_to_move(&mut self, attained: usize, gap: impl Fn(usize) -> f64) -> usize {
+    fn first_to_move(
+        &mut self,
+        attained: usize,
+        mut gap: impl FnMut(usize, Purpose) -> f64,
+    ) -> usize {
         let mut first = self.groups.len();
         for index in attained..self.groups.len() {
             let Group { start, end, rank, purpose, .. } = self.groups[index];
             for (target, &id) in self.target[start..end].iter_mut().zip(&self.stacked[start..end]) {
-                *target = gap(id);
+                *target = gap(id, purpose);
             }
             let mut pivots = self.target[start..start + rank].iter();
             if purpose == Purpose::Minimised || pivots.any(|&target| target != 0.0) {
