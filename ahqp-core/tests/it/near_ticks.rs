@@ -94,8 +94,10 @@ fn cold(problem: &Hierarchy) -> Vec<f64> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
+    /// Rows hold to 1e-10. Over their difference, that is how far the point is known.
     #[test]
     fn every_tick_near_a_vertex_is_solved(of in loops()) {
+        let known = 1e-9 / 10.0_f64.powf(of.apart);
         let mut solver = Solver::new(&of.problem(0), Settings::default()).unwrap();
         for tick in 0..TICKS {
             let problem = of.problem(tick);
@@ -109,7 +111,7 @@ proptest! {
                 prop_assert!(value <= upper + 1e-9);
             }
             let (got, least) = (objective(&problem, x), objective(&problem, &cold(&problem)));
-            prop_assert!((got - least).abs() < 1e-7, "tick {}: {:e}, not {:e}", tick, got, least);
+            prop_assert!((got - least).abs() < known, "tick {}: {:e}, not {:e}", tick, got, least);
         }
     }
 }

@@ -9,6 +9,9 @@ use crate::solver::active_set::goal::Goal;
 use crate::solver::activity::Activity;
 use crate::solver::tolerances::MOTIONLESS;
 
+/// Part of its tolerance by which a row may pass its bound \[-\]. The tolerance changes with x, and
+/// the row must still hold at the end.
+const PASSED: f64 = 0.5;
 /// Number of rows that are examined at a time.
 const BLOCK: usize = u64::BITS as usize;
 
@@ -37,7 +40,7 @@ impl ActiveSet {
         let mut reach = full;
         for candidate in &self.candidates {
             if candidate.room < reach * candidate.slope {
-                let slack = self.tolerance(candidate.id);
+                let slack = PASSED * self.tolerance(candidate.id);
                 reach = reach.min(((candidate.room + slack) / candidate.slope).max(0.0));
             }
         }
