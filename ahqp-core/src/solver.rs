@@ -33,7 +33,7 @@ use settings::Stacking;
 use settings::{Settings, WarmStart};
 use solution::Solution;
 use status::Status;
-use tolerances::{FAR, ROUNDS, ROUNDS_AFTER};
+use tolerances::{FAR, ROUNDS, ROUNDS_AFTER, SHORT};
 
 /// Solves hierarchies of one shape, without allocation after construction.
 ///
@@ -280,14 +280,17 @@ impl Solver {
     }
 
     /// Searches all levels, and ensures that the result satisfies the data. Searches again from
-    /// nothing if the rank tolerance decided the active set. None if a search gives up.
+    /// nothing if the rank tolerance decided the active set, or if x has the rounding of a much
+    /// longer start. None if a search gives up.
     fn search_once(&mut self, levels: usize) -> Result<Option<Status>, Error> {
         let solved = Some(Status::Solved);
         let status = self.search_levels(levels)?;
         if status != solved {
             return Ok(status);
         }
-        if !self.is_from_nothing() && self.set.is_rank_in_doubt() {
+        let length = norm(&self.set.x);
+        let is_rounded = length > 0.0 && length < SHORT * norm(&self.solution.x);
+        if !self.is_from_nothing() && (is_rounded || self.set.is_rank_in_doubt()) {
             self.incumbent.copy_from(&self.set);
             self.start_from_nothing();
             if self.search_levels(levels) != Ok(solved) {

@@ -159,6 +159,12 @@ fn rows_that_meet_within_tolerance_hold() {
     expect_proofs_of(include_str!("written/rows_within_tolerance.txt"));
 }
 
+/// The optimum is zero. A search from a long x before leaves its rounding, which is all of x.
+#[test]
+fn x_that_becomes_zero_is_zero() {
+    expect_proofs_of(include_str!("written/ends_at_zero.txt"));
+}
+
 /// Two of these rows differ by a millionth. Their violation is only known from x.
 #[test]
 fn rows_that_nearly_agree_hold_together() {
