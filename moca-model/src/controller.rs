@@ -2,7 +2,7 @@
 
 mod base_drive;
 pub(crate) mod commanded_motion;
-mod goal_share;
+mod ergonomic_goal;
 mod grasping;
 mod looking;
 mod observing;
@@ -13,7 +13,7 @@ use ahqp_core::{Status, integrate_pose};
 use ergo_map::ErgonomicsQuadratic;
 use hrsw_safety::{Fault, LoopClock, Safety, SafetyState};
 use nalgebra::Isometry3;
-use vision_models::Freshness;
+use vision_models::{Freshness, People, PeopleSettings};
 use whole_body::Model;
 use whole_body::torque::Following;
 
@@ -28,7 +28,7 @@ use crate::situation::Situation;
 use crate::stack::{CollaborationStack, GoalTerms, StackInput};
 use base_drive::Conditions;
 use commanded_motion::CommandedMotion;
-use goal_share::{ACTIVATES_OVER, GoalShare};
+use ergonomic_goal::{ACTIVATES_OVER, ErgonomicGoal};
 use grasping::Workpiece;
 use reporting::Reports;
 
@@ -57,16 +57,15 @@ use reporting::Reports;
 #[derive(Debug, Clone)]
 pub struct Controller {
     settings: ControllerSettings,
-    ergonomics: ErgonomicsQuadratic,
     robot: Kinematics,
     clock: LoopClock,
+    people: People,
     space: SharedSpace,
-    situation: Situation,
     safety: Safety,
+    goal: ErgonomicGoal,
+    workpiece: Workpiece,
     stack: CollaborationStack,
     motion: CommandedMotion,
-    workpiece: Workpiece,
-    goal_share: GoalShare,
     reports: Reports,
     command: Command,
 }
@@ -97,13 +96,12 @@ impl Controller {
         let tool = *robot.world_from_tool();
         let space = SharedSpace::new(&settings, &tool)?;
         Ok(Self {
-            situation: space.situation()?,
+            people: People::new(PeopleSettings::untracked(), space.tracker_settings().clone())?,
+            goal: ErgonomicGoal::new(ergonomics),
             workpiece: Workpiece::none(),
-            goal_share: GoalShare::NONE,
             reports: Reports::default(),
             command: Command::at_rest(configuration, tool),
             settings,
-            ergonomics,
             robot,
             clock,
             space,
@@ -115,7 +113,7 @@ impl Controller {
 
     /// Sets the ergonomics of another person.
     pub fn set_ergonomics(&mut self, ergonomics: ErgonomicsQuadratic) {
-        self.ergonomics = ergonomics;
+        self.goal.ergonomics = ergonomics;
     }
 
     /// Asks for the person's ergonomics from now on, or for no more than the least motion.
@@ -136,11 +134,9 @@ impl Controller {
         let size = check_size("configuration", configuration, self.motion.braking.len());
         let tick = self.clock.tick(now);
         if tick.forgets {
+            self.people.forget();
             self.space.forget();
             self.safety.forget();
-            if let Ok(situation) = self.space.situation() {
-                self.situation = situation;
-            }
         }
         tick.fault.into_iter().for_each(|fault| self.report(fault));
         let period = self.settings.period;
@@ -193,7 +189,8 @@ impl Controller {
             self.report(Fault::BadData);
             return false;
         }
-        let is_lost = self.situation.is_shared && self.situation.freshness() == Freshness::Lost;
+        let situation = self.space.situation();
+        let is_lost = situation.is_shared && situation.freshness() == Freshness::Lost;
         self.motion.advance_speed(is_lost, elapsed);
         self.advance_activation(elapsed);
         let time = self.clock.now().unwrap_or_default();
@@ -216,40 +213,27 @@ impl Controller {
 
     /// Updates the share of ergonomics in the third level.
     fn advance_activation(&mut self, elapsed: f64) {
-        let situation = &self.situation;
+        let situation = self.space.situation();
         let wanted = self.settings.goal == Goal::Ergonomics && situation.is_shared;
         // The paper's ergonomics begin at once.
         let time = match self.settings.levels {
             Levels::Extended => ACTIVATES_OVER,
             Levels::Paper => self.settings.period,
         };
-        let (rests, gain) = (situation.is_at_rest, self.gain_at_best_place());
-        self.command.activation = self.goal_share.advance(wanted, rests, gain, elapsed, time);
-    }
-
-    /// What e_s would fall by if the tool were at the point of the workspace nearest to its minimum. `None` if it has not
-    /// a single minimum. While the workspace changes its shape, the final one counts.
-    fn gain_at_best_place(&self) -> Option<f64> {
-        let (person, workspace) = (&self.situation.frame, self.space.workspace());
-        let best = person.to_world(&self.ergonomics.minimiser()?);
-        let world_from_workspace = workspace.world_from_workspace();
-        let best = world_from_workspace.inverse_transform_point(&best.into());
-        let best = workspace.position_shape().nearest(&best.coords);
-        let best = world_from_workspace.transform_point(&best.into()).coords;
-        let [now, best] = [self.command.desired.translation.vector, best]
-            .map(|place| self.ergonomics.value(&person.to_person(&place)));
-        Some(now - best)
+        let (rests, desired) = (situation.is_at_rest, &self.command.desired.translation.vector);
+        let gain = self.goal.gain_at_best_place(&situation.frame, self.space.workspace(), desired);
+        self.command.activation = self.goal.share.advance(wanted, rests, gain, elapsed, time);
     }
 
     /// Decides whether the base stands in this tick.
     fn decide_base(&mut self, elapsed: f64) {
         let Some(drive) = &mut self.motion.base_drive else { return };
         let hindered = self.command.safety == SafetyState::Retreat || !self.motion.keeps_separation;
-        let rests = self.situation.is_at_rest && !self.workpiece.hand_turn.is_turning();
+        let rests = self.space.situation().is_at_rest && !self.workpiece.hand_turn.is_turning();
         let conditions = Conditions {
             rests,
             is_hindered: hindered,
-            is_at_limit: self.goal_share.at_limit,
+            is_at_limit: self.goal.share.at_limit,
             elapsed,
         };
         let state = [&self.motion.reference[..], &self.command.joint_velocity];
@@ -258,8 +242,8 @@ impl Controller {
     }
 
     fn solve(&mut self) -> Result<Status, Error> {
-        let (situation, motion) = (&self.situation, &mut self.motion);
-        let placed = self.ergonomics.placed(&situation.frame);
+        let (situation, motion) = (self.space.situation(), &mut self.motion);
+        let placed = self.goal.ergonomics.placed(&situation.frame);
         let ergonomics = situation.worker.map(|_| &placed);
         let velocity = &self.command.joint_velocity;
         let input = StackInput {
@@ -292,7 +276,7 @@ impl Controller {
             distances.recede(&moves, rows, bounds, &mut motion.stopping);
         }
         motion.keeps_separation = share == 0.0;
-        self.goal_share.at_limit =
+        self.goal.share.at_limit =
             rows.is_some_and(|rows| distances.is_at_limit(rows, moves.velocity));
         motion.go_towards_rest(&mut self.command, share);
         Ok(status)
@@ -313,7 +297,7 @@ impl Controller {
     /// Writes the parts of the command other than velocities and positions.
     fn finish(&mut self) {
         let command = &mut self.command;
-        command.intention = self.situation.intention;
+        command.intention = self.space.situation().intention;
         command.safety = self.safety.supervisor().state();
         command.fault = std::mem::take(&mut self.reports).fault;
         self.motion.write_base_twist(command);
@@ -336,7 +320,7 @@ impl Controller {
 
     /// Returns the situation of the last tick: where the person may be, and what they want.
     pub fn situation(&self) -> &Situation {
-        &self.situation
+        self.space.situation()
     }
 
     /// The shared workspace.

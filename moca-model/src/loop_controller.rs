@@ -171,7 +171,7 @@ impl ControlLaw for LoopController {
         self.controller.controller_mut().set_present(now);
         while let Ok(frame) = self.frames.try_recv() {
             // A frame that counts as no data or shows too many people is a fault, which the supervisor knows.
-            match self.controller.observe_people(&frame.percept, frame.others()) {
+            match self.controller.observe(frame) {
                 Ok(())
                 | Err(
                     Error::Frame { .. }

@@ -7,7 +7,9 @@ use hrsw::{
 };
 use hrsw_safety::FollowingDistance;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3, Vector6};
-use vision_models::{BodyTracker, Percept, StatureEstimate, TrackedPerson, TrackerSettings};
+use vision_models::{
+    BodyTracker, Intention, Percept, StatureEstimate, TrackedPerson, TrackerSettings,
+};
 
 use crate::error::Error;
 use crate::intention::IntentionFilter;
@@ -50,6 +52,7 @@ pub struct SharedSpace {
     following_distance: Option<FollowingDistance>,
     /// Horizontal unit vector from the person to the workspace, in the person's axes.
     bearing: Vector3<f64>,
+    situation: Situation,
 }
 
 /// The carrier of the workspace.
@@ -105,6 +108,7 @@ impl SharedSpace {
             lead: space.lead,
             following_distance: safety.keeps_distances().then_some(following),
             bearing: level.try_normalize(1e-9).unwrap_or_else(Vector3::x),
+            situation: Situation::unknown(PersonFrame::new(Vector3::zeros(), 0.0)?),
         })
     }
 
@@ -132,6 +136,7 @@ impl SharedSpace {
         self.tracker.forget();
         self.intention.forget();
         self.person = None;
+        (self.situation.worker, self.situation.intention) = (None, Intention::Apart);
     }
 
     /// Sets the place of the workspace while robot and person are apart. `None` leaves it where it is.
@@ -205,11 +210,16 @@ impl SharedSpace {
         self.follow(period)?;
         self.carry(usable.is_some())?;
         self.moving.advance(period)?;
-        self.situation()
+        self.situation = self.present()?;
+        Ok(self.situation)
     }
 
     /// The situation at the time of the last advance.
-    pub(crate) fn situation(&self) -> Result<Situation, Error> {
+    pub fn situation(&self) -> &Situation {
+        &self.situation
+    }
+
+    fn present(&self) -> Result<Situation, Error> {
         let is_shared = self.carrier == Carrier::Person;
         let (pose, behind) = (self.frame.pose(), self.following_distance());
         let way = pose.inv_mul(self.workspace().world_from_workspace());
@@ -322,6 +332,11 @@ impl SharedSpace {
     /// The motion of the workspace, to reorient it and to change the shape of its orientations.
     pub fn moving_mut(&mut self) -> &mut MovingWorkspace {
         &mut self.moving
+    }
+
+    /// The parameters by which the person is tracked.
+    pub(crate) fn tracker_settings(&self) -> &TrackerSettings {
+        self.tracker.settings()
     }
 
     /// The tracked person's stature, once it was measured often enough.

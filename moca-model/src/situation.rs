@@ -40,6 +40,19 @@ pub struct Situation {
 }
 
 impl Situation {
+    /// Returns the situation before anybody was seen.
+    pub(crate) fn unknown(frame: PersonFrame) -> Self {
+        Self {
+            worker: None,
+            intention: Intention::Apart,
+            is_shared: false,
+            is_in_place: false,
+            is_at_rest: false,
+            frame,
+            velocity: Vector3::zeros(),
+        }
+    }
+
     /// Freshness of the person's place; lost before anybody was seen.
     pub fn freshness(&self) -> Freshness {
         self.worker.map_or(Freshness::Lost, |worker| worker.freshness)

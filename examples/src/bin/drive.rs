@@ -35,8 +35,6 @@ use moca_model::{AnswerDelay, Controller, LoopController, TorqueController};
 use moca_simulation::run::Scenario;
 use percept_recording::{self, IfPartial, Recording};
 use serde::Serialize;
-#[cfg(feature = "ros2")]
-use vision_models::{People, PeopleSettings, TrackerSettings};
 
 /// Stature of a person whose recording gives none \[m\].
 const DEFAULT_STATURE: f64 = 1.75;
@@ -334,9 +332,8 @@ impl Options {
             Ros2Side::join(domain, &topics, joints, self.interface.into())
         })?;
         let (mut robot, people) = joined?;
-        let tracker = People::new(PeopleSettings::untracked(), TrackerSettings::default())?;
         let driven = self.drive(session, scenario, &mut robot, clock, |attendant, ended, clock| {
-            seen_by_others(&people, tracker, attendant, ended, clock);
+            seen_by_others(&people, attendant, ended, clock);
         });
         let messages = Ros2Report::from(&robot.close()?);
         let report = driven.inspect_err(|_| session.warn(&messages))?;

@@ -10,7 +10,7 @@ use moca_drivers::ros2::{Ros2People, SeenPeople};
 use moca_model::Scene;
 use moca_model::whole_body::control_loop::{Clock, MonotonicClock};
 #[cfg(feature = "ros2")]
-use vision_models::{People, Percept};
+use vision_models::Percept;
 
 use super::attendant::Attendant;
 
@@ -32,11 +32,10 @@ pub fn recorded(attendant: &mut Attendant<'_>, ended: &AtomicBool, mut clock: Mo
     }
 }
 
-/// A camera of another node on the ROS 2 graph. Frames without ids get those of `tracker`.
+/// A camera of another node on the ROS 2 graph.
 #[cfg(feature = "ros2")]
 pub fn seen_by_others(
     people: &Ros2People,
-    mut tracker: People,
     attendant: &mut Attendant<'_>,
     ended: &AtomicBool,
     clock: MonotonicClock,
@@ -48,11 +47,9 @@ pub fn seen_by_others(
             attendant.acknowledge();
         }
         let Ok(seen) = people.seen.recv_timeout(WAKES) else { continue };
-        let SeenPeople { taken, body, mut others, action, surface } = seen;
+        let SeenPeople { taken, body, others, action, surface } = seen;
         let age = taken.elapsed().map_or(0.0, |age| age.as_secs_f64());
-        let mut percept = Percept { time: clock.now() - age, body, action, surface };
-        // The controller refuses a frame out of order.
-        let _ = tracker.identify(&mut percept, &mut others);
+        let percept = Percept { time: clock.now() - age, body, action, surface };
         attendant.see(Scene::from(percept).with_others(&others));
     }
 }

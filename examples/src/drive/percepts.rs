@@ -12,7 +12,6 @@ use anyhow::{Context, Result};
 use moca_model::Scene;
 use moca_model::whole_body::control_loop::{Clock, MonotonicClock};
 use percept_recording::Reader;
-use vision_models::{People, PeopleSettings, TrackerSettings};
 
 use super::attendant::Attendant;
 
@@ -61,15 +60,13 @@ pub fn watch_percepts(
     if reading.is_finished() { reading.join().unwrap_or(Ok(())) } else { Ok(()) }
 }
 
-/// Reads a recording to its end, or until nobody takes its frames any more. Frames without ids get those of [`People`].
+/// Reads a recording to its end, or until nobody takes its frames any more.
 fn read(file: File, to: &SyncSender<(SystemTime, Scene)>) -> Result<()> {
     let mut reader = Reader::new(BufReader::new(file))?;
-    let mut people = People::new(PeopleSettings::untracked(), TrackerSettings::default())?;
     while let Some(percept) = reader.next() {
-        let (mut percept, mut others) = (percept?, reader.others().to_vec());
-        people.identify(&mut percept, &mut others)?;
+        let percept = percept?;
         let taken = UNIX_EPOCH + Duration::try_from_secs_f64(percept.time)?;
-        let frame = Scene::from(percept).with_others(&others);
+        let frame = Scene::from(percept).with_others(reader.others());
         if to.send((taken, frame)).is_err() {
             break;
         }

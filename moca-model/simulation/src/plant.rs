@@ -28,14 +28,13 @@ use moca_model::whole_body::torque::Compensation;
 use moca_model::whole_body::{Data, FrameId, Model};
 use moca_model::{
     Command, Controller, ControllerSettings, DynamicRobot, DynamicRobotSettings, GraspedObject,
-    SimulatedRobot, TorqueController, TorqueLoopSettings,
+    Scene, SimulatedRobot, TorqueController, TorqueLoopSettings,
 };
 use nalgebra::{Isometry3, Translation3, Vector3, Vector6};
 use rand::Rng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::StandardNormal;
 use serde::{Deserialize, Serialize};
-use vision_models::{Body, Percept};
 
 use crate::error::Error;
 use crate::judges::TorqueMonitor;
@@ -230,16 +229,8 @@ impl Plant {
     ///
     /// # Errors
     /// Those of [`Controller::observe`].
-    pub fn observe(&mut self, percept: &Percept) -> Result<(), Error> {
-        Ok(self.controller_mut().observe(percept)?)
-    }
-
-    /// Gives the controller a camera frame with other people in view.
-    ///
-    /// # Errors
-    /// Those of [`Controller::observe_people`].
-    pub fn observe_people(&mut self, percept: &Percept, others: &[Body]) -> Result<(), Error> {
-        Ok(self.controller_mut().observe_people(percept, others)?)
+    pub fn observe(&mut self, scene: impl Into<Scene>) -> Result<(), Error> {
+        Ok(self.controller_mut().observe(scene)?)
     }
 
     /// Measures the robot and makes a step of the controller. Returns the time that it took \[µs\].

@@ -1,4 +1,8 @@
-//! The share of ergonomics in the third level.
+//! The person's ergonomics, and their share in the third level.
+
+use ergo_map::{ErgonomicsQuadratic, PersonFrame};
+use hrsw::Workspace;
+use nalgebra::Vector3;
 
 /// Time in which ergonomics fade in and out as person and robot begin and stop to work together \[s\].
 pub(super) const ACTIVATES_OVER: f64 = 0.5;
@@ -9,6 +13,38 @@ const BACK_WITHIN: f64 = 20.0;
 const FOLLOWS_WITHIN: f64 = 0.5;
 /// Largest gain of e_s from moving the tool to its best place at which it counts as near.
 const AT_PLACE: f64 = 0.35;
+
+/// The person's ergonomics e_s in their own frame, and their share in the third level.
+#[derive(Debug, Clone)]
+pub(super) struct ErgonomicGoal {
+    pub(super) ergonomics: ErgonomicsQuadratic,
+    pub(super) share: GoalShare,
+}
+
+impl ErgonomicGoal {
+    /// Creates a goal that has no share yet.
+    pub(super) fn new(ergonomics: ErgonomicsQuadratic) -> Self {
+        Self { ergonomics, share: GoalShare::NONE }
+    }
+
+    /// What e_s would fall by if the tool, now at `tool`, were at the point of the workspace nearest to its minimum.
+    /// `None` if it has not a single minimum. While the workspace changes its shape, the final one counts.
+    pub(super) fn gain_at_best_place(
+        &self,
+        person: &PersonFrame,
+        workspace: &Workspace,
+        tool: &Vector3<f64>,
+    ) -> Option<f64> {
+        let best = person.to_world(&self.ergonomics.minimiser()?);
+        let world_from_workspace = workspace.world_from_workspace();
+        let best = world_from_workspace.inverse_transform_point(&best.into());
+        let best = workspace.position_shape().nearest(&best.coords);
+        let best = world_from_workspace.transform_point(&best.into()).coords;
+        let [now, best] =
+            [*tool, best].map(|place| self.ergonomics.value(&person.to_person(&place)));
+        Some(now - best)
+    }
+}
 
 /// The share of ergonomics, from 0 to 1.
 ///

@@ -76,7 +76,7 @@ impl Controller {
     /// move.
     pub(super) fn advance_hand(&mut self, elapsed: f64) -> Result<(), Error> {
         let elapsed = elapsed.max(0.0);
-        let tool = self.situation.intention.tool();
+        let tool = self.space.situation().intention.tool();
         // The hand stays in place while the object turns below it.
         let turn =
             self.workpiece.hand_turn.advance(self.settings.desired.angular_velocity * elapsed);

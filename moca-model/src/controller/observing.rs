@@ -1,11 +1,12 @@
 //! Camera frames.
 
 use hrsw_safety::{Fault, FrameFault, LEAST_CONFIDENCE, SafetyInput};
-use vision_models::{Body, ImpossibleBody, Percept};
+use vision_models::{Body, ImpossibleBody};
 
 use super::Controller;
 use crate::error::Error;
 use crate::interaction::Phase;
+use crate::scene::Scene;
 
 impl Controller {
     /// Sets the time `now` of the next tick \[s\]. Call it before the camera frames that have arrived by then. After a
@@ -14,7 +15,9 @@ impl Controller {
         self.clock.set_present(now);
     }
 
-    /// Takes a camera frame, stamped on the clock of the ticks when it was taken.
+    /// Takes a camera frame, stamped on the clock of the ticks when it was taken: a [`Percept`](vision_models::Percept)
+    /// for one person, or a [`Scene`] with everybody in view. The robot keeps its distance from each of the others, and
+    /// works with none. People whose source has no ids are told apart by their places.
     ///
     /// # Errors
     /// [`Error::Frame`] for a frame that counts as no data because of its time, and [`Error::Body`] for one with an
@@ -22,29 +25,24 @@ impl Controller {
     ///
     /// [`BodySpeed`](hrsw_safety::Error::BodySpeed) for a person who is farther from the last place than anybody can
     /// have gone. The robot keeps its distance from both places and follows neither.
-    pub fn observe(&mut self, percept: &Percept) -> Result<(), Error> {
-        self.observe_people(percept, &[])
-    }
-
-    /// Takes a camera frame with other people in view beside the person of the percept. The robot keeps its distance
-    /// from each of them, and works with none.
-    ///
-    /// # Errors
-    /// Those of [`observe`](Self::observe), and [`TooManyPeople`](hrsw_safety::Error::TooManyPeople) for more people
-    /// than there is room for, which stops the robot.
-    pub fn observe_people(&mut self, percept: &Percept, others: &[Body]) -> Result<(), Error> {
-        self.check_bodies(percept.body.iter().chain(others))?;
-        if let Err(fault) = self.clock.frame(percept.time) {
+    /// [`TooManyPeople`](hrsw_safety::Error::TooManyPeople) for more people than there is room for, which stops the robot.
+    pub fn observe(&mut self, scene: impl Into<Scene>) -> Result<(), Error> {
+        let mut scene = scene.into();
+        self.check_bodies(scene.bodies())?;
+        let time = scene.percept.time;
+        if let Err(fault) = self.clock.frame(time) {
             self.report(fault.into());
             let (now, newest) = (self.clock.now(), self.clock.newest());
-            return Err(Error::Frame { fault, stamp: percept.time, now, newest });
+            return Err(Error::Frame { fault, stamp: time, now, newest });
         }
+        scene.identify(&mut self.people)?;
+        let percept = &scene.percept;
         let seen = self.safety.observe(percept);
         self.keep(seen)?;
         self.space.observe(percept)?;
         self.look(percept);
         self.turn_to_camera()?;
-        let seen = self.safety.observe_others(percept, others);
+        let seen = self.safety.observe_others(percept, scene.others());
         self.keep(seen)
     }
 
@@ -80,12 +78,12 @@ impl Controller {
         if matches!(self.command.phase, Phase::Turning { .. }) {
             self.space.recentre();
         }
-        self.situation = self.space.advance(now, elapsed)?;
+        let together = self.space.advance(now, elapsed)?.is_shared;
         let input = SafetyInput {
             now,
             elapsed,
             age: self.clock.age(),
-            together: self.situation.is_shared,
+            together,
             measures_force: self.reports.measures_force,
         };
         let (robot, safety, velocity) =

@@ -64,8 +64,8 @@ impl Controller {
 
     /// Goes on to the next phase if its condition holds, and starts its actions.
     pub(super) fn interact(&mut self, time: f64) -> Result<(), Error> {
-        let shared = self.situation.is_shared;
-        let intention = if shared { self.situation.intention } else { Intention::Apart };
+        let situation = self.space.situation();
+        let intention = if situation.is_shared { situation.intention } else { Intention::Apart };
         let mismatch = self.workpiece.object.as_ref().and_then(|object| {
             let needed = intention.tool()?.surface();
             let shown = object.surface_of(self.workpiece.shown)?;
@@ -94,7 +94,7 @@ impl Controller {
     fn has_arrived(&self) -> bool {
         let workspace = self.space.workspace();
         let goal = self.space.moving().reference_goal();
-        self.situation.is_in_place
+        self.space.situation().is_in_place
             && workspace.reference().angle_to(&goal) <= THERE
             && self.workpiece.hand_turn.left == 0.0
             && workspace.violation(&self.command.desired).amax() <= WITHIN

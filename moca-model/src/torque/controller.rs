@@ -4,7 +4,6 @@ mod sensing;
 
 use hrsw_safety::SafetyState;
 use nalgebra::Vector3;
-use vision_models::{Body, Percept};
 use whole_body::Model;
 use whole_body::control_loop::JointMeasurement;
 use whole_body::state::{Payload, PayloadId};
@@ -16,6 +15,7 @@ use crate::command::Command;
 use crate::controller::Controller;
 use crate::error::Error;
 use crate::grasped_object::GraspedObject;
+use crate::scene::Scene;
 use sensing::Usable;
 
 /// A [`Controller`] down to torque. The arm gets the torques of a [`TorqueLaw`] that follows its commands, the base
@@ -202,16 +202,8 @@ impl TorqueController {
     ///
     /// # Errors
     /// Those of [`Controller::observe`].
-    pub fn observe(&mut self, percept: &Percept) -> Result<(), Error> {
-        self.controller.observe(percept)
-    }
-
-    /// Takes a camera frame with other people in view; see [`Controller::observe_people`].
-    ///
-    /// # Errors
-    /// Those of [`Controller::observe_people`].
-    pub fn observe_people(&mut self, percept: &Percept, others: &[Body]) -> Result<(), Error> {
-        self.controller.observe_people(percept, others)
+    pub fn observe(&mut self, scene: impl Into<Scene>) -> Result<(), Error> {
+        self.controller.observe(scene)
     }
 
     /// Takes the first measurement of a robot, before the first step. [`measures_contacts`](Self::measures_contacts) is

@@ -101,25 +101,29 @@ fn a_tick_of_the_controller_allocates_nothing() {
 }
 
 /// Frames of several people come from another thread and are dropped in the loop. It allocates and frees nothing from
-/// the first tick on.
+/// the first tick on, with ids of the camera or those that the controller gives.
 #[test]
 fn frames_of_several_people_allocate_nothing() {
-    let (mut law, frames, measured) = loop_controller();
-    let mut command = JointCommand::at_rest(&measured);
-    let others = others(&[6.0, 8.0]);
-    let counted = allocation_counter::measure(|| {
-        for tick in 0..200_u32 {
-            let now = f64::from(tick) * 1e-3;
-            if tick.is_multiple_of(50) {
-                let frame = Scene::from(percept(now, Some(4.0))).with_others(&others);
-                frames.try_send(frame).unwrap();
+    let with_ids = others(&[6.0, 8.0]);
+    let without_ids: Vec<_> = with_ids.iter().map(|body| body.clone().with_id(None)).collect();
+    for others in [with_ids, without_ids] {
+        let (mut law, frames, measured) = loop_controller();
+        let mut command = JointCommand::at_rest(&measured);
+        let counted = allocation_counter::measure(|| {
+            for tick in 0..200_u32 {
+                let now = f64::from(tick) * 1e-3;
+                if tick.is_multiple_of(50) {
+                    let frame = Scene::from(percept(now, Some(4.0))).with_others(&others);
+                    frames.try_send(frame).unwrap();
+                }
+                law.step(now, &measured, &mut command).unwrap();
             }
-            law.step(now, &measured, &mut command).unwrap();
-        }
-    });
-    assert_eq!((counted.count_total, counted.count_current), (0, 0));
-    let safety = law.controller().controller().safety();
-    assert!(safety.all_bodies().len() > safety.person_bodies().len(), "others are known");
+        });
+        assert_eq!((counted.count_total, counted.count_current), (0, 0));
+        let safety = law.controller().controller().safety();
+        let of_one = safety.person_bodies().len();
+        assert_eq!(safety.all_bodies().len(), 3 * of_one, "two others are known");
+    }
 }
 
 #[test]

@@ -230,7 +230,7 @@ proptest! {
         for tick in 0..600_u32 {
             let now = f64::from(tick) * PERIOD;
             if tick.is_multiple_of(FRAME) {
-                controller.observe(&percept(now, &person, Action::DeliverObject)).unwrap();
+                controller.observe(percept(now, &person, Action::DeliverObject)).unwrap();
             }
             let yaw = robot.position()[2];
             let command = controller.step(now, robot.position()).unwrap();

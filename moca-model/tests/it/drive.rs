@@ -139,7 +139,7 @@ impl Drive {
     /// Takes a camera frame of the present scene and returns the controller's result.
     pub(crate) fn see(&mut self) -> Result<(), Error> {
         let percept = percept((self.stamp)(self.time()), self.person);
-        self.controller.observe_people(&percept, &others(&self.others))
+        self.controller.observe(Scene::from(percept).with_others(&others(&self.others)))
     }
 
     /// Makes a period with the true configuration as the measurement.
@@ -191,7 +191,7 @@ impl Drive {
         while self.time() < end {
             let now = self.time() + offset;
             if self.tick.is_multiple_of(FRAME) {
-                let _ = self.controller.observe(&percept(now, self.person));
+                let _ = self.controller.observe(percept(now, self.person));
             }
             let measured = self.robot.position().to_vec();
             self.controller.step(now, &measured).unwrap();

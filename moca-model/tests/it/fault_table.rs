@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use hrsw_safety::{ClockFault, Fault, FrameFault, SafetyState};
-use moca_model::Error;
+use moca_model::{Error, Scene};
 use vision_models::Percept;
 
 use crate::drive::{Drive, PERIOD, others, percept};
@@ -16,7 +16,7 @@ type Scenario = fn(&mut Drive);
 /// The scenario of each fault of the book's table.
 fn scenarios() -> BTreeMap<String, Scenario> {
     fn frame(drive: &mut Drive, stamp: f64) {
-        assert!(drive.controller.observe(&percept(stamp, None)).is_err());
+        assert!(drive.controller.observe(percept(stamp, None)).is_err());
         drive.step();
     }
     fn shown(drive: &mut Drive, scale: f64) {
@@ -71,7 +71,8 @@ fn scenarios() -> BTreeMap<String, Scenario> {
             let people = others(&[50.0, 60.0, 70.0, 80.0, 90.0]);
             drive.camera = false;
             let frame = percept(drive.time(), drive.person);
-            let error = drive.controller.observe_people(&frame, &people).unwrap_err();
+            let error =
+                drive.controller.observe(Scene::from(frame).with_others(&people)).unwrap_err();
             assert!(matches!(
                 error,
                 Error::Safety(hrsw_safety::Error::TooManyPeople { got: 5, left_out: 1, most: 4 })

@@ -15,7 +15,7 @@ use crate::drive::{Clock, Drive, FRAME, PERIOD, doing, percept};
 fn an_empty_frame_an_hour_ahead_blinds_nobody() {
     let mut drive = Drive::towards_a_person();
     let ahead = drive.time() + 3600.0;
-    let refused = drive.controller.observe(&percept(ahead, None)).unwrap_err();
+    let refused = drive.controller.observe(percept(ahead, None)).unwrap_err();
     assert!(matches!(refused, Error::Frame { fault: FrameFault::Future, .. }), "{refused}");
     assert_eq!(drive.cause(), Some(FrameFault::Future.into()));
     assert_eq!(drive.state(), SafetyState::ProtectiveStop);
@@ -28,7 +28,7 @@ fn an_empty_frame_an_hour_ahead_blinds_nobody() {
 #[test]
 fn future_frame_before_first_tick_expires_then() {
     let mut drive = Drive::new();
-    drive.controller.observe(&percept(3600.0, None)).unwrap();
+    drive.controller.observe(percept(3600.0, None)).unwrap();
     drive.camera = false;
     drive.step();
     assert_eq!(drive.cause(), Some(FrameFault::Future.into()));
@@ -326,7 +326,7 @@ fn too_frequent_ticks_keep_limits_and_stop() {
     for tick in 0..3000_u32 {
         let now = begin + f64::from(tick) * PERIOD;
         if tick.is_multiple_of(FRAME) {
-            let _ = drive.controller.observe(&percept(now, None));
+            let _ = drive.controller.observe(percept(now, None));
         }
         let measured = drive.robot.position().to_vec();
         drive.controller.step(now, &measured).unwrap();
@@ -345,7 +345,7 @@ fn jitter_within_tolerance_keeps_the_limits() {
     for tick in 0..4000_u32 {
         let elapsed = PERIOD * (1.0 + 0.45 * (f64::from(tick) * 1.7).sin());
         if tick.is_multiple_of(FRAME) {
-            drive.controller.observe(&percept(now, None)).unwrap();
+            drive.controller.observe(percept(now, None)).unwrap();
         }
         let measured = drive.robot.position().to_vec();
         let command = drive.controller.step(now, &measured).unwrap();

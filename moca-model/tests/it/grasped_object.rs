@@ -84,7 +84,7 @@ fn hand_follows_walking_person_with_drill() {
                 let backwards = WalkingDirection::Backwards;
                 (1.6 + 0.15 * (now - 5.0), Action::MoveWhileUsing(backwards, Tool::Drill))
             };
-            controller.observe(&doing(action, now, Some(x))).unwrap();
+            controller.observe(doing(action, now, Some(x))).unwrap();
         }
         controller.set_external_force(0.0);
         controller.step(now, robot.position()).unwrap();
@@ -110,7 +110,7 @@ fn without_a_measured_force_nobody_may_be_touched() {
         for tick in 0..2000_u32 {
             let now = f64::from(tick) * PERIOD;
             if tick.is_multiple_of(50) {
-                controller.observe(&doing(Action::Using(Tool::Drill), now, Some(1.6))).unwrap();
+                controller.observe(doing(Action::Using(Tool::Drill), now, Some(1.6))).unwrap();
             }
             if measures_force {
                 controller.set_external_force(0.0);
@@ -221,7 +221,7 @@ fn half_turn(turned: f64, room: f64) -> (f64, f64) {
         let now = f64::from(tick) * PERIOD;
         if tick.is_multiple_of(50) {
             let tool = if now < 3.0 { Tool::Drill } else { Tool::Polisher };
-            controller.observe(&doing(Action::Using(tool), now, Some(0.8))).unwrap();
+            controller.observe(doing(Action::Using(tool), now, Some(0.8))).unwrap();
         }
         controller.set_external_force(0.0);
         controller.step(now, robot.position()).unwrap();

@@ -65,7 +65,7 @@ impl Meeting {
         for tick in 0..self.ticks {
             let now = f64::from(tick) * PERIOD;
             if tick.is_multiple_of(FRAME) {
-                controller.observe(&doing(self.action, now, Some(self.person))).unwrap();
+                controller.observe(doing(self.action, now, Some(self.person))).unwrap();
             }
             let command = controller.step(now, robot.position()).unwrap();
             assert!(command.outcome.is_optimal(), "{:?} at {tick}", command.outcome);

@@ -209,7 +209,7 @@ impl ControlLaw for Law {
         }
         if now - self.seen >= 0.05 {
             self.drive.controller.set_present(now);
-            self.drive.controller.observe(&percept(now, None))?;
+            self.drive.controller.observe(percept(now, None))?;
             self.seen = now;
         }
         let measured = self.drive.robot.position().to_vec();

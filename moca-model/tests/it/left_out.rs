@@ -107,7 +107,7 @@ impl Run {
     fn step(&mut self, see: &dyn Fn(f64) -> Percept, torque: &dyn Fn(&mut [Option<f64>])) {
         let now = f64::from(self.tick) * PERIOD;
         if self.tick.is_multiple_of(FRAME) {
-            self.controller.observe(&see(now)).unwrap();
+            self.controller.observe(see(now)).unwrap();
         }
         self.robot.measure(&mut self.noise).unwrap();
         let mut measured = self.robot.measured().clone();

@@ -1,7 +1,7 @@
 //! People besides the person who works with the robot.
 
 use hrsw_safety::{PersonBody, SafetyState};
-use moca_model::Error;
+use moca_model::{Error, Scene};
 use vision_models::{Action, Body, Percept, PersonId, Tool};
 
 use crate::drive::{Drive, FRAME, body, doing, others, percept};
@@ -43,7 +43,7 @@ fn nobody_else_is_worked_with() {
     for tick in 0..1500_u32 {
         if tick.is_multiple_of(FRAME) {
             let work = doing(Action::Using(Tool::Drill), drive.time(), drive.person);
-            drive.controller.observe_people(&work, &others(&[4.0])).unwrap();
+            drive.controller.observe(Scene::from(work).with_others(&others(&[4.0]))).unwrap();
         }
         drive.controller.set_external_force(0.0);
         drive.step();
@@ -65,7 +65,8 @@ fn people_are_told_apart_by_their_ids() {
     let mut drive = Drive::new();
     drive.camera = false;
     let mut look = |bodies: &[Body]| {
-        let seen = drive.controller.observe_people(&percept(drive.time(), None), bodies);
+        let seen =
+            drive.controller.observe(Scene::from(percept(drive.time(), None)).with_others(bodies));
         (0..FRAME).for_each(|_| drive.step());
         seen
     };
@@ -89,18 +90,36 @@ fn people_are_told_apart_by_their_ids() {
     assert!(too_fast, "{error}");
 }
 
-/// People without ids may be anybody: each frame adds new ones, until there are too many.
+/// Those who move on are the same people, at their measured speeds. Those who appear elsewhere are new, until there are
+/// too many.
 #[test]
-fn people_without_ids_soon_stop_the_robot() {
+fn people_without_ids_are_told_apart() {
     let mut drive = Drive::new();
     drive.camera = false;
-    for frame in 0..8 {
-        let seen = drive.controller.observe_people(&percept(drive.time(), None), &[body(10.0)]);
+    let mut look = |places: &[f64]| {
+        let people: Vec<_> = places.iter().map(|&place| body(place)).collect();
+        let scene = Scene::from(percept(drive.time(), None)).with_others(&people);
+        let seen = drive.controller.observe(scene);
         drive.run(0.05);
-        assert_eq!(seen.is_ok(), frame < 4, "frame {frame}");
-        let bodies = drive.controller.safety().all_bodies();
-        assert!(bodies.iter().all(|body| body.velocity.is_none()), "no speed is measured");
+        (seen, drive.controller.safety().all_bodies().to_vec())
+    };
+    let (_, of_two) = look(&[5.0, 8.0]);
+    for frame in 1..20 {
+        let walked = 0.05 * f64::from(frame);
+        let (seen, bodies) = look(&[5.0 + walked, 8.0]);
+        seen.unwrap();
+        assert_eq!(bodies.len(), of_two.len(), "frame {frame}");
+        for body in bodies.iter().filter(|_| frame > 12) {
+            let speed = if body.capsule.start().x < 7.0 { 1.0 } else { 0.0 };
+            let velocity = body.velocity.unwrap();
+            let error = (velocity.mean.x - speed).abs();
+            assert!(error <= velocity.uncertainty, "frame {frame}: {error} m/s off");
+        }
     }
+    look(&[11.0]).0.unwrap();
+    look(&[14.0]).0.unwrap();
+    let error = look(&[17.0]).0.unwrap_err();
+    assert!(matches!(error, Error::Safety(hrsw_safety::Error::TooManyPeople { .. })), "{error}");
     assert_eq!(drive.state(), SafetyState::ProtectiveStop);
 }
 
@@ -120,7 +139,7 @@ fn working_person_stops_counting_as_another() {
         } else {
             (percept(time, None), others(&[5.0, 3.0]))
         };
-        drive.controller.observe_people(&percept, &others).unwrap();
+        drive.controller.observe(Scene::from(percept).with_others(&others)).unwrap();
         drive.controller.set_external_force(0.0);
         drive.step();
         let safety = drive.controller.safety();

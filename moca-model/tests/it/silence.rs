@@ -96,7 +96,7 @@ impl Moving {
         }
         let now = f64::from(self.tick) * PERIOD;
         if self.tick.is_multiple_of(FRAME) {
-            self.controller.observe(&percept(now, None)).unwrap();
+            self.controller.observe(percept(now, None)).unwrap();
         }
         self.controller.step(now, &self.measured).unwrap();
         let (command, torque) = (self.controller.controller().command(), self.controller.torque());

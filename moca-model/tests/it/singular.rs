@@ -45,7 +45,7 @@ fn reach(levels: Levels) -> Reach {
     for tick in 0..8000_u32 {
         let time = f64::from(tick) * PERIOD;
         if tick.is_multiple_of(50) {
-            controller.observe(&percept(time, None)).unwrap();
+            controller.observe(percept(time, None)).unwrap();
         }
         controller.step(time, robot.position()).unwrap();
         let command = controller.command();

@@ -97,7 +97,7 @@ impl Held {
         }
         if self.now - self.seen >= FRAME {
             self.controller.set_present(self.now);
-            self.controller.observe(&percept(self.now, None)).unwrap();
+            self.controller.observe(percept(self.now, None)).unwrap();
             self.seen = self.now;
         }
         let mut measured = self.position.clone();

@@ -56,7 +56,7 @@ proptest! {
             for _ in 0..ticks {
                 let now = f64::from(tick) * PERIOD;
                 if tick.is_multiple_of(FRAME) {
-                    let seen = controller.observe(&doing(action, now, person));
+                    let seen = controller.observe(doing(action, now, person));
                     // A person who jumps is only accepted from the next frame on.
                     prop_assert!(matches!(seen, Ok(()) | Err(Error::Safety(hrsw_safety::Error::BodySpeed { .. }))), "{seen:?}");
                 }

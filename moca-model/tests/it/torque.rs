@@ -83,7 +83,7 @@ impl Loop {
         self.robot.measure(&mut self.noise).unwrap();
         let now = f64::from(self.tick) * PERIOD;
         if self.tick.is_multiple_of(FRAME) {
-            self.controller.observe(&percept(now, None)).unwrap();
+            self.controller.observe(percept(now, None)).unwrap();
         }
         self.controller.step(now, self.robot.measured()).unwrap();
         self.obey();

@@ -6,7 +6,7 @@ use moca_model::whole_body::control_loop::{
     ControlLoop, JointCommand, JointMeasurement, LoopSettings, ManualClock, Received, RobotSide,
 };
 use moca_model::{
-    Controller, ControllerSettings, Error, LoopController, MOCA_HOME, MOCA_JOINTS,
+    Controller, ControllerSettings, Error, LoopController, MOCA_HOME, MOCA_JOINTS, Scene,
     TorqueController, TorqueLoopSettings,
 };
 use nalgebra::{Matrix3, Point3, Vector3};
@@ -68,7 +68,8 @@ fn person_in_other_units_is_a_fault() {
                     (Some(shown.clone()), vec![])
                 };
                 let taken = Percept { body, ..percept(drive.time(), None) };
-                let error = drive.controller.observe_people(&taken, &others).unwrap_err();
+                let error =
+                    drive.controller.observe(Scene::from(taken).with_others(&others)).unwrap_err();
                 assert!(error.to_string().contains("metres"), "{error}");
                 drive.run(0.05);
                 assert_eq!(drive.state(), SafetyState::ProtectiveStop, "{scale}, frame {frame}");

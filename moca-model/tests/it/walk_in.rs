@@ -186,7 +186,7 @@ fn walk_in(seed: u64, count: &mut Count) {
         let now = tick as f64 * PERIOD;
         let pose = walker.pose();
         if tick % FRAME == 0 {
-            controller.observe(&percept(now, &pose)).unwrap();
+            controller.observe(percept(now, &pose)).unwrap();
         }
         controller.set_external_force(0.0);
         let command = controller.step(now, robot.position()).unwrap();

@@ -32,7 +32,7 @@ use crate::percept::Percept;
 /// assert!(people.engaged().is_none());
 /// # Ok::<(), vision_models::Error>(())
 /// ```
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct People {
     settings: PeopleSettings,
     tracker: TrackerSettings,
@@ -68,23 +68,24 @@ impl People {
     ///
     /// # Errors
     /// [`Error::Value`]. Nothing is then changed.
-    pub fn update(&mut self, time: f64, bodies: &[Body]) -> Result<(), Error> {
+    pub fn update<'a>(
+        &mut self,
+        time: f64,
+        bodies: impl IntoIterator<Item = &'a Body, IntoIter: Clone>,
+    ) -> Result<(), Error> {
         check_time(time, self.last_time)?;
+        let bodies = bodies.into_iter();
         let interval = self.last_time.map_or(f64::INFINITY, |previous| time - previous);
         self.last_time = Some(time);
         for track in &mut self.tracks {
             track.expect(time);
         }
-        let mut unclaimed = 0;
-        while let Some((track, body)) = self.nearest_pair(bodies, interval, time) {
-            if let (Some(track), Some(body)) = (self.tracks.get_mut(track), bodies.get(body)) {
+        while let Some((track, body)) = self.nearest_pair(&bodies, interval, time) {
+            if let Some(track) = self.tracks.get_mut(track) {
                 track.claim(body, time)?;
             }
-            unclaimed += 1;
         }
-        if unclaimed < bodies.len() {
-            self.begin(bodies, interval, time)?;
-        }
+        self.begin(bodies, interval, time)?;
         for track in &mut self.tracks {
             track.miss(time)?;
         }
@@ -103,18 +104,24 @@ impl People {
     /// Those of [`update`](Self::update).
     pub fn identify(&mut self, percept: &mut Percept, others: &mut [Body]) -> Result<(), Error> {
         let is_alone = others.is_empty() && self.tracks.is_empty();
-        let bodies = || percept.body.iter().chain(&*others);
-        if is_alone || bodies().any(|body| body.id().is_some()) {
+        let bodies = percept.body.iter().chain(&*others);
+        if is_alone || bodies.clone().any(|body| body.id().is_some()) {
             return Ok(());
         }
-        let bodies: Vec<_> = bodies().cloned().collect();
-        self.update(percept.time, &bodies)?;
+        self.update(percept.time, bodies)?;
         for body in percept.body.iter_mut().chain(others) {
             if let Some(track) = self.tracks.iter().find(|track| track.has(body)) {
                 body.clone_from(track.measured());
             }
         }
         Ok(())
+    }
+
+    /// Forgets all people and the time. Use it if time stamps were wrong or a clock was set. Ids of the people before are
+    /// not given again.
+    pub fn forget(&mut self) {
+        self.tracks.clear();
+        (self.engaged, self.candidate, self.last_time) = (None, None, None);
     }
 
     /// Returns all people who are followed.
@@ -142,12 +149,17 @@ impl People {
     }
 
     /// Returns the nearest pair of a track without a body and a body without a track.
-    fn nearest_pair(&self, bodies: &[Body], interval: f64, now: f64) -> Option<(usize, usize)> {
-        let mut best: Option<(f64, usize, usize)> = None;
+    fn nearest_pair<'a>(
+        &self,
+        bodies: &(impl Iterator<Item = &'a Body> + Clone),
+        interval: f64,
+        now: f64,
+    ) -> Option<(usize, &'a Body)> {
+        let mut best: Option<(f64, usize, &Body)> = None;
         for (index, track) in self.tracks.iter().enumerate() {
             let Some(expected) = track.expected() else { continue };
             let facing = track.facing(now);
-            for (other, body) in bodies.iter().enumerate() {
+            for body in bodies.clone() {
                 if self.tracks.iter().any(|track| track.has(body)) {
                     continue;
                 }
@@ -155,7 +167,7 @@ impl People {
                 let distance = floor.map_or(f64::INFINITY, |floor| (floor - expected).norm());
                 let near = distance <= self.settings.reach;
                 if near && best.is_none_or(|(nearest, ..)| distance < nearest) {
-                    best = Some((distance, index, other));
+                    best = Some((distance, index, body));
                 }
             }
         }
@@ -163,13 +175,19 @@ impl People {
     }
 
     /// Begins tracks for bodies without a track. A second skeleton of the same person gets none.
-    fn begin(&mut self, bodies: &[Body], interval: f64, time: f64) -> Result<(), Error> {
+    fn begin<'a>(
+        &mut self,
+        bodies: impl Iterator<Item = &'a Body>,
+        interval: f64,
+        time: f64,
+    ) -> Result<(), Error> {
         for body in bodies {
+            if self.tracks.iter().any(|track| track.has(body)) {
+                continue;
+            }
             let Some(floor) = floor(body, &self.tracker, interval, None) else { continue };
-            let taken = self
-                .tracks
-                .iter()
-                .any(|track| track.has(body) || track.is_at(&floor, time, self.settings.separate));
+            let taken =
+                self.tracks.iter().any(|track| track.is_at(&floor, time, self.settings.separate));
             if taken || self.tracks.len() >= self.settings.most {
                 continue;
             }
@@ -221,6 +239,15 @@ impl People {
             });
         let ready = self.candidate.filter(|(_, since)| time - since >= settings.dwell);
         self.engaged = ready.map(|(id, _)| id).or(kept);
+    }
+}
+
+impl Clone for People {
+    /// The clone has the same room for tracks, so that it does not allocate later.
+    fn clone(&self) -> Self {
+        let mut tracks = Vec::with_capacity(self.settings.most);
+        tracks.extend_from_slice(&self.tracks);
+        Self { tracks, settings: self.settings.clone(), tracker: self.tracker.clone(), ..*self }
     }
 }
 

@@ -7,7 +7,7 @@ use moca_model::{AnswerDelay, Goal, TorqueController};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use vision_models::{People, PeopleSettings, Percept, TrackerSettings};
+use vision_models::Percept;
 
 use super::command::Command;
 use super::object::GraspedObject;
@@ -78,8 +78,6 @@ enum Law {
 struct State {
     law: Law,
     torque: moca_model::TorqueLoopSettings,
-    /// Numbers of people whose camera gives none.
-    people: People,
     /// Time of the last step [s].
     time: f64,
     has_begun: bool,
@@ -172,7 +170,6 @@ impl Controller {
         let state = State {
             law,
             torque,
-            people: People::new(PeopleSettings::untracked(), TrackerSettings::default())?,
             time: 0.0,
             has_begun: false,
             measured: JointMeasurement::resting(start, joints),
@@ -216,7 +213,7 @@ impl Controller {
         Self::build(py, Robot::moca(start)?, person, compensation, settings)
     }
 
-    /// Takes a camera frame. People without ids get theirs by their places. `now` is the present on the clock of the steps [s], where that is not the time of the last
+    /// Takes a camera frame. People without ids are told apart by their places. `now` is the present on the clock of the steps [s], where that is not the time of the last
     /// step.
     ///
     /// Raises `FrameError` for a frame that counts as no data. The safety state knows of it, and the loop may go on.
@@ -224,18 +221,13 @@ impl Controller {
     fn observe(&self, scene: &Scene, now: Option<f64>) -> Result<()> {
         let mut state = self.0.lock()?;
         let present = now.unwrap_or(state.time);
-        let mut percept = Percept {
-            time: if scene.is_timed { scene.percept.time } else { present },
-            ..scene.percept.clone()
-        };
-        let mut others = scene.others.to_vec();
-        // The controller refuses a frame out of order.
-        let _ = state.people.identify(&mut percept, &mut others);
+        let time = if scene.is_timed { scene.percept.time } else { present };
+        let percept = Percept { time, ..scene.percept.clone() };
         let controller = state.controller_mut();
         if now.is_some() {
             controller.set_present(present);
         }
-        Ok(controller.observe_people(&percept, &others)?)
+        Ok(controller.observe(moca_model::Scene::from(percept).with_others(&scene.others))?)
     }
 
     /// The command for the next period, with the robot as it was measured: `q`, (n,), `dt` after the last step [s], the

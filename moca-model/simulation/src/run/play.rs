@@ -6,7 +6,9 @@ use std::time::Instant;
 use ergo_map::{ErgonomicsMap, PersonFrame};
 use hrsw_safety::{Cause, SafetyState};
 use human_perception::percepts::{Assessor, MeasuredAssessment};
-use moca_model::{Controller, ControllerSettings, Goal, GraspedObject, MOCA_BASE_JOINTS, Phase};
+use moca_model::{
+    Controller, ControllerSettings, Goal, GraspedObject, MOCA_BASE_JOINTS, Phase, Scene,
+};
 use moca_replay::recorded::Recorder;
 use moca_replay::report::{TickRow, Together};
 use nalgebra::Vector3;
@@ -170,7 +172,7 @@ impl<'a> Run<'a> {
 
     fn observe(&mut self, percept: &Percept, others: &[Body]) -> Result<(), Error> {
         // Too many people or an impossible body stop the robot. The run goes on.
-        match self.plant.observe_people(percept, others) {
+        match self.plant.observe(Scene::from(percept).with_others(others)) {
             Err(Error::Controller(
                 moca_model::Error::Body { .. }
                 | moca_model::Error::Safety(

@@ -4,7 +4,7 @@ use ergo_map::ErgonomicsQuadratic;
 use hrsw_safety::{FORGET_AFTER, LEAST_CONFIDENCE, SafetyState};
 use moca_model::whole_body::Model;
 use moca_model::{
-    Controller, ControllerSettings, DynamicRobotSettings, Goal, GraspedObject, MOCA_HOME,
+    Controller, ControllerSettings, DynamicRobotSettings, Goal, GraspedObject, MOCA_HOME, Scene,
 };
 use moca_replay::report::Together;
 use nalgebra::{Matrix3, Vector2, Vector3};
@@ -296,7 +296,7 @@ impl Episode {
         let others: Vec<_> = others.iter().map(|body| body.transformed(&error)).collect();
         for frame in self.disturbances.frames(percept) {
             let others = if frame.time == time { &others[..] } else { &[] };
-            let taken = self.plant.observe_people(&frame, others);
+            let taken = self.plant.observe(Scene::from(&frame).with_others(others));
             if taken.is_ok() && !others.is_empty() {
                 self.passers_by.iter_mut().for_each(|person| person.show(tick, &error));
             }

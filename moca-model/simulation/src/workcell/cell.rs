@@ -3,7 +3,9 @@
 use ergo_map::{ErgonomicsMap, PersonFrame};
 use human_perception::percepts::{MeasuredAssessment, assess};
 use moca_model::whole_body::FrameId;
-use moca_model::{Controller, DynamicRobotSettings, Goal, GraspedObject, MOCA_HOME, Phase, moca};
+use moca_model::{
+    Controller, DynamicRobotSettings, Goal, GraspedObject, MOCA_HOME, Phase, Scene, moca,
+};
 use moca_replay::report::{TickRow, Together};
 use nalgebra::{Isometry3, Point2, Point3, Vector2, Vector3};
 use rand::Rng;
@@ -274,7 +276,7 @@ impl Workcell {
     fn observe(&mut self, percept: Percept, others: Vec<Body>, now: f64) -> Result<(), Error> {
         let surface = self.on_board.look(&RobotView::of(&self.plant), &self.object)?;
         let percept = Percept { surface, ..percept };
-        let taken = self.plant.observe_people(&percept, &others);
+        let taken = self.plant.observe(Scene::from(&percept).with_others(&others));
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a tick")]
         let tick = (percept.time / self.period).round() as usize;
         match taken {

@@ -2,7 +2,7 @@
 
 use ergo_map::ErgonomicsQuadratic;
 use hrsw_safety::PersonBody;
-use moca_model::{Controller, ControllerSettings, MOCA_HOME, moca};
+use moca_model::{Controller, ControllerSettings, MOCA_HOME, Scene, moca};
 use moca_simulation::people::{
     CameraSettings, Facing, Joints, Lead, LedPerson, Perception, Way, Workplace,
 };
@@ -84,7 +84,7 @@ fn watch(
             let mut bodies: Vec<_> = people.iter_mut().map(|person| person.look(time)).collect();
             bodies.rotate_left((tick / FRAME) as usize % people.len());
             let bodies = identify(time, bodies);
-            controller.observe_people(&nobody(time), &bodies).unwrap();
+            controller.observe(Scene::from(nobody(time)).with_others(&bodies)).unwrap();
         }
         controller.step(time, &MOCA_HOME).unwrap();
         if is_frame {
