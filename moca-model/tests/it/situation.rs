@@ -3,7 +3,7 @@
 use hrsw::HeldFrame;
 use hrsw_safety::nalgebra::{Isometry3, Vector3};
 use moca_model::{ControllerSettings, SharedSpace, Situation};
-use vision_models::{Action, Freshness, Percept, Tool};
+use vision_models::{Action, Freshness, People, PeopleSettings, Percept, Tool, TrackerSettings};
 
 use crate::drive::doing;
 
@@ -126,4 +126,33 @@ fn workspace_approaches_who_is_found_again_slowly() {
         }
     }
     assert!((0.3..0.5).contains(&fastest), "{fastest} m/s");
+}
+
+/// Perception and the controller predict a person from the same measured joints, each for itself.
+#[test]
+fn controller_and_perception_agree_on_the_person() {
+    let settings = ControllerSettings::default();
+    let mut space = SharedSpace::new(&settings, &Isometry3::translation(0.9, 0.0, 1.0)).unwrap();
+    let position_sigma = settings.safety.position_sigma;
+    let tracker = TrackerSettings { position_sigma, ..TrackerSettings::default() };
+    let mut people = People::new(PeopleSettings::default(), tracker).unwrap();
+    let mut compared = 0;
+    for tick in 0_u32..6_000 {
+        let time = f64::from(tick) * PERIOD;
+        if tick.is_multiple_of(50) {
+            let place = Vector3::new(1.7 + 0.3 * (0.8 * time).sin(), 0.4 * time, 0.0);
+            let seen = turned(time, place, 0.2 * time);
+            // They are hidden for a while.
+            let body = seen.body.filter(|_| !(3.0..3.4).contains(&time));
+            people.update(time, &body).unwrap();
+            let body = people.tracks().first().filter(|track| track.is_in_frame());
+            let body = body.map(|track| track.measured().clone());
+            space.observe(&Percept { body, ..seen }).unwrap();
+        }
+        let situation = space.advance(time, PERIOD).unwrap();
+        let tracked = people.tracks().first().and_then(|track| track.predict(time));
+        assert_eq!(situation.worker, tracked, "{time} s");
+        compared += u32::from(tracked.is_some());
+    }
+    assert!(compared > 5_500, "{compared} ticks");
 }
