@@ -280,8 +280,8 @@ impl Solver {
     }
 
     /// Searches all levels, and ensures that the result satisfies the data. Searches again from
-    /// nothing if the rank tolerance decided the active set, or if x has the rounding of a much
-    /// longer start. None if a search gives up.
+    /// nothing if the rank tolerance decided the active set. The same if x is so much shorter than
+    /// its start that rounding took half of its digits. None if a search gives up.
     fn search_once(&mut self, levels: usize) -> Result<Option<Status>, Error> {
         let solved = Some(Status::Solved);
         let status = self.search_levels(levels)?;

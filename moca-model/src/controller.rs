@@ -96,7 +96,7 @@ impl Controller {
         let tool = *robot.world_from_tool();
         let space = SharedSpace::new(&settings, &tool)?;
         Ok(Self {
-            people: People::new(PeopleSettings::untracked(), space.tracker_settings().clone())?,
+            people: People::new(PeopleSettings::untracked(), settings.tracker())?,
             goal: ErgonomicGoal::new(ergonomics),
             workpiece: Workpiece::none(),
             reports: Reports::default(),

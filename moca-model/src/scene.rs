@@ -40,7 +40,8 @@ impl From<&Percept> for Scene {
 
 impl Scene {
     /// Sets the other people in view. At most five are kept, one more than
-    /// [`Controller::observe`](crate::Controller::observe) has room for, so that a crowd stops the robot.
+    /// [`Controller::observe`](crate::Controller::observe) has room for, so that a crowd stops the robot. Its error
+    /// then counts five.
     #[must_use]
     pub fn with_others(mut self, bodies: &[Body]) -> Self {
         self.count = bodies.len().min(ROOM);

@@ -9,6 +9,7 @@ use ergo_map::{Person, Region, Side};
 use hrsw::Bounds;
 use hrsw_safety::SafetySettings;
 use nalgebra::{UnitQuaternion, Vector3, Vector6};
+use vision_models::TrackerSettings;
 use whole_body::robot::JointLimits;
 use whole_body::torque::FollowingErrorSettings;
 
@@ -252,6 +253,13 @@ impl ControllerSettings {
             safety: self.safety.off(),
             ..self
         }
+    }
+
+    /// Parameters by which people are tracked. The tracker sees what counts for safety, and keypoints of less
+    /// confidence.
+    pub(crate) fn tracker(&self) -> TrackerSettings {
+        let position_sigma = self.safety.position_sigma;
+        TrackerSettings { position_sigma, ..TrackerSettings::default() }
     }
 
     /// Checks the ranges that no other part checks at construction.

@@ -7,9 +7,7 @@ use hrsw::{
 };
 use hrsw_safety::FollowingDistance;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3, Vector6};
-use vision_models::{
-    BodyTracker, Intention, Percept, StatureEstimate, TrackedPerson, TrackerSettings,
-};
+use vision_models::{BodyTracker, Intention, Percept, StatureEstimate, TrackedPerson};
 
 use crate::error::Error;
 use crate::intention::IntentionFilter;
@@ -87,16 +85,13 @@ impl SharedSpace {
         let speed = FrameFollower::SPEED.max(FASTER * settings.desired.velocity);
         let safety = &settings.safety;
         let following = FollowingDistance::new(safety.separation, Self::CLEARANCE)?;
-        // The tracker sees what counts for safety, and keypoints of less confidence.
-        let position_sigma = safety.position_sigma;
-        let tracker = TrackerSettings { position_sigma, ..TrackerSettings::default() };
         let level = Vector3::new(centre.x, centre.y, 0.0);
         let farthest = space.min.abs().sup(&space.max.abs()).xy().norm();
         let [turning, turning_acceleration] = TURNING;
         let turning = turning.min(SLOWER * settings.desired.velocity / farthest.max(1e-9));
         let follower = FrameFollower::new(Isometry3::identity())?.with_speed(speed)?;
         Ok(Self {
-            tracker: BodyTracker::new(tracker)?,
+            tracker: BodyTracker::new(settings.tracker())?,
             intention: IntentionFilter::new(),
             hold: HeldFrame::following(),
             drift: Vector6::zeros(),
@@ -219,6 +214,7 @@ impl SharedSpace {
         &self.situation
     }
 
+    /// Computes the situation.
     fn present(&self) -> Result<Situation, Error> {
         let is_shared = self.carrier == Carrier::Person;
         let (pose, behind) = (self.frame.pose(), self.following_distance());
@@ -332,11 +328,6 @@ impl SharedSpace {
     /// The motion of the workspace, to reorient it and to change the shape of its orientations.
     pub fn moving_mut(&mut self) -> &mut MovingWorkspace {
         &mut self.moving
-    }
-
-    /// The parameters by which the person is tracked.
-    pub(crate) fn tracker_settings(&self) -> &TrackerSettings {
-        self.tracker.settings()
     }
 
     /// The tracked person's stature, once it was measured often enough.

@@ -23,7 +23,8 @@ pub(crate) const NO_TERMS: f64 = 1.0;
 /// cancellation. It is computed again.
 pub(crate) const SHRUNK: f64 = 1e-4;
 
-/// An x below this part of where its search began has the rounding of that start, which is half of its digits or more.
+/// An x shorter than this part of where its search began has lost half of its digits to the rounding
+/// of that start.
 pub(crate) const SHORT: f64 = 1e-8;
 
 /// Largest ratio of the forces of one level for which rotated bounds are accurate enough: half of

@@ -168,7 +168,8 @@ impl Safety {
     /// Takes the bodies of the other people in the frame of a percept, after the percept. The robot
     /// keeps its distance from each of them, at the velocities of their own joints. A new person
     /// has the speed of [`SeparationSettings`] until theirs is measured. A person without an id is
-    /// new in each frame, and is remembered like any other: such a source soon stops the robot.
+    /// new in each frame, and is remembered like any other. A source without ids soon stops the
+    /// robot, unless [`People::identify`](vision_models::People::identify) comes before.
     ///
     /// # Errors
     /// [`Error::TooManyPeople`] if there is no room for all of them. The robot does not know of the

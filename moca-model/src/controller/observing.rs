@@ -25,7 +25,8 @@ impl Controller {
     ///
     /// [`BodySpeed`](hrsw_safety::Error::BodySpeed) for a person who is farther from the last place than anybody can
     /// have gone. The robot keeps its distance from both places and follows neither.
-    /// [`TooManyPeople`](hrsw_safety::Error::TooManyPeople) for more people than there is room for, which stops the robot.
+    ///
+    /// [`TooManyPeople`](hrsw_safety::Error::TooManyPeople) for more people than there is room for. They stop the robot.
     pub fn observe(&mut self, scene: impl Into<Scene>) -> Result<(), Error> {
         let mut scene = scene.into();
         self.check_bodies(scene.bodies())?;

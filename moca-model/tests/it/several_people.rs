@@ -114,6 +114,7 @@ fn people_without_ids_are_told_apart() {
             let velocity = body.velocity.unwrap();
             let error = (velocity.mean.x - speed).abs();
             assert!(error <= velocity.uncertainty, "frame {frame}: {error} m/s off");
+            assert!(velocity.uncertainty < 0.8, "frame {frame}: {} m/s", velocity.uncertainty);
         }
     }
     look(&[11.0]).0.unwrap();
@@ -121,6 +122,45 @@ fn people_without_ids_are_told_apart() {
     let error = look(&[17.0]).0.unwrap_err();
     assert!(matches!(error, Error::Safety(hrsw_safety::Error::TooManyPeople { .. })), "{error}");
     assert_eq!(drive.state(), SafetyState::ProtectiveStop);
+}
+
+/// Somebody passes by. The worker stays who they are, if there are no ids, or some are missing in between.
+#[test]
+fn worker_stays_the_same_beside_a_bystander() {
+    for has_ids in [false, true] {
+        let mut drive = Drive::new();
+        drive.camera = false;
+        for frame in 0..80_u32 {
+            let passes = (30..60).contains(&frame).then_some(4.5 + 0.05 * f64::from(frame));
+            let id = |number| (has_ids && frame % 20 != 13).then(|| PersonId::new(number));
+            let percept = doing(Action::Using(Tool::Drill), drive.time(), None);
+            let percept = Percept { body: Some(body(3.0).with_id(id(5))), ..percept };
+            let others: Vec<_> = passes.iter().map(|&x| body(x).with_id(id(0))).collect();
+            drive.controller.observe(Scene::from(percept).with_others(&others)).unwrap();
+            (0..FRAME).for_each(|_| {
+                drive.controller.set_external_force(0.0);
+                drive.step();
+            });
+            let situation = drive.controller.situation();
+            assert!(frame < 20 || situation.is_shared, "frame {frame}, ids {has_ids}");
+        }
+    }
+}
+
+/// After a frame of the future a clock was wrong. People are then told apart anew.
+#[test]
+fn people_are_told_apart_after_wrong_clock() {
+    let mut drive = Drive::new();
+    drive.camera = false;
+    let people = [body(5.0), body(8.0)];
+    let scene = |time| Scene::from(percept(time, None)).with_others(&people);
+    drive.controller.observe(scene(3600.0)).unwrap();
+    drive.run(0.1);
+    for _frame in 0..20 {
+        drive.controller.observe(scene(drive.time())).unwrap();
+        drive.run(0.05);
+    }
+    assert!(drive.controller.safety().all_bodies().iter().all(|body| body.velocity.is_some()));
 }
 
 /// A person who first stands among the others and then works with the robot no longer counts as one of them.

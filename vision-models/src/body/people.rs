@@ -32,7 +32,7 @@ use crate::percept::Percept;
 /// assert!(people.engaged().is_none());
 /// # Ok::<(), vision_models::Error>(())
 /// ```
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct People {
     settings: PeopleSettings,
     tracker: TrackerSettings,
@@ -42,6 +42,8 @@ pub struct People {
     candidate: Option<(PersonId, f64)>,
     last_time: Option<f64>,
     next: u64,
+    /// True if the source of the frames has given ids.
+    source_has_ids: bool,
 }
 
 impl People {
@@ -60,6 +62,7 @@ impl People {
             candidate: None,
             last_time: None,
             next: 0,
+            source_has_ids: false,
         })
     }
 
@@ -80,12 +83,16 @@ impl People {
         for track in &mut self.tracks {
             track.expect(time);
         }
+        let mut claimed = 0;
         while let Some((track, body)) = self.nearest_pair(&bodies, interval, time) {
             if let Some(track) = self.tracks.get_mut(track) {
                 track.claim(body, time)?;
             }
+            claimed += 1;
         }
-        self.begin(bodies, interval, time)?;
+        if claimed < bodies.clone().count() {
+            self.begin(bodies, interval, time)?;
+        }
         for track in &mut self.tracks {
             track.miss(time)?;
         }
@@ -98,14 +105,16 @@ impl People {
     /// Gives ids to the person of a percept and to the `others` of its frame, if their source has
     /// none. The settings are best [`PeopleSettings::untracked`]. A body that cannot be followed
     /// stays without an id. While one person is alone, there is nobody to confuse them with, and
-    /// they get no id.
+    /// they get no id. A source that has given an id tells people apart itself, and its bodies without
+    /// an id stay so.
     ///
     /// # Errors
     /// Those of [`update`](Self::update).
     pub fn identify(&mut self, percept: &mut Percept, others: &mut [Body]) -> Result<(), Error> {
         let is_alone = others.is_empty() && self.tracks.is_empty();
         let bodies = percept.body.iter().chain(&*others);
-        if is_alone || bodies.clone().any(|body| body.id().is_some()) {
+        self.source_has_ids |= bodies.clone().any(|body| body.id().is_some());
+        if is_alone || self.source_has_ids {
             return Ok(());
         }
         self.update(percept.time, bodies)?;
@@ -117,11 +126,12 @@ impl People {
         Ok(())
     }
 
-    /// Forgets all people and the time. Use it if time stamps were wrong or a clock was set. Ids of the people before are
-    /// not given again.
+    /// Forgets all people and the time. Use it if time stamps were wrong or a clock was set. Ids of
+    /// the people before are not given again.
     pub fn forget(&mut self) {
         self.tracks.clear();
         (self.engaged, self.candidate, self.last_time) = (None, None, None);
+        self.source_has_ids = false;
     }
 
     /// Returns all people who are followed.
@@ -182,12 +192,11 @@ impl People {
         time: f64,
     ) -> Result<(), Error> {
         for body in bodies {
-            if self.tracks.iter().any(|track| track.has(body)) {
-                continue;
-            }
             let Some(floor) = floor(body, &self.tracker, interval, None) else { continue };
-            let taken =
-                self.tracks.iter().any(|track| track.is_at(&floor, time, self.settings.separate));
+            let taken = self
+                .tracks
+                .iter()
+                .any(|track| track.has(body) || track.is_at(&floor, time, self.settings.separate));
             if taken || self.tracks.len() >= self.settings.most {
                 continue;
             }
@@ -239,15 +248,6 @@ impl People {
             });
         let ready = self.candidate.filter(|(_, since)| time - since >= settings.dwell);
         self.engaged = ready.map(|(id, _)| id).or(kept);
-    }
-}
-
-impl Clone for People {
-    /// The clone has the same room for tracks, so that it does not allocate later.
-    fn clone(&self) -> Self {
-        let mut tracks = Vec::with_capacity(self.settings.most);
-        tracks.extend_from_slice(&self.tracks);
-        Self { tracks, settings: self.settings.clone(), tracker: self.tracker.clone(), ..*self }
     }
 }
 

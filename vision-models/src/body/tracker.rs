@@ -83,11 +83,6 @@ impl BodyTracker {
         }
     }
 
-    /// The parameters.
-    pub fn settings(&self) -> &TrackerSettings {
-        &self.settings
-    }
-
     /// Updates the track with a percept. Percepts must come in the order of their time stamps, at
     /// any rate.
     ///
