@@ -172,23 +172,6 @@ impl Multipliers {
         self.rounding + rows.sum::<f64>()
     }
 
-    /// Computes the rounding of each coordinate of the gradient, in the place of the pivots. A residual
-    /// passes its rounding on by the row's part in the coordinate. The rotation of the row adds that
-    /// of the whole row.
-    fn set_rounding_of_coordinates(&mut self, data: &ProblemData, factorisation: &Factorisation) {
-        let rotated = self.residuals(factorisation).map(|(id, residual, rounding)| {
-            let norm = factorisation.norm_of_entries(data, id, self.has_scale_disparity);
-            ROUNDING * norm * (residual.abs() + rounding)
-        });
-        let of_all = self.rounding + rotated.sum::<f64>();
-        let coordinates = &mut self.rounding_of_pivots[..self.pivots];
-        coordinates.fill(of_all);
-        if let Some(group) = self.group {
-            let Group { start, end, .. } = factorisation.groups[group];
-            factorisation.add_sizes(start..end, &self.residual_rounding, coordinates);
-        }
-    }
-
     /// Returns a force that certainly exceeds rounding, also if all residuals are near theirs.
     pub(crate) fn clear_force(&self, data: &ProblemData, factorisation: &Factorisation) -> f64 {
         let part = CLEARLY_THERE.max(factorisation.tolerances.near_threshold);
@@ -225,7 +208,7 @@ impl Multipliers {
     pub(crate) fn set_rounding(&mut self, data: &ProblemData, factorisation: &mut Factorisation) {
         let end = self.pivots;
         let in_coordinates = self.rounding_of_coordinates(data, factorisation);
-        self.set_rounding_of_coordinates(data, factorisation);
+        self.rounding_of_pivots[..end].fill(in_coordinates);
         let has_scale_disparity = self.has_scale_disparity;
         let norm = |id| factorisation.norm_of_entries(data, id, has_scale_disparity);
         let (multipliers, rounding) = (&self.of_pivots[..end], &mut self.rounding_of_pivots[..end]);
