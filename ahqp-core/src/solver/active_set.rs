@@ -42,7 +42,7 @@ pub(crate) struct ActiveSet {
     pub(crate) value: Vec<f64>,
     pub(crate) iterations: usize,
     pub(crate) remaining: RemainingBudget,
-    multipliers: Multipliers,
+    pub(super) multipliers: Multipliers,
 
     /// Repair: the order of signs, the violated rows, and aᵢx at the last point.
     signs: Signs,

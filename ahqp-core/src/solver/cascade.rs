@@ -68,14 +68,17 @@ impl Solver {
     ///
     /// The values that a search sums up contain the rounding of all its steps. Rows that it leaves
     /// violated contradict each other only if a second search, which starts there from the data,
-    /// leaves them violated too.
+    /// leaves them violated too. A third one trusts coefficients that may be noise beside their row.
     fn make_feasible(&mut self, level: usize, rows: Range<usize>) -> Result<LevelEnd, Error> {
         if self.set.all_hold(rows.clone()) {
             return Ok(LevelEnd::Solved);
         }
-        for is_last in [false, true] {
+        for [trusts_coefficients, is_last] in [[false, false], [false, false], [true, true]] {
             self.set.place_soft(level, rows.clone());
-            match self.set.search(&Goal::Rows(rows.clone())) {
+            self.set.multipliers.trusts_coefficients = trusts_coefficients;
+            let end = self.set.search(&Goal::Rows(rows.clone()));
+            self.set.multipliers.trusts_coefficients = false;
+            match end {
                 End::OutOfBudget => return Ok(LevelEnd::OutOfBudget),
                 End::GaveUp => return Ok(LevelEnd::GaveUp),
                 End::Unbounded => return Err(unbounded(level)),

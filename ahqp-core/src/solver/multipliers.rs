@@ -44,6 +44,8 @@ pub(crate) struct Multipliers {
     pub(crate) has_multipliers_near_threshold: bool,
     /// Upper bound of what counts as rounding, relative to the forces.
     pub(crate) tolerance: f64,
+    /// True if coefficients count as exact, however small they are beside their row.
+    pub(crate) trusts_coefficients: bool,
 }
 
 impl Multipliers {
@@ -62,6 +64,7 @@ impl Multipliers {
             has_scale_disparity: false,
             has_multipliers_near_threshold: false,
             tolerance,
+            trusts_coefficients: false,
         }
     }
 
@@ -172,6 +175,24 @@ impl Multipliers {
         self.rounding + rows.sum::<f64>()
     }
 
+    /// Computes the rounding of each coordinate of the gradient by itself, in the place of the pivots.
+    /// A residual passes its rounding on by the row's part in the coordinate. The rotation of the row
+    /// adds that of the whole row.
+    fn set_rounding_of_coordinates(&mut self, data: &ProblemData, factorisation: &Factorisation) {
+        let rotated = self.residuals(factorisation).map(|(id, residual, rounding)| {
+            let norm = factorisation.norm_of_entries(data, id, self.has_scale_disparity);
+            ROUNDING * norm * (residual.abs() + rounding)
+        });
+        let of_all = self.rounding + rotated.sum::<f64>();
+        let coordinates = &mut self.rounding_of_pivots[..self.pivots];
+        coordinates.fill(of_all);
+        if let Some(group) = self.group {
+            let Group { start, end, .. } = factorisation.groups[group];
+            let rounding = &self.residual_rounding[..end - start];
+            factorisation.add_sizes(start..end, rounding, coordinates);
+        }
+    }
+
     /// Returns a force that certainly exceeds rounding, also if all residuals are near theirs.
     pub(crate) fn clear_force(&self, data: &ProblemData, factorisation: &Factorisation) -> f64 {
         let part = CLEARLY_THERE.max(factorisation.tolerances.near_threshold);
@@ -209,6 +230,9 @@ impl Multipliers {
         let end = self.pivots;
         let in_coordinates = self.rounding_of_coordinates(data, factorisation);
         self.rounding_of_pivots[..end].fill(in_coordinates);
+        if self.trusts_coefficients {
+            self.set_rounding_of_coordinates(data, factorisation);
+        }
         let has_scale_disparity = self.has_scale_disparity;
         let norm = |id| factorisation.norm_of_entries(data, id, has_scale_disparity);
         let (multipliers, rounding) = (&self.of_pivots[..end], &mut self.rounding_of_pivots[..end]);

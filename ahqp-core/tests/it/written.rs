@@ -165,6 +165,12 @@ fn x_that_becomes_zero_is_zero() {
     expect_proofs_of(include_str!("written/ends_at_zero.txt"));
 }
 
+/// A row is met only if a variable leaves its bound, whose coefficient is 2e-7 of the row.
+#[test]
+fn tiny_coefficient_meets_its_row() {
+    expect_proof(&read(include_str!("written/tiny_coefficient.txt"))[0]);
+}
+
 /// Two of these rows differ by a millionth. Their violation is only known from x.
 #[test]
 fn rows_that_nearly_agree_hold_together() {

@@ -332,6 +332,16 @@ impl Factorisation {
         add_rows(&self.rows[rows.start * self.stride..], self.stride, weights, coordinates);
     }
 
+    /// Adds the sizes of the first coordinates of stacked rows, multiplied by their weights.
+    pub(crate) fn add_sizes(&self, rows: Range<usize>, weights: &[f64], coordinates: &mut [f64]) {
+        let n = self.stride;
+        for (row, weight) in self.rows[rows.start * n..rows.end * n].chunks_exact(n).zip(weights) {
+            for (coordinate, entry) in coordinates.iter_mut().zip(row) {
+                *coordinate += weight * entry.abs();
+            }
+        }
+    }
+
     /// Adds the first coordinates of a level's linear term.
     pub(crate) fn add_linear(&self, level: usize, coordinates: &mut [f64]) {
         let linear = &self.linear[level * self.n..level * self.n + coordinates.len()];
