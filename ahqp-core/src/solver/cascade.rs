@@ -73,9 +73,9 @@ impl Solver {
         if self.set.all_hold(rows.clone()) {
             return Ok(LevelEnd::Solved);
         }
-        for [trusts_coefficients, is_last] in [[false, false], [false, false], [true, true]] {
+        for is_last in [false, false, true] {
             self.set.place_soft(level, rows.clone());
-            self.set.multipliers.trusts_coefficients = trusts_coefficients;
+            self.set.multipliers.trusts_coefficients = is_last;
             let end = self.set.search(&Goal::Rows(rows.clone()));
             self.set.multipliers.trusts_coefficients = false;
             match end {
